@@ -1,0 +1,172 @@
+"""Recording: named signals on one time axis, measured and simulated alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InvalidInput
+
+#: Unit of every signal name that the package knows. An ending ``_estimated`` or ``_reference`` changes nothing.
+SIGNAL_UNITS: Mapping[str, str] = MappingProxyType(
+    {
+        "torque_motor": "Nm",
+        "torque_load": "Nm",
+        "torque_shaft": "Nm",
+        "angle_motor": "rad",
+        "angle_load": "rad",
+        "speed_motor": "rad/s",
+        "speed_load": "rad/s",
+        "speed_reference": "rad/s",
+        "twist": "rad",
+        "twist_elastic": "rad",
+        "friction_load": "Nm",
+    }
+)
+
+
+def unit_of(signal: str) -> str:
+    """Unit of a signal by its name, "" where the name says nothing."""
+    base = signal.removesuffix("_estimated").removesuffix("_reference")
+    if signal in SIGNAL_UNITS:
+        return SIGNAL_UNITS[signal]
+    return SIGNAL_UNITS.get(base, "")
+
+
+@dataclass(frozen=True)
+class Event:
+    """One change of contact or friction state: ``kind`` is impact, separation, stick or slip."""
+
+    time: float
+    kind: str
+    place: str
+    speed: float
+
+
+def _read_only(values: ArrayLike) -> NDArray[np.float64]:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Signals on one time axis; arrays are copied and read-only.
+
+    Parameters
+    ----------
+    time : (n,) array, s
+        Strictly increasing.
+    signals : mapping of name → (n,) array
+        SI units, see ``SIGNAL_UNITS``. A torque is held from its row's time to the next; all else is sampled
+        at the row's time.
+    origin : mapping of name → {"measured", "simulated", "estimated", "derived", "reference"}
+        Where each signal comes from; missing names count as "measured".
+    events : tuple of Event
+        Contact and friction changes (simulations only).
+    final_state : mapping
+        State after the last sample (simulations only), to go on from.
+    meta : mapping
+        Seed, file names, sensor data: anything that describes the recording.
+
+    Raises
+    ------
+    InvalidInput
+        If lengths differ or time does not increase.
+    """
+
+    time: NDArray[np.float64]
+    signals: Mapping[str, NDArray[np.float64]]
+    origin: Mapping[str, str] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()
+    final_state: Mapping[str, Any] = field(default_factory=dict)
+    meta: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        time = _read_only(self.time)
+        if time.ndim != 1 or time.size < 2 or not np.all(np.diff(time) > 0):
+            raise InvalidInput(
+                "Recording.time", f"shape {time.shape}", "at least two strictly increasing times", "Sort or crop it."
+            )
+        signals = {name: _read_only(values) for name, values in self.signals.items()}
+        for name, values in signals.items():
+            if values.shape != time.shape:
+                raise InvalidInput(
+                    f"Recording signal {name!r}",
+                    f"shape {values.shape}",
+                    f"one value for each of the {time.size} times",
+                    "Resample it to the common time axis.",
+                )
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "signals", MappingProxyType(signals))
+        for name in ("origin", "final_state", "meta"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        object.__setattr__(self, "events", tuple(self.events))
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        try:
+            return self.signals[name]
+        except KeyError:
+            raise InvalidInput(
+                f"Recording[{name!r}]", "no such signal", f"one of {sorted(self.signals)}", "Check the name."
+            ) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.signals
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.signals)
+
+    def __len__(self) -> int:
+        return int(self.time.size)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(self.signals)
+
+    @property
+    def dt(self) -> float:
+        """Sample time in s: the mean step."""
+        return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
+
+    def window(self, start: float = -np.inf, stop: float = np.inf) -> Recording:
+        """The rows with start ≤ time < stop (s); half a sample of tolerance, so that rounding drops no row."""
+        slack = 1e-6 * self.dt
+        keep = (self.time >= start - slack) & (self.time < stop - slack)
+        if np.count_nonzero(keep) < 2:
+            raise InvalidInput(
+                "Recording.window",
+                f"[{start}, {stop}) s",
+                f"at least two samples between {self.time[0]:g} and {self.time[-1]:g} s",
+                "Choose a window inside the recording.",
+            )
+        return replace(
+            self,
+            time=self.time[keep],
+            signals={name: values[keep] for name, values in self.signals.items()},
+            events=tuple(e for e in self.events if start <= e.time < stop),
+            final_state={},
+        )
+
+    def with_signals(self, origin: str, /, **signals: ArrayLike) -> Recording:
+        """A copy with signals added or replaced, all of the given origin."""
+        return replace(
+            self,
+            signals={**self.signals, **{n: np.asarray(v, dtype=float) for n, v in signals.items()}},
+            origin={**self.origin, **dict.fromkeys(signals, origin)},
+        )
+
+    def only(self, *names: str) -> Recording:
+        """A copy with the named signals alone: what is withheld from an estimator is not in its recording."""
+        return replace(
+            self,
+            signals={name: self[name] for name in names},
+            origin={n: o for n, o in self.origin.items() if n in names},
+            events=(),
+            final_state={},
+        )
