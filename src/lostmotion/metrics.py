@@ -1,0 +1,247 @@
+"""Metrics: how far an estimate is from the truth, and how good a response to a step of the set-point is.
+
+Pure functions on arrays. A value that is not defined for the given data is ``None``, never NaN.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InvalidInput
+
+Array = NDArray[np.float64]
+
+#: Largest lag that is looked for, s (chosen: ten periods of an eigenfrequency of 200 Hz).
+MAX_LAG = 0.05
+#: Part of the time after the step over which the steady error is averaged: the last fifth (chosen).
+STEADY_PART = 0.2
+#: Band around the new set-point for the settling time, as a fraction of the step.
+SETTLING_BAND = 0.02
+
+
+def _finite(where: str, values: ArrayLike) -> Array:
+    array = np.asarray(values, dtype=float)
+    if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
+        raise InvalidInput(
+            f"metrics: {where}",
+            f"shape {array.shape}, {np.count_nonzero(~np.isfinite(array))} values not finite",
+            "a one-dimensional array of finite numbers",
+            "Drop or replace NaN and infinity first.",
+        )
+    return array
+
+
+def _pair(a: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
+    first, second = _finite("first array", a), _finite("second array", b)
+    if first.shape != second.shape:
+        raise InvalidInput(
+            "metrics",
+            f"{first.size} and {second.size} values",
+            "two equally long arrays",
+            "Bring both to one time axis.",
+        )
+    return first, second
+
+
+def rmse(a: ArrayLike, b: ArrayLike) -> float:
+    """Root of the mean squared difference of two (n,) arrays, in their unit."""
+    first, second = _pair(a, b)
+    return float(np.sqrt(np.mean((first - second) ** 2)))
+
+
+def largest_error(a: ArrayLike, b: ArrayLike) -> float:
+    """Largest absolute difference of two (n,) arrays, in their unit."""
+    first, second = _pair(a, b)
+    return float(np.max(np.abs(first - second)))
+
+
+def signal_range(a: ArrayLike) -> float:
+    """Largest minus smallest value of an (n,) array, in its unit."""
+    return float(np.ptp(_finite("array", a)))
+
+
+def lag(estimate: ArrayLike, truth: ArrayLike, dt: float, max_lag: float = MAX_LAG) -> float | None:
+    """Time (s) by which the estimate is late; negative if it is early.
+
+    The shift that minimises the variance of ``estimate(t) − truth(t − shift)`` over a fixed window of the
+    estimate, searched over whole samples and refined by the parabola through the smallest value and its two
+    neighbours. A constant offset changes nothing, and independent noise does not bias it: its variance is the
+    same at every shift.
+
+    Parameters
+    ----------
+    estimate, truth : (n,) arrays in the same unit
+    dt : float, s
+        Sample time.
+    max_lag : float, s
+        Largest shift that is tried; at most a quarter of the signals' length.
+
+    Returns
+    -------
+    float or None
+        ``None`` where no lag is defined: either signal is constant, there are fewer than eight samples, or
+        the variance has no minimum within ±max_lag.
+    """
+    late, early = _pair(estimate, truth)
+    reach = min(int(np.ceil(max_lag / dt)), late.size // 4)
+    if reach < 2 or np.ptp(late) == 0.0 or np.ptp(early) == 0.0:
+        return None
+    variance = _difference_variance(late - late.mean(), early - early.mean(), reach)
+    best = int(np.argmin(variance))
+    if best in (0, variance.size - 1):
+        return None
+    left, middle, right = variance[best - 1 : best + 2]
+    curvature = left - 2.0 * middle + right
+    offset = 0.5 * (left - right) / curvature if curvature > 0.0 else 0.0
+    return float((best - reach + offset) * dt)
+
+
+def _difference_variance(late: Array, early: Array, reach: int) -> Array:
+    """Variance of late[k] − early[k − shift] over the inner samples k, for shift = −reach … reach."""
+    inner = late[reach : late.size - reach]
+    count = inner.size
+    # correlate(early, inner)[i] sums inner[k]·early[k + i]; i = 2·reach − (shift + reach)
+    product = np.correlate(early, inner, mode="valid")[::-1]
+    total = _moving_sum(early, count)[::-1]
+    square = _moving_sum(early**2, count)[::-1]
+    variance_early = square / count - (total / count) ** 2
+    covariance = product / count - inner.mean() * total / count
+    return np.asarray(inner.var() + variance_early - 2.0 * covariance)
+
+
+def _moving_sum(values: Array, count: int) -> Array:
+    running = np.concatenate(([0.0], np.cumsum(values)))
+    return np.asarray(running[count:] - running[:-count])
+
+
+def compare(estimate: ArrayLike, truth: ArrayLike, dt: float) -> dict[str, float | None]:
+    """An estimate against the truth, as it stands in ``results.json``.
+
+    Returns
+    -------
+    dict
+        ``rmse``, ``range`` (of the truth) and ``max`` (largest error) in the signals' unit, ``lag`` in s (see
+        `lag`), ``rmse_of_range`` as a fraction (``None`` if the truth is constant).
+    """
+    error, span = rmse(estimate, truth), signal_range(truth)
+    return {
+        "rmse": error,
+        "range": span,
+        "max": largest_error(estimate, truth),
+        "lag": lag(estimate, truth, dt),
+        "rmse_of_range": error / span if span > 0.0 else None,
+    }
+
+
+@dataclass(frozen=True)
+class StepMetrics:
+    """Response to a step of the set-point.
+
+    Parameters
+    ----------
+    overshoot : float, % of the step
+        Largest excursion beyond the new set-point; zero if there is none.
+    rise_time : float or None, s
+        From the first crossing of 10 % to the first crossing of 90 % of the step.
+    settling_time : float or None, s
+        From the step to the last entry into ±2 % of the step around the new set-point; ``None`` if the signal
+        ends outside.
+    peak_torque : float or None, Nm
+        Largest absolute torque from the step on; ``None`` without a torque.
+    steady_error : float, fraction of the step
+        |mean over the last fifth of the time after the step − new set-point|.
+    """
+
+    overshoot: float
+    rise_time: float | None
+    settling_time: float | None
+    peak_torque: float | None
+    steady_error: float
+
+    def as_dict(self) -> dict[str, float | None]:
+        return asdict(self)
+
+
+def step_metrics(
+    time: ArrayLike,
+    signal: ArrayLike,
+    step_time: float,
+    before: float,
+    after: float,
+    torque: ArrayLike | None = None,
+    stop_time: float = np.inf,
+) -> StepMetrics:
+    """Metrics of the response of a signal to one step of its set-point.
+
+    Crossings are interpolated linearly between samples.
+
+    Parameters
+    ----------
+    time : (n,) array, s
+    signal : (n,) array
+        The response, such as the load speed in rad/s.
+    step_time : float, s
+        Time of the step.
+    before, after : float
+        Set-point before and after the step, in the signal's unit.
+    torque : (n,) array, optional, Nm
+        Motor torque, for ``peak_torque``.
+    stop_time : float, s
+        End of the judged part, for a pulse: the time of the step back.
+
+    Raises
+    ------
+    InvalidInput
+        If the set-points are equal, lengths differ, a value is not finite, or fewer than five samples follow
+        the step.
+    """
+    times, response = _pair(time, signal)
+    if before == after:
+        raise InvalidInput(
+            "step_metrics", f"a step from {before} to {after}", "two different set-points", "Choose a step."
+        )
+    part = (times >= step_time) & (times < stop_time)
+    if np.count_nonzero(part) < 5:
+        raise InvalidInput(
+            "step_metrics.step_time",
+            f"{np.count_nonzero(part)} samples from {step_time} to {stop_time} s",
+            f"at least five samples between {times[0]:g} and {times[-1]:g} s",
+            "Check the time of the step.",
+        )
+    elapsed = times[part] - step_time
+    progress = (response[part] - before) / (after - before)
+    start, end = _first_crossing(elapsed, progress, 0.1), _first_crossing(elapsed, progress, 0.9)
+    return StepMetrics(
+        overshoot=max(0.0, 100.0 * (float(np.max(progress)) - 1.0)),
+        rise_time=None if start is None or end is None else end - start,
+        settling_time=_settling_time(elapsed, np.abs(progress - 1.0)),
+        peak_torque=None if torque is None else float(np.max(np.abs(_pair(times, torque)[1][part]))),
+        steady_error=abs(float(np.mean(progress[elapsed >= elapsed[-1] * (1.0 - STEADY_PART)])) - 1.0),
+    )
+
+
+def _first_crossing(elapsed: Array, progress: Array, level: float) -> float | None:
+    """First time at which progress reaches the level, ``None`` if never."""
+    reached = np.flatnonzero(progress >= level)
+    if reached.size == 0:
+        return None
+    i = int(reached[0])
+    return float(elapsed[0]) if i == 0 else _interpolate(elapsed, progress, i - 1, level)
+
+
+def _settling_time(elapsed: Array, distance: Array) -> float | None:
+    """Last entry into the band; zero if the signal never leaves it, ``None`` if it ends outside."""
+    outside = np.flatnonzero(distance > SETTLING_BAND)
+    if outside.size == 0:
+        return 0.0
+    i = int(outside[-1])
+    return None if i == distance.size - 1 else _interpolate(elapsed, distance, i, SETTLING_BAND)
+
+
+def _interpolate(elapsed: Array, values: Array, i: int, level: float) -> float:
+    """Time at which the straight line from sample i to i + 1 meets the level."""
+    share = (level - values[i]) / (values[i + 1] - values[i])
+    return float(elapsed[i] + share * (elapsed[i + 1] - elapsed[i]))
