@@ -1,0 +1,310 @@
+"""The modes of a drivetrain: for every combination of contact and friction states one linear system with guards."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drivetrain import Drivetrain, Friction, Shaft
+
+Long = np.longdouble
+
+#: Digits of a shaft with backlash, ordered along the twist.
+MINUS, GAP, PLUS = 0, 1, 2
+#: Largest ‖A‖·(length of a Taylor piece), norm of the balanced matrix (chosen: 17 terms reach 1e-20).
+_PIECE_NORM = 0.5
+#: Grid cells per sample on which the largest derivative of a guard is looked for (chosen).
+_CELLS = 32
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where each state stands: twists, speeds, motor angle, shaft angles (physical law), actuator torque.
+
+    For two masses: ``twist, speed_motor, speed_load, angle_motor``, then what the laws add.
+    """
+
+    drivetrain: Drivetrain
+    inputs: tuple[str, ...]
+
+    @property
+    def n(self) -> int:
+        return len(self.drivetrain.inertias)
+
+    def twist(self, shaft: int) -> int:
+        return shaft
+
+    def speed(self, inertia: int) -> int:
+        return self.n - 1 + inertia
+
+    @property
+    def angle_motor(self) -> int:
+        return 2 * self.n - 1
+
+    @property
+    def physical(self) -> tuple[int, ...]:
+        """Shafts that carry a state of their own."""
+        return tuple(i for i, shaft in enumerate(self.drivetrain.shafts) if relaxes(shaft))
+
+    def shaft_angle(self, shaft: int) -> int:
+        return 2 * self.n + self.physical.index(shaft)
+
+    @property
+    def actuator(self) -> int | None:
+        return 2 * self.n + len(self.physical) if self.drivetrain.actuator.lag > 0.0 else None
+
+    @property
+    def states(self) -> int:
+        return 2 * self.n + len(self.physical) + (self.actuator is not None)
+
+    @property
+    def columns(self) -> int:
+        return self.states + len(self.inputs) + 1
+
+    def names(self) -> tuple[str, ...]:
+        n = self.n
+        twists = ["twist"] if n == 2 else [f"twist_{i + 1}" for i in range(n - 1)]
+        speeds = ["speed_motor", *(f"speed_{i + 1}" for i in range(1, n - 1)), *(["speed_load"] if n > 1 else [])]
+        angles = [f"shaft_angle_{i + 1}" for i in self.physical]
+        actuator = ["torque_actuator"] if self.actuator is not None else []
+        return (*twists, *speeds, "angle_motor", *angles, *actuator)
+
+
+def relaxes(shaft: Shaft) -> bool:
+    """Whether the shaft's own angle is a state: the physical law with damping (without, it relaxes at once)."""
+    return shaft.has_backlash and shaft.contact == "physical" and shaft.damping > 0.0
+
+
+@dataclass(frozen=True)
+class Element:
+    """One thing that changes the mode: a shaft with backlash, or an inertia with set-valued friction."""
+
+    kind: str
+    index: int
+    digits: int
+
+    @property
+    def rest(self) -> int:
+        """Digit of the gap, or of standstill."""
+        return self.digits // 2
+
+
+def elements(drivetrain: Drivetrain) -> tuple[Element, ...]:
+    shafts = [Element("shaft", i, 3) for i, shaft in enumerate(drivetrain.shafts) if shaft.has_backlash]
+    frictions = [
+        Element("friction", i, 2 * max(1, len(friction.stribeck)) + 1)
+        for i, friction in enumerate(drivetrain.frictions)
+        if friction.sticks
+    ]
+    return (*shafts, *frictions)
+
+
+def friction_segment(friction: Friction, digit: int, rest: int) -> tuple[float, float, float, float]:
+    """Torque = constant + slope·speed between two speeds: (constant, slope, low, high) of a moving digit."""
+    sign = 1.0 if digit > rest else -1.0
+    number = abs(digit - rest) - 1
+    level = friction.coulomb_plus if sign > 0.0 else friction.coulomb_minus
+    points = friction.stribeck or ((0.0, 0.0),)
+    near, extra = points[number]
+    far, slope = math.inf, 0.0
+    if number + 1 < len(points):
+        far = points[number + 1][0]
+        slope = (points[number + 1][1] - extra) / (far - near)
+    constant = sign * (level + extra - slope * near)
+    low, high = (near, far) if sign > 0.0 else (-far, -near)
+    return constant, slope, low, high
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """One mode's tables, see ``kernels.plant``; shaft_torques: (n − 1, C) rows, Nm."""
+
+    delta: NDArray[np.float64]
+    rate: NDArray[np.float64]
+    guard: NDArray[np.float64]
+    guard_rate: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    swing: NDArray[np.float64]
+    remainder: NDArray[np.float64]
+    piece: tuple[float, int]
+    shaft_torques: NDArray[np.float64]
+
+
+class _Rows:
+    """Rows over s = [x, inputs, 1] of one mode."""
+
+    def __init__(self, layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ...]) -> None:
+        self.layout = layout
+        self.digit = {(e.kind, e.index): (d, e) for e, d in zip(parts, digits, strict=True)}
+        self.shaft_torques = [self._shaft_torque(i) for i in range(layout.n - 1)]
+
+    def row(self) -> NDArray[Any]:
+        return np.zeros(self.layout.columns, dtype=Long)
+
+    def unit(self, column: int, value: float = 1.0) -> NDArray[Any]:
+        row = np.zeros(self.layout.columns, dtype=Long)
+        row[column] = Long(value)
+        return row
+
+    def twist_rate(self, shaft: int) -> NDArray[Any]:
+        return self.unit(self.layout.speed(shaft)) - self.unit(self.layout.speed(shaft + 1))
+
+    def _shaft_torque(self, i: int) -> NDArray[Any]:
+        shaft = self.layout.drivetrain.shafts[i]
+        k, d = Long(shaft.stiffness), Long(shaft.damping)
+        twist, rate = self.unit(self.layout.twist(i)), self.twist_rate(i)
+        if not shaft.has_backlash:
+            return k * twist + d * rate
+        digit = self.digit["shaft", i][0]
+        if digit == GAP:
+            return d * rate if shaft.contact == "dead_zone" else 0 * rate
+        if relaxes(shaft):
+            return k * self.unit(self.layout.shaft_angle(i)) + d * rate
+        offset = self.unit(-1, (digit - GAP) * 0.5 * shaft.backlash)
+        return k * (twist - offset) + d * rate
+
+    def driving_torque(self, i: int) -> NDArray[Any]:
+        """Torque on inertia i without its friction."""
+        layout = self.layout
+        torque = self.row()
+        if i > 0:
+            torque = torque + self.shaft_torques[i - 1]
+        if i < layout.n - 1:
+            torque = torque - self.shaft_torques[i]
+        if i == 0:
+            source = layout.actuator
+            torque = torque + self.unit(layout.states if source is None else source)
+        if i == layout.n - 1 and "torque_load" in layout.inputs:
+            torque = torque + self.unit(layout.states + layout.inputs.index("torque_load"))
+        return torque
+
+    def friction_torque(self, i: int) -> NDArray[Any]:
+        friction = self.layout.drivetrain.frictions[i]
+        speed = self.unit(self.layout.speed(i))
+        torque = Long(friction.viscous) * speed
+        if friction.sticks:
+            digit, element = self.digit["friction", i]
+            constant, slope, _, _ = friction_segment(friction, digit, element.rest)
+            torque = torque + Long(slope) * speed + self.unit(-1, constant)
+        return torque
+
+    def at_rest(self, i: int) -> bool:
+        digit, element = self.digit.get(("friction", i), (1, None))
+        return element is not None and digit == element.rest
+
+    def rates(self) -> NDArray[Any]:
+        layout, drivetrain = self.layout, self.layout.drivetrain
+        rate = np.zeros((layout.states, layout.columns), dtype=Long)
+        for i in range(layout.n - 1):
+            rate[layout.twist(i)] = self.twist_rate(i)
+        for i, inertia in enumerate(drivetrain.inertias):
+            if not self.at_rest(i):
+                rate[layout.speed(i)] = (self.driving_torque(i) - self.friction_torque(i)) / Long(inertia)
+        rate[layout.angle_motor] = self.unit(layout.speed(0))
+        for i in layout.physical:
+            shaft = drivetrain.shafts[i]
+            angle = layout.shaft_angle(i)
+            if self.digit["shaft", i][0] == GAP:
+                rate[angle] = -(Long(shaft.stiffness) / Long(shaft.damping)) * self.unit(angle)
+            else:
+                rate[angle] = self.twist_rate(i)
+        if layout.actuator is not None:
+            lag = Long(drivetrain.actuator.lag)
+            rate[layout.actuator] = (self.unit(layout.states) - self.unit(layout.actuator)) / lag
+        return rate
+
+    def guard(self, element: Element) -> tuple[NDArray[Any], float, float]:
+        """(row, lower, upper) of an element in this mode."""
+        i = element.index
+        digit = self.digit[element.kind, i][0]
+        if element.kind == "shaft":
+            return self._shaft_guard(i, digit)
+        friction = self.layout.drivetrain.frictions[i]
+        if digit == element.rest:
+            plus, minus = friction.level_at_rest
+            if friction.breakaway is not None:
+                plus = minus = friction.breakaway
+            return self.driving_torque(i), -minus, plus
+        _, _, low, high = friction_segment(friction, digit, element.rest)
+        return self.unit(self.layout.speed(i)), low, high
+
+    def _shaft_guard(self, i: int, digit: int) -> tuple[NDArray[Any], float, float]:
+        shaft = self.layout.drivetrain.shafts[i]
+        half = 0.5 * shaft.backlash
+        row = self.unit(self.layout.twist(i))
+        if relaxes(shaft):
+            if digit != GAP:
+                return self.shaft_torques[i], *((0.0, math.inf) if digit == PLUS else (-math.inf, 0.0))
+            row = row - self.unit(self.layout.shaft_angle(i))
+        elif shaft.contact == "viscoelastic":
+            row = row + Long(shaft.damping) / Long(shaft.stiffness) * self.twist_rate(i)
+        bounds = ((-math.inf, -half), (-half, half), (half, math.inf))[digit]
+        return row, *bounds
+
+
+def _balanced_norm(a: NDArray[np.float64]) -> float:
+    from scipy.linalg import matrix_balance
+
+    return float(np.linalg.norm(matrix_balance(a, permute=False)[0], 2))
+
+
+def delta_exponential(a: NDArray[Any], time: float, norm: float) -> NDArray[Any]:
+    """exp(a·time) − 1 in extended precision: Taylor series of a short piece, then (1 + D)² − 1 = 2 D + D²."""
+    halvings = max(0, math.ceil(math.log2(max(norm * time, 1e-300))))
+    step = a * (Long(time) / Long(2) ** halvings)
+    term = step.copy()
+    total = step.copy()
+    for n in range(2, 28):
+        term = term @ step / Long(n)
+        total = total + term
+    for _ in range(halvings):
+        total = 2 * total + total @ total
+    return total
+
+
+def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ...], dt: float) -> Mode:
+    """Tables of one mode for the sample time dt (s)."""
+    rows = _Rows(layout, parts, digits)
+    states, columns = layout.states, layout.columns
+    full = np.zeros((columns, columns), dtype=Long)
+    full[:states] = rows.rates()
+    norm = _balanced_norm(full[:states, :states].astype(float))
+    delta = delta_exponential(full, dt, norm)
+
+    guards = [rows.guard(e) for e in parts]
+    guard = np.array([g[0] for g in guards], dtype=Long).reshape(len(parts), columns)
+    guard_rate = guard @ full
+    second = guard_rate @ full
+    fourth = second @ full @ full
+    cell = (np.eye(columns, dtype=Long) + delta_exponential(full, dt / _CELLS, norm)).astype(float)
+    length = min(dt, _PIECE_NORM / norm) if norm > 0.0 else dt
+    order = next(n for n in range(4, 25) if (norm * length) ** (n + 1) / math.factorial(n + 1) < 1e-20 or n == 24)
+    return Mode(
+        delta=delta[:states].astype(float),
+        rate=full[:states].astype(float),
+        guard=guard.astype(float),
+        guard_rate=(guard_rate * Long(dt)).astype(float),
+        lower=np.array([g[1] for g in guards], dtype=float),
+        upper=np.array([g[2] for g in guards], dtype=float),
+        swing=0.5 * dt**2 * _largest(second, second @ full, cell, dt),
+        remainder=dt**4 / 384.0 * _largest(fourth, fourth @ full, cell, dt),
+        piece=(length, order),
+        shaft_torques=np.array(rows.shaft_torques, dtype=float).reshape(layout.n - 1, columns),
+    )
+
+
+def _largest(rows: NDArray[Any], slopes: NDArray[Any], cell: NDArray[np.float64], dt: float) -> NDArray[np.float64]:
+    """Bound of |row · exp(F t)| over a sample, elementwise: the grid's largest plus half a cell of its slope."""
+    value, slope = rows.astype(float), slopes.astype(float)
+    largest, steepest = np.abs(value), np.abs(slope)
+    for _ in range(_CELLS):
+        value, slope = value @ cell, slope @ cell
+        largest = np.maximum(largest, np.abs(value))
+        steepest = np.maximum(steepest, np.abs(slope))
+    # 1.1: the slope between the grid points may exceed the grid's largest a little.
+    return np.asarray(largest + 1.1 * 0.5 * dt / _CELLS * steepest)

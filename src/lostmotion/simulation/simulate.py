@@ -1,0 +1,205 @@
+"""simulate: a drivetrain under given torques, or under a law in the loop, exactly from event to event."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+from ..recording import Event, Recording
+from .modes import GAP
+from .tables import Plant
+
+PLANT_INPUTS = ("torque_motor", "torque_load")
+
+
+def simulate(
+    drivetrain: Drivetrain,
+    *,
+    dt: float,
+    torque_motor: ArrayLike | None = None,
+    torque_load: ArrayLike | None = None,
+    state: Sequence[float] | Mapping[str, Any] | None = None,
+) -> Recording:
+    """Simulate a drivetrain with torques held over each sample.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        A chain of n inertias; backlash on any shaft, set-valued friction at any inertia.
+    dt : float, s
+        Sample time.
+    torque_motor, torque_load : (n,) arrays, Nm
+        Torque into the first and into the last inertia, positive in the direction of positive speed.
+    state : sequence or mapping, optional
+        Start: ``twist, speed_motor, speed_load`` for two masses (n − 1 twists, then n speeds, for a chain), or the
+        ``final_state`` of an earlier recording, to go on from. Default: at rest in the middle of the gap.
+
+    Returns
+    -------
+    Recording
+        Row k holds the state before torque k acts. ``events``: impacts, separations, sticking, slipping.
+        ``final_state``: the state after the last torque.
+
+    Raises
+    ------
+    InvalidInput
+        For NaN, wrong lengths, a sample time that is not positive.
+    """
+    given = {"torque_motor": torque_motor, "torque_load": torque_load}
+    torques = {name: check_signal(name, values) for name, values in given.items() if values is not None}
+    if not torques:
+        raise InvalidInput("simulate", "no torque", "torque_motor, torque_load or a law", "Give the torque.")
+    length = check_lengths(torques)
+    names = PLANT_INPUTS if "torque_load" in torques else PLANT_INPUTS[:1]
+    inputs = np.zeros((length, len(names)))
+    for j, name in enumerate(names):
+        inputs[:, j] = torques.get(name, 0.0)
+    limit = drivetrain.actuator.torque_limit
+    inputs[:, 0] = np.clip(inputs[:, 0], -limit, limit)
+    run = PlantRun(drivetrain, dt, names, state, length)
+    from ..kernels.plant import run_open_loop, run_open_loop_two_mass
+
+    usual = (run.plant.layout.states, len(names), len(run.plant.elements)) == (4, 1, 2)
+    kernel = run_open_loop_two_mass if usual else run_open_loop
+    run.finish(
+        lambda tables: kernel(
+            tables, run.s, run.digits, inputs, dt, run.work, run.states, run.modes, run.events, run.cursor
+        )
+    )
+    return run.recording({name: inputs[:, j] for j, name in enumerate(names)})
+
+
+def check_signal(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """A one-dimensional finite signal."""
+    array = np.asarray(values, dtype=float)
+    if array.ndim != 1 or array.size < 2:
+        raise InvalidInput(name, f"shape {array.shape}", "a one-dimensional array of two or more samples", "Reshape.")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise InvalidInput(
+            name, f"{array[bad[0]]} in sample {bad[0]}", "finite numbers", "Remove or interpolate bad samples."
+        )
+    return np.ascontiguousarray(array)
+
+
+def check_lengths(signals: Mapping[str, NDArray[np.float64]]) -> int:
+    lengths = {name: values.size for name, values in signals.items()}
+    if len(set(lengths.values())) != 1:
+        raise InvalidInput("simulate", f"lengths {lengths}", "signals of one length", "Crop or extend them.")
+    return next(iter(lengths.values()))
+
+
+class PlantRun:
+    """The arrays of one simulation, and the loop that builds modes and event space as the kernel asks for them."""
+
+    def __init__(
+        self,
+        drivetrain: Drivetrain,
+        dt: float,
+        inputs: tuple[str, ...],
+        state: Sequence[float] | Mapping[str, Any] | None,
+        length: int,
+    ) -> None:
+        if not (math.isfinite(dt) and dt > 0.0):
+            raise InvalidInput("simulate.dt", repr(dt), "a positive sample time in s", "Give the sample time.")
+        from ..kernels.plant import EVENT_COLUMNS, MAX_ORDER
+
+        self.plant = Plant(drivetrain, dt, inputs)
+        layout = self.plant.layout
+        self.length = length
+        self.s = np.zeros(layout.columns)
+        self.s[-1] = 1.0
+        self.digits = self._start(state)
+        self.plant.enter(self.digits)
+        self.work = np.zeros((MAX_ORDER + 1) * (layout.states + 1))
+        self.states = np.zeros((length + 1, layout.states))
+        self.modes = np.zeros(length + 1, dtype=np.int64)
+        self.events = np.zeros((1024, EVENT_COLUMNS))
+        self.cursor = np.zeros(3)
+
+    def _start(self, state: Sequence[float] | Mapping[str, Any] | None) -> NDArray[np.int64]:
+        layout = self.plant.layout
+        x = self.s[: layout.states]
+        if isinstance(state, Mapping):
+            if "digits" in state and len(state["state"]) == layout.states:
+                x[:] = state["state"]
+                return np.array(state["digits"], dtype=np.int64)
+            raise InvalidInput("simulate.state", f"{dict(state)}", "the final_state of the same drivetrain", "Check it.")
+        if state is not None:
+            start = np.asarray(state, dtype=float)
+            expected = 2 * layout.n - 1
+            if start.shape != (expected,) or not np.all(np.isfinite(start)):
+                raise InvalidInput(
+                    "simulate.state", repr(state), f"{expected} finite numbers: twists (rad), then speeds (rad/s)", "Check."
+                )
+            x[:expected] = start
+        return self.plant.start_digits(x)
+
+    def finish(self, kernel: Any) -> None:
+        """Runs the kernel to the end of the recording; numba compiles or loads it on the first call."""
+        from ..kernels.plant import CHATTERING, DONE, NEED_EVENT_SPACE, NEED_MODE
+
+        while True:
+            status = kernel(self.plant.tables())
+            if status == DONE:
+                return
+            if status == NEED_MODE:
+                self.plant.enter(self.digits)
+            elif status == NEED_EVENT_SPACE:
+                self.events = np.concatenate([self.events, np.zeros_like(self.events)])
+            elif status == CHATTERING:
+                raise InvalidInput(
+                    "simulate",
+                    f"endlessly many events at t = {self.cursor[0] * self.plant.dt:g} s",
+                    "a plant whose contacts do not chatter",
+                    "Give the shaft some damping, or check inertias and stiffness for wrong units.",
+                )
+
+    def signals(self) -> dict[str, NDArray[np.float64]]:
+        """All signals at every sample, the one after the last torque included: (n + 1,) each."""
+        names = self.plant.signal_names()
+        s = np.column_stack([self.states, np.zeros((self.length + 1, len(self.plant.layout.inputs))), np.ones(self.length + 1)])
+        values = np.empty((self.length + 1, len(names)))
+        for number in np.unique(self.modes):
+            rows = self.plant.signal_rows(self.plant.modes[self.plant.row_of_mode[number]])
+            at = self.modes == number
+            values[at] = s[at] @ rows.T
+        return {name: values[:, j] for j, name in enumerate(names)}
+
+    def event_list(self) -> tuple[Event, ...]:
+        found = []
+        for time, element, old, new, speed in self.events[: int(self.cursor[2])]:
+            part = self.plant.elements[int(element)]
+            if part.kind == "shaft":
+                kind = "impact" if int(new) != GAP else "separation"
+            elif int(new) == part.rest:
+                kind = "stick"
+            elif int(old) == part.rest:
+                kind = "slip"
+            else:
+                continue  # from one segment of the friction curve to the next
+            found.append(Event(float(time * self.plant.dt), kind, f"{part.kind} {part.index + 1}", float(speed)))
+        return tuple(found)
+
+    def recording(self, made: Mapping[str, NDArray[np.float64]], **final: Any) -> Recording:
+        """The finished run: `made` holds (n,) torques and law outputs, beside the plant's own signals."""
+        plant_signals = {name: values[:-1] for name, values in self.signals().items()}
+        signals = {**made, **plant_signals}
+        return Recording(
+            time=np.arange(self.length) * self.plant.dt,
+            signals=signals,
+            origin={name: "simulated" for name in signals},
+            events=self.event_list(),
+            final_state={
+                "names": self.plant.layout.names(),
+                "state": tuple(float(v) for v in self.states[-1]),
+                "digits": tuple(int(d) for d in self.digits),
+                **final,
+            },
+        )
