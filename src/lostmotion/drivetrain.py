@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .errors import InvalidInput
 
 Contact = Literal["viscoelastic", "dead_zone", "physical"]
@@ -319,6 +322,20 @@ class Drivetrain:
         """Lehr's damping ratio of the torsional mode with the gap closed (two masses)."""
         inverse = 1.0 / self.inertia_motor + 1.0 / self.inertia_load
         return 0.5 * self.damping * math.sqrt(inverse / self.stiffness)
+
+    def linear(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """A (3, 3) and B (3, 1) of ẋ = Ax + B·torque_motor with the gap closed and without Coulomb friction.
+
+        x = (twist, speed_motor, speed_load), two masses; viscous friction is part of A, the actuator's lag is not
+        (Fietzek & Rinderknecht, eq. 3).
+        """
+        k, d, jm, jl = self.stiffness, self.damping, self.inertia_motor, self.inertia_load
+        a = [
+            [0.0, 1.0, -1.0],
+            [-k / jm, -(d + self.viscous_motor) / jm, d / jm],
+            [k / jl, d / jl, -(d + self.viscous) / jl],
+        ]
+        return np.array(a), np.array([[0.0], [1.0 / jm], [0.0]])
 
     def parameters(self) -> dict[str, float]:
         """The two-mass parameters by name, SI."""

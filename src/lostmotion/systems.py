@@ -39,6 +39,10 @@ MAX_INPUTS = 31
 DT_TOLERANCE = 1e-3
 
 
+def _empty() -> NDArray[np.float64]:
+    return np.empty(0)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DiscreteSystem:
     """A discrete law in Lur'e form: a linear system with static piecewise-linear curves.
@@ -53,7 +57,7 @@ class DiscreteSystem:
     Parameters
     ----------
     A, B, E, F, G, H, C, D, J : arrays
-        Shapes follow from the equations; a matrix that is left out is zero. Copied and read-only.
+        Shapes follow from the equations; a matrix that is left out (or empty) is zero. Copied and read-only.
     curves : tuple of PiecewiseLinear
     inputs, outputs, states : tuple of str
         Signal names, each without doubles.
@@ -74,16 +78,16 @@ class DiscreteSystem:
     states: tuple[str, ...] = ()
     dt: float
     curves: tuple[PiecewiseLinear, ...] = ()
-    A: Matrix = field(default=None)  # type: ignore[assignment]
-    B: Matrix = field(default=None)  # type: ignore[assignment]
-    E: Matrix = field(default=None)  # type: ignore[assignment]
-    F: Matrix = field(default=None)  # type: ignore[assignment]
-    G: Matrix = field(default=None)  # type: ignore[assignment]
-    H: Matrix = field(default=None)  # type: ignore[assignment]
-    C: Matrix = field(default=None)  # type: ignore[assignment]
-    D: Matrix = field(default=None)  # type: ignore[assignment]
-    J: Matrix = field(default=None)  # type: ignore[assignment]
-    initial_state: NDArray[np.float64] = field(default=None)  # type: ignore[assignment]
+    A: Matrix = field(default_factory=_empty)
+    B: Matrix = field(default_factory=_empty)
+    E: Matrix = field(default_factory=_empty)
+    F: Matrix = field(default_factory=_empty)
+    G: Matrix = field(default_factory=_empty)
+    H: Matrix = field(default_factory=_empty)
+    C: Matrix = field(default_factory=_empty)
+    D: Matrix = field(default_factory=_empty)
+    J: Matrix = field(default_factory=_empty)
+    initial_state: NDArray[np.float64] = field(default_factory=_empty)
     name: str = "law"
 
     def __post_init__(self) -> None:
@@ -97,7 +101,9 @@ class DiscreteSystem:
             )
         dt = float(self.dt)
         if not (math.isfinite(dt) and dt > 0.0):
-            raise InvalidInput(f"{self.name}.dt", repr(self.dt), "a positive sample time in s", "Check the unit.")
+            raise InvalidInput(
+                f"{self.name}.dt", repr(self.dt), "a positive sample time in s", "Check the unit."
+            )
         object.__setattr__(self, "dt", dt)
         for key, (rows, columns) in _SHAPES.items():
             shape = (len(getattr(self, rows)), len(getattr(self, columns)))
@@ -146,22 +152,29 @@ class DiscreteSystem:
         missing = [name for name in self.inputs if name not in data]
         if missing:
             raise InvalidInput(
-                f"{self.name}.run", f"no {', '.join(missing)}", f"all of {', '.join(self.inputs)}", "Add the signal."
+                f"{self.name}.run",
+                f"no {', '.join(missing)}",
+                f"all of {', '.join(self.inputs)}",
+                "Add the signal.",
             )
-        columns = [np.asarray(data[name], dtype=float) for name in self.inputs]
+        columns = [np.asarray(data[name], dtype=np.float64) for name in self.inputs]
         if len({c.shape for c in columns}) > 1 or any(c.ndim != 1 for c in columns):
             shapes = ", ".join(f"{n}: {c.shape}" for n, c in zip(self.inputs, columns, strict=True))
-            raise InvalidInput(f"{self.name}.run", shapes, "(n,) arrays of one length", "Crop or resample them.")
+            raise InvalidInput(
+                f"{self.name}.run", shapes, "(n,) arrays of one length", "Crop or resample them."
+            )
         if isinstance(data, Recording):
             if abs(data.dt / self.dt - 1.0) > DT_TOLERANCE:
                 raise InvalidInput(
                     f"{self.name}.run", f"a recording with dt = {data.dt:g} s", f"the law's {self.dt:g} s",
                     "Design the law for the recording's sample time, or resample the recording.",
                 )  # fmt: skip
-            return data.time, np.column_stack(columns) if columns else np.empty((len(data), 0))
+            return data.time, np.array(columns).reshape(-1, len(data)).T.copy()
         if not columns:
-            raise InvalidInput(f"{self.name}.run", "a law without inputs", "a Recording", "Give its time axis.")
-        return np.arange(columns[0].size) * self.dt, np.column_stack(columns)
+            raise InvalidInput(
+                f"{self.name}.run", "a law without inputs", "a Recording", "Give its time axis."
+            )
+        return np.arange(columns[0].size) * self.dt, np.array(columns).T.copy()
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A: the poles with every curve at a constant value."""
@@ -201,7 +214,10 @@ class DiscreteSystem:
         unknown = sorted(set(names) - set(self.inputs) - set(self.outputs))
         if unknown:
             raise InvalidInput(
-                f"{self.name}.renamed", f"{unknown}", f"names out of {self.inputs + self.outputs}", "Check the name."
+                f"{self.name}.renamed",
+                f"{unknown}",
+                f"names out of {self.inputs + self.outputs}",
+                "Check the name.",
             )
         return replace(
             self,
@@ -220,7 +236,11 @@ class DiscreteSystem:
             "initial_state": self.initial_state.tolist(),
             **{key: getattr(self, key).tolist() for key in _SHAPES},
             "curves": [
-                {"points": [list(p) for p in c.points], "slope_left": c.slope_left, "slope_right": c.slope_right}
+                {
+                    "points": [list(p) for p in c.points],
+                    "slope_left": c.slope_left,
+                    "slope_right": c.slope_right,
+                }
                 for c in self.curves
             ],
         }
@@ -231,7 +251,10 @@ class DiscreteSystem:
         expected = {"name", "dt", "inputs", "outputs", "states", "initial_state", "curves", *_SHAPES}
         if set(data) != expected:
             raise InvalidInput(
-                "DiscreteSystem.from_dict", f"keys {sorted(data)}", f"{sorted(expected)}", "Write it with to_dict."
+                "DiscreteSystem.from_dict",
+                f"keys {sorted(data)}",
+                f"{sorted(expected)}",
+                "Write it with to_dict.",
             )
         curves = tuple(
             PiecewiseLinear(tuple((p[0], p[1]) for p in c["points"]), c["slope_left"], c["slope_right"])
@@ -243,20 +266,39 @@ class DiscreteSystem:
 def _check_names(where: str, names: tuple[str, ...]) -> None:
     twice = sorted({n for n in names if names.count(n) > 1})
     if twice or not all(isinstance(n, str) and n for n in names):
-        raise InvalidInput(where, f"{names!r}", "non-empty names without doubles", f"Rename {twice or 'them'}.")
+        raise InvalidInput(
+            where, f"{names!r}", "non-empty names without doubles", f"Rename {twice or 'them'}."
+        )
 
 
-def _matrix(where: str, values: ArrayLike | None, shape: tuple[int, ...]) -> Matrix:
-    """A read-only copy of the given shape; None gives zeros, and an empty array fits any empty shape."""
-    array = np.zeros(shape) if values is None else np.array(values, dtype=float)
-    if array.size == 0 and 0 in shape:
+def _matrix(where: str, values: ArrayLike, shape: tuple[int, ...]) -> Matrix:
+    """A read-only copy of the given shape; an empty array gives zeros."""
+    array = np.array(values, dtype=float)
+    if array.size == 0:
         array = np.zeros(shape)
     if array.shape != shape:
-        raise InvalidInput(where, f"shape {array.shape}", f"shape {shape}", "Count states, inputs, outputs, curves.")
+        raise InvalidInput(
+            where, f"shape {array.shape}", f"shape {shape}", "Count states, inputs, outputs, curves."
+        )
     if not np.all(np.isfinite(array)):
         raise InvalidInput(where, "NaN or infinity", "finite numbers", "Check what it was computed from.")
     array.setflags(write=False)
     return array
+
+
+def zero_order_hold(A: ArrayLike, B: ArrayLike, dt: float) -> tuple[Matrix, Matrix]:
+    """Φ = exp(A·dt) and Γ = ∫exp(A·s)ds·B: the exact step of ẋ = Ax + Bu with u held over dt (s).
+
+    A is (n, n), B is (n, m).
+    """
+    from scipy.linalg import expm
+
+    a, b = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
+    n, m = b.shape
+    block = np.zeros((n + m, n + m))
+    block[:n, :n], block[:n, n:] = a, b
+    step = expm(block * dt)
+    return step[:n, :n], step[:n, n:]
 
 
 def one_sample_delay(name: str, dt: float, delayed: str | None = None, start: float = 0.0) -> DiscreteSystem:
@@ -273,7 +315,10 @@ def one_sample_delay(name: str, dt: float, delayed: str | None = None, start: fl
 
 
 def connect(
-    systems: Sequence[DiscreteSystem], inputs: Sequence[str] = (), outputs: Sequence[str] = (), name: str = "law"
+    systems: Sequence[DiscreteSystem],
+    inputs: Sequence[str] = (),
+    outputs: Sequence[str] = (),
+    name: str = "law",
 ) -> DiscreteSystem:
     """Join systems: every input takes the output of the same name, of whichever system makes it.
 
@@ -304,7 +349,9 @@ def connect(
     curves = join.order()
     rows_z = [join.row(join.z_terms(c)) for c in curves]
     rows_y = [join.row(join.y_terms(*source[o])) for o in outputs]
-    rows_x = [join.row(join.x_terms(s, i)) for s, system in enumerate(systems) for i in range(len(system.states))]
+    rows_x = [
+        join.row(join.x_terms(s, i)) for s, system in enumerate(systems) for i in range(len(system.states))
+    ]
     z, y, x = (join.split(rows, curves) for rows in (rows_z, rows_y, rows_x))
     return DiscreteSystem(
         inputs=tuple(inputs),
@@ -323,17 +370,24 @@ def _sources(
 ) -> dict[str, tuple[int, int]]:
     """Signal name → (system, output number); every misuse of connect but the loop is found here."""
     if not systems or not outputs:
-        raise InvalidInput("connect", "nothing", "at least one system and one output", "Name what the law gives.")
+        raise InvalidInput(
+            "connect", "nothing", "at least one system and one output", "Name what the law gives."
+        )
     times = sorted({s.dt for s in systems})
     if len(times) > 1:
-        raise InvalidInput("connect", f"sample times {times} s", "one sample time", "Design all for the same dt.")
+        raise InvalidInput(
+            "connect", f"sample times {times} s", "one sample time", "Design all for the same dt."
+        )
     source: dict[str, tuple[int, int]] = {}
     for s, system in enumerate(systems):
         for i, signal in enumerate(system.outputs):
             if signal in source:
                 makers = f"{systems[source[signal][0]].name!r} and {system.name!r}"
                 raise InvalidInput(
-                    f"connect: signal {signal!r}", f"made by {makers}", "one maker", "Rename one with renamed()."
+                    f"connect: signal {signal!r}",
+                    f"made by {makers}",
+                    "one maker",
+                    "Rename one with renamed().",
                 )
             source[signal] = (s, i)
     used = {signal for system in systems for signal in system.inputs}
@@ -341,23 +395,34 @@ def _sources(
     checks = (
         (unconnected, "made by no system and not listed", "Add it to inputs, or check its name."),
         (sorted(set(inputs) & set(source)), "listed as inputs, but made by a system", "Drop it from inputs."),
-        (sorted(set(inputs) - used), "listed as inputs, but used by no system", "Drop it, or check its name."),
+        (
+            sorted(set(inputs) - used),
+            "listed as inputs, but used by no system",
+            "Drop it, or check its name.",
+        ),
     )
     for found, got, remedy in checks:
         if found:
             raise InvalidInput(
-                "connect.inputs", f"{', '.join(found)}: {got}", "exactly the inputs that no system makes", remedy
+                "connect.inputs",
+                f"{', '.join(found)}: {got}",
+                "exactly the inputs that no system makes",
+                remedy,
             )
     unknown = sorted(set(outputs) - set(source))
     if unknown:
-        raise InvalidInput("connect.outputs", ", ".join(unknown), f"names out of {sorted(source)}", "Check the name.")
+        raise InvalidInput(
+            "connect.outputs", ", ".join(unknown), f"names out of {sorted(source)}", "Check the name."
+        )
     return source
 
 
 def _state_names(systems: Sequence[DiscreteSystem]) -> tuple[str, ...]:
     plain = [state for system in systems for state in system.states]
     return tuple(
-        f"{system.name}.{state}" if plain.count(state) > 1 else state for system in systems for state in system.states
+        f"{system.name}.{state}" if plain.count(state) > 1 else state
+        for system in systems
+        for state in system.states
     )
 
 
@@ -370,7 +435,10 @@ class _Join:
     """Rows of the joined law, by substituting inputs until only states, external inputs and curves are left."""
 
     def __init__(
-        self, systems: tuple[DiscreteSystem, ...], inputs: tuple[str, ...], source: Mapping[str, tuple[int, int]]
+        self,
+        systems: tuple[DiscreteSystem, ...],
+        inputs: tuple[str, ...],
+        source: Mapping[str, tuple[int, int]],
     ) -> None:
         self.systems = systems
         self.inputs = inputs
@@ -456,7 +524,9 @@ class _Join:
             self._rows[node] = self.row(self.needs(node))
         return self._rows[node]
 
-    def split(self, rows: Sequence[Mapping[_Node, float]], curves: Sequence[_Node]) -> tuple[Matrix, Matrix, Matrix]:
+    def split(
+        self, rows: Sequence[Mapping[_Node, float]], curves: Sequence[_Node]
+    ) -> tuple[Matrix, Matrix, Matrix]:
         """Rows as matrices over states, external inputs and ordered curves."""
         states = [("x", s, i) for s, system in enumerate(self.systems) for i in range(len(system.states))]
         columns: Sequence[Sequence[_Node]] = (states, [("u", -1, i) for i in range(len(self.inputs))], curves)
