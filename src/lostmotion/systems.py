@@ -70,7 +70,8 @@ class DiscreteSystem:
     Raises
     ------
     InvalidInput
-        If a shape does not fit, a number is not finite, a name comes twice, H is not strictly lower triangular.
+        If a shape does not fit, a number is not finite, a name comes twice, H is not strictly lower
+        triangular.
     """
 
     inputs: tuple[str, ...]
@@ -129,8 +130,8 @@ class DiscreteSystem:
         Returns
         -------
         Recording
-            The outputs (origin "estimated") and ``input_fault``, 1.0 where an input was not within ±1e30 and was
-            replaced by the last good one; ``final_state["state"]`` is the state after the last row.
+            The outputs (origin "estimated") and ``input_fault``, 1.0 where an input was not within ±1e30 and
+            was replaced by the last good one; ``final_state["state"]`` is the state after the last row.
         """
         from .kernels.law import law_run
 
@@ -169,7 +170,7 @@ class DiscreteSystem:
                     f"{self.name}.run", f"a recording with dt = {data.dt:g} s", f"the law's {self.dt:g} s",
                     "Design the law for the recording's sample time, or resample the recording.",
                 )  # fmt: skip
-            return data.time, np.array(columns).reshape(-1, len(data)).T.copy()
+            return data.time, np.array(columns, dtype=np.float64).reshape(-1, len(data)).T.copy()
         if not columns:
             raise InvalidInput(
                 f"{self.name}.run", "a law without inputs", "a Recording", "Give its time axis."
@@ -335,8 +336,8 @@ def connect(
     Returns
     -------
     DiscreteSystem
-        States in the order of the systems; curves in an order in which each needs earlier ones only. A state name
-        that several systems use is preceded by the system's name and a dot.
+        States in the order of the systems; curves in an order in which each needs earlier ones only. A state
+        name that several systems use is preceded by the system's name and a dot.
 
     Raises
     ------
@@ -426,13 +427,13 @@ def _state_names(systems: Sequence[DiscreteSystem]) -> tuple[str, ...]:
     )
 
 
-#: A quantity of one system: kind ("x" state, "u" input, "w" curve value), system number, index in it; an external
-#: input is ("u", -1, index).
+#: A quantity of one system: kind ("x" state, "u" input, "w" curve value), system number, index in it; an
+#: external input is ("u", -1, index).
 _Node = tuple[str, int, int]
 
 
 class _Join:
-    """Rows of the joined law, by substituting inputs until only states, external inputs and curves are left."""
+    """Rows of the joined law: inputs are replaced until only states, external inputs and curves are left."""
 
     def __init__(
         self,
@@ -466,7 +467,7 @@ class _Join:
         return self._terms(s, i, (system.F, system.G, system.H))
 
     def needs(self, node: _Node) -> dict[_Node, float]:
-        """What a node is made of within the same sample: an input of its source, a curve value of its argument."""
+        """What a node is made of within the same sample: an input of its source, a curve of its argument."""
         kind, s, i = node
         if kind == "x" or s < 0:
             return {}

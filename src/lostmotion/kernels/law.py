@@ -1,8 +1,8 @@
 """One step of any discrete law: sums from left to right over the nonzero coefficients, then curves.
 
-No fastmath, no contraction, no BLAS: numba, plain Python and the exported C do the very same operations in the
-same order, so their results agree bit for bit. Everything that a step calls stays in this module, because numba's
-cache does not notice a changed callee in another file.
+No fastmath, no contraction, no BLAS: numba, plain Python and the exported C do the very same operations in
+the same order, so their results agree bit for bit. Everything that a step calls stays in this module, because
+numba's cache does not notice a changed callee in another file.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-#: An input outside ±INPUT_BOUND (NaN and infinity included) is replaced by the last good one. Chosen: far above
-#: any physical value, and far enough below the largest single-precision number (3.4e38) to multiply it by a gain.
+#: An input outside ±INPUT_BOUND (NaN and infinity included) is replaced by the last good one. Chosen: far
+#: above any physical value, and far enough below the largest single-precision number (3.4e38) to multiply it
+#: by a gain.
 INPUT_BOUND = 1e30
 
 
@@ -23,8 +24,8 @@ class LawTables(NamedTuple):
 
     Rows come in the order z (one for each curve), y, x⁺. Row r has the coefficients ``value[k]`` on
     ``v[column[k]]`` for k from ``row_start[r]`` to ``row_start[r + 1]``, left to right, nonzero ones only.
-    Curve i has the points ``curve_start[i]`` to ``curve_start[i + 1]`` of ``z_point`` and ``w_point``, and the
-    slopes of its segments (one more than points) from ``slope[curve_start[i] + i]`` on.
+    Curve i has the points ``curve_start[i]`` to ``curve_start[i + 1]`` of ``z_point`` and ``w_point``, and
+    the slopes of its segments (one more than points) from ``slope[curve_start[i] + i]`` on.
     """
 
     n_states: int

@@ -1,4 +1,4 @@
-"""Kalman observer with backlash and Coulomb friction (Fietzek & Rinderknecht, section III), in discrete time."""
+"""Kalman observer with backlash and Coulomb friction (Fietzek & Rinderknecht, section III), discrete."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .model import ObserverModel, covariance, observer_model
 
 Array = NDArray[np.float64]
 
-#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. The actuator's torque
-#: counts as known and the angle follows from the speed alone (chosen).
+#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. The actuator's
+#: torque counts as known and the angle follows from the speed alone (chosen).
 PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {"twist": 1.0, "speed_motor": 1000.0, "speed_load": 1000.0, "torque_actuator": 0.0, "angle_motor": 0.0}
 )
@@ -29,7 +29,7 @@ MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
 )
 
 _UNDETECTABLE = (
-    "Measure a speed or the motor angle too (a torque or a twist alone cannot tell how fast the whole drivetrain "
+    "Measure a speed or the motor angle too (torque or twist alone cannot tell how fast the whole drivetrain "
     "turns), or raise the process covariance."
 )
 
@@ -48,7 +48,8 @@ def kalman_gain(
     Returns
     -------
     (n_states, n_measured) array
-        Rows: twist, speed_motor, speed_load (torque_actuator, angle_motor); columns in the order of ``measured``.
+        Rows: twist, speed_motor, speed_load (torque_actuator, angle_motor); columns in the order of
+        ``measured``.
     """
     from scipy.linalg import solve_continuous_are
 
@@ -73,17 +74,18 @@ def kalman(
 ) -> DiscreteSystem:
     """Kalman observer of a two-mass drivetrain with backlash and Coulomb friction.
 
-    The model steps exactly (matrix exponential) with torque, gap, friction and innovation held over the sample; the
-    gain comes from the discrete Riccati equation with the gap closed. The gap curve that drives the state is
-    evaluated at the mid-sample prediction of its argument, a second one at the sample itself gives outputs and
-    innovation. Coulomb friction takes whatever torque between its two levels brings the load to rest at the end of
-    the sample, so a stuck load rests (to rounding) instead of chattering. Stribeck and breakaway are left out.
+    The model steps exactly (matrix exponential) with torque, gap, friction and innovation held over the
+    sample; the gain comes from the discrete Riccati equation with the gap closed. The gap curve that drives
+    the state is evaluated at the mid-sample prediction of its argument, a second one at the sample itself
+    gives outputs and innovation. Coulomb friction takes whatever torque between its two levels brings the
+    load to rest at the end of the sample, so a stuck load rests (to rounding) instead of chattering. Stribeck
+    and breakaway are left out.
 
     Parameters
     ----------
     drivetrain : Drivetrain
-        Two masses; ``contact`` "physical" is observed as "viscoelastic". With an actuator lag, ``torque_motor`` is
-        the set-point and the lag is one more state.
+        Two masses; ``contact`` "physical" is observed as "viscoelastic". With an actuator lag,
+        ``torque_motor`` is the set-point and the lag is one more state.
     measured : sequence of str
         Any of speed_motor, speed_load, twist, torque_shaft, angle_motor (SI units).
     dt : float, s
@@ -93,15 +95,16 @@ def kalman(
     measurement_covariance : mapping of measured signal → variance, optional
         Continuous-time density, default ``MEASUREMENT_COVARIANCE``; a sample has this value divided by dt.
     count_averaged : bool
-        The measured motor speed is a mean over the last sample (a count difference divided by dt): it is compared
-        with the mean of the last two estimated speeds, and the gain is that of the system with this memory.
+        The measured motor speed is a mean over the last sample (a count difference divided by dt): it is
+        compared with the mean of the last two estimated speeds, and the gain is that of the system with this
+        memory.
 
     Returns
     -------
     DiscreteSystem
-        Inputs torque_motor and ``measured``; outputs twist_estimated, twist_elastic_estimated (zero inside the gap),
-        speed_motor_estimated, speed_load_estimated, torque_shaft_estimated, friction_load_estimated (Coulomb part of
-        the sample just ended + viscous), and angle_motor_estimated if it is measured.
+        Inputs torque_motor and ``measured``; outputs twist_estimated, twist_elastic_estimated (zero inside
+        the gap), speed_motor_estimated, speed_load_estimated, torque_shaft_estimated, friction_load_estimated
+        (Coulomb part of the sample just ended + viscous), and angle_motor_estimated if it is measured.
 
     Raises
     ------
@@ -207,7 +210,8 @@ class _Builder:
         if not shaft.has_backlash:
             return
         half = 0.5 * shaft.backlash
-        # The state feels the gap of the whole sample, best taken at its middle; the outputs belong to its start.
+        # The state feels the gap of the whole sample, best taken at its middle; the outputs belong to its
+        # start.
         self._add_curve("gap", saturation(half), model.contact_argument(ahead=0.5 * self.dt))
         self._add_curve("torque", dead_zone(half), model.contact_argument())
         if shaft.contact != "dead_zone" and shaft.damping > 0.0:
@@ -225,7 +229,7 @@ class _Builder:
                 self._add_curve(place, curve, self.phi[i], float(self.gamma[i, 0]), others)
 
     def system(self, measured: tuple[str, ...], gain: Array, c: Array) -> DiscreteSystem:
-        """The observer with gain (n, n_measured) and measurement rows c over the model's states and the memory."""
+        """The observer with gain and measurement rows c, both over the model's states and the memory."""
         names = tuple(self.curves)
         n, n_w = len(self.model.states), len(names)
         n_known = gain.shape[0]
@@ -242,8 +246,8 @@ class _Builder:
         a, e = phi - gain @ c_x, e - gain @ c_w
         states = (*self.model.states, *self.extra)
         if "load" in names:
-            # The friction of the last sample is a state: taken at once, it would need this sample's torque, which
-            # a controller may compute from it.
+            # The friction of the last sample is a state: taken at once, it would need this sample's torque,
+            # which a controller may compute from it.
             states = (*states, "coulomb_load")
             a = np.pad(a, ((0, 1), (0, 1)))
             b = np.pad(b, ((0, 1), (0, 0)))

@@ -1,4 +1,4 @@
-"""The two-mass drivetrain as an observer sees it: linear with the gap closed, gap and friction as extra inputs."""
+"""The two-mass drivetrain as an observer sees it: linear, with gap and friction as further inputs."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ SENSORS = ("speed_motor", "speed_load", "twist", "torque_shaft", "angle_motor")
 
 @dataclass(frozen=True, eq=False)
 class ObserverModel:
-    """ẋ = A x + B·torque_motor + E_gap·β + E_motor·friction_motor + E_load·friction_load; β = twist inside the gap.
+    """ẋ = A x + B·torque_motor + E_gap·β + E_motor·friction_motor + E_load·friction_load; β = twist inside
+    the gap.
 
-    Fietzek & Rinderknecht, eq. 3, with viscous friction in A, and with the actuator's lag and the motor angle as
-    further states where they are needed.
+    Fietzek & Rinderknecht, eq. 3, with viscous friction in A, and with the actuator's lag and the motor angle
+    as further states where they are needed.
     """
 
     drivetrain: Drivetrain
@@ -53,7 +54,8 @@ class ObserverModel:
 
 
 def observer_model(drivetrain: Drivetrain, measured: Sequence[str]) -> ObserverModel:
-    """The model for a two-mass drivetrain; states twist, speed_motor, speed_load (torque_actuator, angle_motor).
+    """The model for a two-mass drivetrain; states twist, speed_motor, speed_load (torque_actuator,
+    angle_motor).
 
     ``torque_actuator`` is there if the drivetrain has a torque lag, ``angle_motor`` if it is measured.
     """
