@@ -1,0 +1,174 @@
+"""Checks of a recording: errors that stop the reading, and warnings about what it cannot tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Problem
+from ..recording import Recording
+from .columns import short_list
+
+#: Fewest samples of a recording. Chosen: less than a few periods of any shaft at any sensible sample time.
+MINIMUM_SAMPLES = 100
+#: Largest deviation of a step from the median step, as a fraction of it. Chosen: the error of a speed derived
+#: with the mean step stays below it; logging clocks that drift by 2 % pass.
+RASTER_TOLERANCE = 0.05
+#: Share of samples at each end of the torque's distribution that is put down to noise. Chosen.
+_NOISE_SHARE = 1e-3
+#: Torque on the rare side counts as reversed from this fraction of the peak on. Chosen.
+_REVERSAL = 0.01
+
+Place = Callable[[int], str]
+
+
+def check_finite(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
+    """NaN and infinite values, with their rows."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    if not bad.size:
+        return []
+    return [
+        Problem(
+            "error",
+            f"{where}, {name}",
+            f"NaN or infinity in {short_list((place(int(i)) for i in bad[:6]), 5)} ({bad.size} values)",
+            "a finite number in every row",
+            "Give a window without them, or fill the gaps in the tool that recorded them.",
+        )
+    ]
+
+
+def check_increasing(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
+    """Times that do not increase."""
+    bad = np.flatnonzero(~(np.diff(time) > 0.0))
+    if not bad.size:
+        return []
+    i = int(bad[0])
+    return [
+        Problem(
+            "error",
+            f"{where}, time",
+            f"{float(time[i + 1])!r} s after {float(time[i])!r} s in {place(i + 1)} ({bad.size} such steps)",
+            "strictly increasing times",
+            "Check the column of the time; sort the rows, or give time = { sample_time = ... }.",
+        )
+    ]
+
+
+def check_length(samples: int, where: str) -> list[Problem]:
+    """Too few samples."""
+    if samples >= MINIMUM_SAMPLES:
+        return []
+    return [
+        Problem(
+            "error",
+            where,
+            f"{samples} samples",
+            f"at least {MINIMUM_SAMPLES}",
+            "Record longer, widen the window.",
+        )
+    ]
+
+
+def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
+    """Steps that differ from the median step by more than 5 % of it."""
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    bad = np.flatnonzero(np.abs(steps - step) > RASTER_TOLERANCE * step)
+    if not bad.size:
+        return []
+    i = int(bad[0])
+    return [
+        Problem(
+            "error",
+            f"{where}, time",
+            f"{bad.size} of {steps.size} steps off the median step of {step * 1e3:.6g} ms, the first in "
+            f"{place(i + 1)}: {steps[i] * 1e3:.6g} ms; the longest: {steps.max() * 1e3:.6g} ms",
+            "equal steps within 5 %",
+            f'Ask for resample = "{step * 1e3:.6g} ms", choose a window without gaps, or, if only the '
+            "written times are rounded, give time = { sample_time = ... }.",
+        )
+    ]
+
+
+def check_recording(recording: Recording) -> tuple[Problem, ...]:
+    """The warnings about a recording: constant channels, torque that never reverses, opposite signs.
+
+    Raises nothing; an empty tuple means that nothing was found.
+    """
+    where = str(recording.meta.get("file", "recording"))
+    found: list[Problem] = []
+    for name, values in recording.signals.items():
+        if np.ptp(values) == 0.0:
+            found.append(
+                Problem(
+                    "warning",
+                    f"{where}, {name}",
+                    f"the constant {float(values[0])!r}",
+                    "a signal that changes",
+                    "Check that the channel was connected and recorded.",
+                )
+            )
+        elif name in ("torque_motor", "torque_shaft") and not _reverses(values):
+            found.append(
+                Problem(
+                    "warning",
+                    f"{where}, {name}",
+                    f"a torque between {values.min():.4g} and {values.max():.4g} Nm that never reverses",
+                    "torque in both directions",
+                    "The backlash cannot be told from it: record with reversals of the torque.",
+                )
+            )
+    agreement = torque_agreement(recording)
+    if agreement < -0.5:
+        found.append(
+            Problem(
+                "warning",
+                f"{where}, torque_motor",
+                f"torque and acceleration of the motor of opposite sign (agreement {agreement:.2f})",
+                "acceleration in the direction of the torque (agreement near 1)",
+                "Set sign = -1 for torque_motor, or for the motor's speed.",
+            )
+        )
+    return tuple(found)
+
+
+def _reverses(torque: NDArray[np.float64]) -> bool:
+    low, high = np.quantile(torque, (_NOISE_SHARE, 1.0 - _NOISE_SHARE))
+    level = _REVERSAL * max(abs(low), abs(high))
+    return bool(low < -level and high > level)
+
+
+def torque_agreement(recording: Recording) -> float:
+    """Whether motor torque and motor acceleration point the same way, from −1 to 1; 0 if that cannot be told.
+
+    The mean cosine of the phase of acceleration against torque over all frequencies where both are coherent
+    (> 0.5), weighted by coherence and on a logarithmic frequency axis. An inertia gives 1. A shaft between
+    zero and pole turns the phase by half a turn, and so does a load against the controller at low frequency;
+    neither fills most of the axis. With fewer than five such frequencies (a single step) nothing is said.
+    """
+    if "torque_motor" not in recording or "speed_motor" not in recording or len(recording) < 256:
+        return 0.0
+    from scipy.signal import csd, welch
+
+    torque = recording["torque_motor"][:-1]
+    acceleration = np.diff(recording["speed_motor"]) / recording.dt
+    if np.ptp(torque) == 0.0 or np.ptp(acceleration) == 0.0:
+        return 0.0
+    # Sixteen half-overlapping segments or more keep the coherence of independent signals well below 0.5.
+    size = max(64, min(4096, torque.size // 8))
+    frequency, cross = csd(torque, acceleration, 1.0 / recording.dt, nperseg=size)
+    power = (
+        welch(torque, nperseg=size, fs=1.0 / recording.dt)[1]
+        * welch(acceleration, nperseg=size, fs=1.0 / recording.dt)[1]
+    )
+    used = (frequency > 0.0) & (power > 0.0)
+    cross, power, frequency = cross[used], power[used], frequency[used]
+    coherence = np.abs(cross) ** 2 / power
+    good = (coherence > 0.5) & (np.abs(cross) > 0.0)
+    if np.count_nonzero(good) < 5:
+        return 0.0
+    weight = coherence[good] / frequency[good]
+    return float(np.sum(weight * cross[good].real / np.abs(cross[good])) / np.sum(weight))
