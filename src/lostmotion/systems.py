@@ -175,7 +175,8 @@ class DiscreteSystem:
             raise InvalidInput(
                 f"{self.name}.run", "a law without inputs", "a Recording", "Give its time axis."
             )
-        return np.arange(columns[0].size) * self.dt, np.array(columns).T.copy()
+        time = self.dt * np.arange(columns[0].size, dtype=np.float64)
+        return time, np.array(columns, dtype=np.float64).T.copy()
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A: the poles with every curve at a constant value."""

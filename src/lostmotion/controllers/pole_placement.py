@@ -1,0 +1,177 @@
+"""State feedback by pole placement, with prefilter and Coulomb compensation (Fietzek & Rinderknecht, section V)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..curves import PiecewiseLinear, saturation
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+from ..systems import DiscreteSystem, zero_order_hold
+
+FrictionCompensation = Literal["estimated", "reference", "none"]
+
+#: Speed set-point (rad/s) from which on the compensation by its direction is full; linear below (chosen).
+REFERENCE_BAND = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class StateFeedback:
+    """torque = −gain·(twist, speed_motor, speed_load) + prefilter·speed_reference + friction_gain·friction_load.
+
+    ``gain`` is a (3,) array in Nm/rad and Nm s/rad, ``prefilter`` in Nm s/rad, ``friction_gain`` without unit:
+    a constant friction torque of the load times this leaves its speed unchanged in steady state.
+    """
+
+    gain: NDArray[np.float64]
+    prefilter: float
+    friction_gain: float
+
+
+def state_feedback(
+    drivetrain: Drivetrain, poles: Sequence[complex] = (-400.0, -400.0, -400.0), dt: float | None = None
+) -> StateFeedback:
+    """Gains that place the three poles of the two-mass drivetrain with the gap closed, by Ackermann's formula.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Its actuator lag is left out; viscous friction is in. (The paper's K leaves viscous friction out too.)
+    poles : three numbers, 1/s
+        Real or in conjugate pairs, with negative real parts. Default: Fietzek & Rinderknecht, section V.
+    dt : float, s, optional
+        Given: gains for a torque held over dt, which place exp(pole·dt). Default: continuous time.
+
+    Raises
+    ------
+    InvalidInput
+        If there are not three poles, they are not conjugate, or one is not stable.
+    """
+    wanted = _checked_poles(poles)
+    a, b = drivetrain.linear()
+    if dt is not None:
+        a, b = zero_order_hold(a, b, dt)
+        wanted = np.exp(wanted * dt)
+    power, controllability, polynomial = np.eye(3), np.empty((3, 3)), np.zeros((3, 3))
+    coefficients = np.real(np.poly(wanted))[::-1]
+    for i in range(3):
+        controllability[:, i] = (power @ b)[:, 0]
+        polynomial += coefficients[i] * power
+        power = power @ a
+    polynomial += power
+    gain = np.linalg.solve(controllability.T, np.array([0.0, 0.0, 1.0])) @ polynomial
+    # In steady state all turns at the reference w: the motor brings k·twist, the load's friction, and its own.
+    k, viscous = drivetrain.stiffness, drivetrain.viscous
+    friction_gain = 1.0 + float(gain[0]) / k
+    prefilter = float(gain[1] + gain[2]) + drivetrain.viscous_motor + friction_gain * viscous
+    return StateFeedback(gain, prefilter, friction_gain)
+
+
+def pole_placement(
+    drivetrain: Drivetrain,
+    *,
+    poles: Sequence[complex] = (-400.0, -400.0, -400.0),
+    dt: float,
+    torque_limit: float = math.inf,
+    friction_compensation: FrictionCompensation = "estimated",
+) -> DiscreteSystem:
+    """Speed control of the load by feedback of the estimated **elastic** twist and speeds.
+
+    Feeding back the whole twist would let the load settle below the set-point, because backlash/2 times its gain
+    is a constant torque. The gains are those for a held torque (``state_feedback`` with dt).
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Two masses.
+    poles : three numbers, 1/s
+    dt : float, s
+    torque_limit : float, Nm
+        inf: no limit.
+    friction_compensation : {"estimated", "reference", "none"}
+        Which load friction is compensated: the observer's estimate, which rests between the levels while the
+        load sticks and therefore cannot chatter; or the Coulomb level in the direction of the set-point, linear
+        within ±0.1 rad/s. Coulomb friction of the motor goes by the direction of the set-point in both.
+
+    Returns
+    -------
+    DiscreteSystem
+        Inputs speed_reference, twist_elastic_estimated, speed_motor_estimated, speed_load_estimated and, with
+        "estimated", friction_load_estimated; output torque_motor.
+
+    Raises
+    ------
+    InvalidInput
+        See ``state_feedback``; also for an unknown friction_compensation or a torque limit that is not positive.
+    """
+    if friction_compensation not in ("estimated", "reference", "none"):
+        raise InvalidInput(
+            "friction_compensation",
+            repr(friction_compensation),
+            "estimated, reference or none",
+            "Choose one.",
+        )
+    if not torque_limit > 0.0:
+        raise InvalidInput(
+            "torque_limit", repr(torque_limit), "a positive number in Nm", "Use inf for no limit."
+        )
+    design = state_feedback(drivetrain, poles, dt)
+    inputs = ["speed_reference", "twist_elastic_estimated", "speed_motor_estimated", "speed_load_estimated"]
+    row = [design.prefilter, *(-design.gain)]
+    if friction_compensation == "estimated":
+        inputs.append("friction_load_estimated")
+        # The prefilter carries the viscous part, so the estimate gives its Coulomb part alone.
+        row[3] -= design.friction_gain * drivetrain.viscous
+        row.append(design.friction_gain)
+    curves = []
+    levels = _levels_by_reference(drivetrain, design.friction_gain, friction_compensation)
+    if max(levels) > 0.0:
+        curves.append(_direction(*levels))
+    direct = np.array([row])
+    by_reference = np.eye(1, len(inputs))
+    n = len(curves)
+    if math.isinf(torque_limit):
+        return DiscreteSystem(
+            inputs=inputs, outputs=("torque_motor",), dt=dt, name="pole_placement", curves=curves,
+            G=by_reference[:n], D=direct, J=np.ones((1, n)),
+        )  # fmt: skip
+    curves.append(saturation(torque_limit))
+    return DiscreteSystem(
+        inputs=inputs, outputs=("torque_motor",), dt=dt, name="pole_placement", curves=curves,
+        G=np.vstack([by_reference[:n], direct]), H=np.eye(n + 1, k=-1), J=np.eye(1, n + 1, n),
+    )  # fmt: skip
+
+
+def _checked_poles(poles: Sequence[complex]) -> NDArray[np.complex128]:
+    values = np.array(poles, dtype=complex).ravel()
+    conjugate = np.allclose(np.sort_complex(values), np.sort_complex(values.conj()), rtol=1e-9, atol=0.0)
+    if values.size != 3 or not np.all(np.isfinite(values)) or not conjugate or np.any(values.real >= 0.0):
+        raise InvalidInput(
+            "poles",
+            f"{list(poles)!r}",
+            "three numbers with negative real parts in 1/s, complex ones in conjugate pairs",
+            "For example (-400, -400, -400).",
+        )
+    return values
+
+
+def _levels_by_reference(
+    drivetrain: Drivetrain, friction_gain: float, compensation: str
+) -> tuple[float, float]:
+    """Torque (Nm) to add at positive set-points and to take off at negative ones."""
+    if compensation == "none":
+        return 0.0, 0.0
+    motor, load = drivetrain.frictions
+    share = friction_gain if compensation == "reference" else 0.0
+    return motor.coulomb_plus + share * load.coulomb_plus, motor.coulomb_minus + share * load.coulomb_minus
+
+
+def _direction(plus: float, minus: float) -> PiecewiseLinear:
+    """−minus for negative set-points, plus for positive ones, zero at zero."""
+    return PiecewiseLinear(((-REFERENCE_BAND, -minus), (0.0, 0.0), (REFERENCE_BAND, plus)))

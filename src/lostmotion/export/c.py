@@ -1,0 +1,250 @@
+"""C99 code of a discrete law: header, source, a test that replays vectors, and a README."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..recording import unit_of
+from ..systems import DiscreteSystem
+
+#: Options under which the code compiles without a warning, and gives the same bits as the Python law.
+C_FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Werror",
+    "-ffp-contract=off",
+)
+
+#: Largest difference, relative to the largest output, up to which a check passes in single precision (chosen: a
+#: thousand roundings of 6e-8). In double precision not a bit may differ.
+FLOAT_TOLERANCE = 1e-4
+
+_FILES = {"law.h.jinja": ".h", "law.c.jinja": ".c", "law_test.c.jinja": "_test.c"}
+
+# C99 keywords that are valid Python identifiers.
+_KEYWORDS = frozenset(
+    "auto break case char const continue default do double else enum extern float for goto if inline int long "
+    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile "
+    "while".split()
+)
+
+
+@dataclass(frozen=True)
+class ExportCheck:
+    """What compiling and running the exported code gave.
+
+    ``max_difference`` is the largest absolute difference from the test vectors, None if there was nothing to
+    compare; ``passed`` says whether it is small enough (zero in double precision); ``message`` says what went
+    wrong, or why the check was skipped; ``compiler`` is None where there is none.
+    """
+
+    max_difference: float | None
+    compiler: str | None
+    passed: bool
+    message: str = ""
+
+    @property
+    def skipped(self) -> bool:
+        return self.compiler is None
+
+
+def c(
+    law: DiscreteSystem,
+    folder: str | os.PathLike[str],
+    name: str = "law",
+    real: Literal["double", "float"] = "double",
+    *,
+    vectors: int = 400,
+    seed: int = 1,
+) -> tuple[Path, ...]:
+    """Write a law as C99: no heap, no library, one typedef for the number type.
+
+    Parameters
+    ----------
+    law : DiscreteSystem
+        Its input and output names must be C identifiers.
+    folder : path
+        Made if it is missing; files of the same names are replaced.
+    name : str
+        C identifier: the files are NAME.h, NAME.c, NAME_test.c and README.md, the functions NAME_init and
+        NAME_step.
+    real : {"double", "float"}
+        Number type of the typedef NAME_real.
+    vectors : int
+        Samples in the test: random inputs, with drop-outs (NaN, infinity, absurd values) among them.
+    seed : int
+        Seed of the test inputs.
+
+    Returns
+    -------
+    tuple of Path
+        The files written.
+
+    Raises
+    ------
+    InvalidInput
+        If a name is no C identifier, ``real`` is unknown, or vectors < 2.
+    """
+    _check(law, name, real, vectors)
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    context = _context(law, name, real)
+    inputs, outputs, faults = _vectors(law, vectors, seed)
+    context["vector_inputs"] = [[_vector(v) for v in row] for row in inputs]
+    context["vector_outputs"] = [[_vector(v) for v in row] for row in outputs]
+    context["vector_faults"] = faults.tolist()
+    targets = {template: f"{name}{ending}" for template, ending in _FILES.items()}
+    written = []
+    for template, file_name in {**targets, "README.md.jinja": "README.md"}.items():
+        path = folder / file_name
+        path.write_text(_environment().get_template(template).render(context), encoding="utf-8")
+        written.append(path)
+    return tuple(written)
+
+
+def compile_and_check(folder: str | os.PathLike[str], name: str = "law") -> ExportCheck:
+    """Compile the exported law with the system's C compiler, replay its vectors, and report the difference.
+
+    A missing compiler, a failed compilation and a difference are results, not exceptions; compiled files go to
+    a temporary folder. The environment variable CC is respected, else cc, gcc and clang are tried.
+    """
+    compiler = next(
+        (p for p in map(shutil.which, (os.environ.get("CC") or "cc", "cc", "gcc", "clang")) if p), None
+    )
+    if compiler is None:
+        return ExportCheck(None, None, False, "no C compiler (cc, gcc, clang) found")
+    folder = Path(folder).resolve()
+    with tempfile.TemporaryDirectory() as scratch:
+        program = Path(scratch) / "law_test"
+        sources = [str(folder / f"{name}.c"), str(folder / f"{name}_test.c")]
+        built = _run([compiler, *C_FLAGS, "-o", str(program), *sources])
+        if built.returncode != 0:
+            return ExportCheck(None, compiler, False, f"does not compile: {built.stderr.strip()}")
+        ran = _run([str(program)])
+    found = re.search(r"max_difference (\S+) of (\S+) real_size (\d+) faults_differ (\d+)", ran.stdout)
+    if ran.returncode != 0 or not found:
+        return ExportCheck(None, compiler, False, f"the test stopped: {ran.stdout}{ran.stderr}")
+    difference, largest = float(found[1]), float(found[2])
+    allowed = 0.0 if int(found[3]) >= 8 else FLOAT_TOLERANCE * largest
+    passed = difference <= allowed and int(found[4]) == 0
+    return ExportCheck(
+        difference, compiler, passed, "" if passed else f"outputs differ: {ran.stdout.strip()}"
+    )
+
+
+def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
+    try:
+        return subprocess.run(command, capture_output=True, text=True, timeout=120.0, check=False)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return subprocess.CompletedProcess(command, 1, "", str(error))
+
+
+def _check(law: DiscreteSystem, name: str, real: str, vectors: int) -> None:
+    for identifier in (name, *law.inputs, *law.outputs):
+        if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier) or identifier in _KEYWORDS:
+            raise InvalidInput("export.c", repr(identifier), "a C identifier", "Rename it with renamed().")
+    if real not in ("double", "float"):
+        raise InvalidInput("export.c: real", repr(real), "double or float", "Choose one.")
+    if vectors < 2:
+        raise InvalidInput("export.c: vectors", repr(vectors), "at least 2", "Take the default.")
+
+
+def _vectors(
+    law: DiscreteSystem, n: int, seed: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+    """Random inputs in runs of ten samples, one value in forty bad, and what the Python law makes of them.
+
+    The values are exact in single precision, so that the float code is compared on the very same inputs.
+    """
+    from ..kernels.law import law_run
+
+    rng = np.random.default_rng(seed)
+    inputs = np.repeat(rng.normal(size=(-(-n // 10), len(law.inputs))), 10, axis=0)[:n]
+    inputs = (inputs + 0.1 * rng.normal(size=inputs.shape)).astype(np.float32).astype(np.float64)
+    bad = rng.random(inputs.shape) < 1.0 / 40.0
+    inputs[bad] = rng.choice([np.nan, np.inf, -np.inf, 2e30], size=inputs.shape)[bad]
+    state = np.concatenate([law.initial_state, np.zeros(len(law.inputs))])
+    outputs, faults = law_run(law.tables(), state, inputs)
+    return inputs, outputs, faults
+
+
+def _vector(value: float) -> str:
+    if np.isnan(value):
+        return "NAN"
+    if np.isinf(value):
+        return "INFINITY" if value > 0 else "-INFINITY"
+    return repr(float(value))
+
+
+def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
+    symbols = [
+        *(f"x{i}" for i in range(len(law.states))),
+        *(f"u{i}" for i in range(len(law.inputs))),
+        *(f"w{i}" for i in range(len(law.curves))),
+    ]
+
+    def terms(matrix: NDArray[np.float64]) -> list[list[tuple[str, str]]]:
+        return [[(repr(float(row[j])), symbols[j]) for j in np.flatnonzero(row)] for row in matrix]
+
+    curves = []
+    for curve in law.curves:
+        # Each segment: upper end (None for the last), then the value and slope at its anchor.
+        anchors = (curve.points[0], *curve.points)
+        ends: list[float | None] = [*(z for z, _ in curve.points), None]
+        curves.append(
+            [
+                (None if end is None else repr(end), repr(w), repr(s), repr(z))
+                for end, (z, w), s in zip(ends, anchors, curve.slopes, strict=True)
+            ]
+        )
+    rows = {
+        "z_rows": terms(np.hstack([law.F, law.G, law.H])),
+        "y_rows": terms(np.hstack([law.C, law.D, law.J])),
+        "x_rows": terms(np.hstack([law.A, law.B, law.E])),
+    }
+    used = {symbol for block in rows.values() for row in block for _, symbol in row}
+    return {
+        **rows,
+        "unused": [symbol for symbol in symbols if symbol not in used],
+        "name": name,
+        "guard": f"{name.upper()}_H",
+        "real": real,
+        "flags": " ".join(C_FLAGS),
+        "law_name": law.name.replace("*/", "* /"),
+        "dt": repr(law.dt),
+        "inputs": [(n, unit_of(n)) for n in law.inputs],
+        "outputs": [(n, unit_of(n)) for n in law.outputs],
+        "states": law.states,
+        "initial_state": [repr(float(v)) for v in law.initial_state],
+        "curves": curves,
+    }
+
+
+def _environment() -> Any:
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+    folder = resources.files(__package__) / "templates"
+    return Environment(
+        loader=FunctionLoader(lambda file_name: (folder / file_name).read_text(encoding="utf-8")),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
