@@ -59,8 +59,8 @@ def read_recording(
     -------
     Recording
         SI; origin ``measured`` or ``derived``. ``meta`` holds ``file``, ``sha256``, ``sources``, ``problems``
-        (the warnings), ``count_averaged``, and for each derived speed how it was made. A speed that is missing
-        where the angle is there is the difference over the last sample; the first row has none and is left out.
+        (the warnings), ``count_averaged``, and for each derived speed how it was made. A speed that is
+        missing is the difference of its angle over the last sample; the first row has none and is left out.
 
     Raises
     ------
