@@ -1,0 +1,147 @@
+"""What is wrong with a recording, and what a user should know about an identification."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drivetrain import PARAMETER_UNITS, Drivetrain
+from ..errors import InvalidInput, Problem
+from ..recording import Recording
+from .result import Prediction
+
+#: Largest deviation of a time step from the mean step.
+RASTER = 0.05
+
+#: Correlation above which two parameters can hardly be told apart (chosen).
+CORRELATED = 0.98
+
+#: A value off the nameplate by more than this factor is worth a second look (the start's stated limit).
+FAR = 2.0
+
+#: A torsional mode needs this many samples per period for the observer's discretisation (chosen).
+SAMPLES_PER_PERIOD = 15.0
+
+_EXCITE = {
+    "backlash": "Record reversals of the shaft torque: torque of both signs at steady speed.",
+    "stiffness": "Record torque with content near the zero and the pole of the drivetrain.",
+    "damping": "Record torque with content near the pole, with the gap closed.",
+    "coulomb": "Record steady speeds in both directions.",
+    "viscous": "Record two speed levels in each direction, far apart.",
+    "lag": "Record torque with content above the pole.",
+}
+
+
+def check_recording(recording: Recording, min_rows: int, min_time: float) -> None:
+    """Raise InvalidInput for what no identification can work with."""
+    for name in ("torque_motor", "speed_motor"):
+        values = recording[name]
+        if not np.all(np.isfinite(values)):
+            row = int(np.argmin(np.isfinite(values)))
+            raise InvalidInput(
+                f"recording {name}", f"{values[row]} in row {row}", "finite numbers", "Cut it out or repair it."
+            )
+        if np.ptp(values) == 0.0:
+            raise InvalidInput(
+                f"recording {name}", f"{values[0]} throughout", "a moving signal", "Check the channel, or excite it."
+            )
+    seconds = recording.dt * len(recording)
+    if len(recording) < min_rows or seconds < min_time:
+        raise InvalidInput(
+            "recording",
+            f"{len(recording)} rows, {seconds:g} s",
+            f"at least {min_rows} rows and {min_time:g} s",
+            "Record longer: 10 s at 10 kHz are good.",
+        )
+    worst = float(np.max(np.abs(np.diff(recording.time) / recording.dt - 1.0)))
+    if worst > RASTER:
+        raise InvalidInput(
+            "recording.time", f"steps up to {100 * worst:.3g} % off", "a uniform raster within 5 %", "Resample it."
+        )
+
+
+def is_quantised(speed: NDArray[np.float64]) -> bool:
+    """Whether a speed takes only multiples of one step, as the count difference of an encoder does."""
+    levels = np.unique(speed[:20000])
+    if levels.size < 3:
+        return False
+    steps = np.diff(levels)
+    step = float(np.median(steps[steps < 1.5 * np.min(steps[steps > 1e-9 * np.max(np.abs(levels))], initial=np.inf)]))
+    counts = levels / step if step > 0.0 else np.full(1, 0.5)
+    return bool(np.max(np.abs(counts - np.round(counts))) < 0.02)
+
+
+def warnings(
+    start: Drivetrain,
+    found: Drivetrain,
+    sources: Mapping[str, str],
+    names: tuple[str, ...],
+    covariance: NDArray[np.float64],
+    prediction: Prediction,
+    converged: bool,
+) -> tuple[Problem, ...]:
+    """Warnings about the result, each with a remedy."""
+    problems = [_not_excited(name, start) for name, source in sources.items() if source == "not excited"]
+    problems += [_far(name, start, found) for name in names if _is_far(name, start, found)]
+    problems += _correlated(names, covariance)
+    if not converged:
+        problems.append(
+            Problem(
+                "warning", "identification", "a fit that was still moving", "convergence",
+                "Check the nameplate values and the sign of the torque.",
+            )
+        )  # fmt: skip
+    if prediction.unmodelled_frequency is not None:
+        problems.append(
+            Problem(
+                "warning", "identification", f"a mode at {prediction.unmodelled_frequency:.0f} Hz in the innovations",
+                "two masses", "The intervals allow for it. Excite less of it for narrower ones.",
+            )
+        )  # fmt: skip
+    samples = 1.0 / (found.pole_frequency * float(np.mean(np.diff(prediction.time))))
+    if samples < SAMPLES_PER_PERIOD:
+        problems.append(
+            Problem(
+                "warning", "recording.time", f"{samples:.1f} samples per period of the torsional mode",
+                f"at least {SAMPLES_PER_PERIOD:.0f}", "Record at a higher rate.",
+            )
+        )  # fmt: skip
+    return tuple(problems)
+
+
+def _not_excited(name: str, start: Drivetrain) -> Problem:
+    value = f"{getattr(start, name):g} {PARAMETER_UNITS[name]}"
+    return Problem(
+        "warning", name, "a recording that does not tell it", "excitation",
+        f"{_EXCITE.get(name, 'Record more torque.')} The nameplate's {value} is used instead.",
+    )  # fmt: skip
+
+
+def _is_far(name: str, start: Drivetrain, found: Drivetrain) -> bool:
+    before, after = getattr(start, name), getattr(found, name)
+    # Damping, viscous friction and lag are rarely on a nameplate; what is there is a guess.
+    rough = name in ("damping", "viscous", "lag")
+    return not rough and before > 0.0 and not before / FAR <= after <= before * FAR
+
+
+def _far(name: str, start: Drivetrain, found: Drivetrain) -> Problem:
+    unit = PARAMETER_UNITS[name]
+    return Problem(
+        "warning", name, f"{getattr(found, name):.4g} {unit}",
+        f"within a factor of two of the nameplate's {getattr(start, name):.4g} {unit}",
+        "Check the nameplate, and scale and unit of the torque.",
+    )  # fmt: skip
+
+
+def _correlated(names: tuple[str, ...], covariance: NDArray[np.float64]) -> list[Problem]:
+    deviation = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(deviation, deviation)
+    return [
+        Problem(
+            "warning", f"{names[i]} and {names[j]}", f"a correlation of {correlation[i, j]:.3f}",
+            f"below {CORRELATED}", "Only a combination is known well; fix one of them from the nameplate.",
+        )
+        for i in range(len(names)) for j in range(i) if abs(correlation[i, j]) > CORRELATED
+    ]  # fmt: skip

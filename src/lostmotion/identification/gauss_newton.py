@@ -1,0 +1,92 @@
+"""Levenberg–Marquardt with bounds on the step and on the number of iterations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Largest step in a logarithm: a factor of two (chosen; larger ones jump over valleys of a cost with a gap).
+LARGEST_STEP = 0.7
+
+#: A step is the last one when all its logarithms move by less than this (chosen: a fiftieth of an interval).
+SMALLEST_STEP = 2e-4
+
+#: Or when it lowers the cost by less than this fraction (chosen).
+SMALLEST_GAIN = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Minimum found: parameters, residual (n,), its sum of squares, iterations, and whether it converged."""
+
+    theta: Array
+    residual: Array
+    cost: float
+    iterations: int
+    converged: bool
+
+
+def minimise(
+    residual: Callable[[Array], Array],
+    jacobian: Callable[[Array, Array], Array],
+    theta: Array,
+    free: list[int],
+    lower: Array,
+    upper: Array,
+    iterations: int,
+) -> Fit:
+    """Lower the sum of squares of ``residual(theta)`` over the ``free`` entries of theta.
+
+    Parameters
+    ----------
+    residual : theta → (n,)
+    jacobian : theta, residual → (len(free), n)
+    lower, upper : arrays like theta
+        Steps are cut at these bounds.
+    iterations : int
+        At most so many steps.
+    """
+    fit = Fit(theta.copy(), *_evaluate(residual, theta), 0, False)
+    damping = 1e-3
+    for count in range(1, iterations + 1):
+        j = jacobian(fit.theta, fit.residual)
+        hessian, gradient = j @ j.T, j @ fit.residual
+        for _ in range(6):
+            trial = fit.theta.copy()
+            trial[free] += _step(hessian, gradient, damping)
+            trial = np.clip(trial, lower, upper)
+            r, cost = _evaluate(residual, trial)
+            if cost < fit.cost:
+                break
+            damping = max(8.0 * damping, 1e-4)
+        else:
+            return Fit(fit.theta, fit.residual, fit.cost, count, _is_flat(hessian, gradient, fit.cost))
+        small = np.max(np.abs(trial - fit.theta)) < SMALLEST_STEP or fit.cost - cost < SMALLEST_GAIN * fit.cost
+        damping = max(damping / 8.0, 1e-8)
+        fit = Fit(trial, r, cost, count, bool(small))
+        if small:
+            break
+    return fit
+
+
+def _evaluate(residual: Callable[[Array], Array], theta: Array) -> tuple[Array, float]:
+    r = residual(theta)
+    cost = float(r @ r)
+    return r, cost if np.isfinite(cost) else np.inf
+
+
+def _step(hessian: Array, gradient: Array, damping: float) -> Array:
+    diagonal = np.diag(hessian)
+    weight = np.diag(damping * diagonal + 1e-12 * np.max(diagonal) + 1e-300)
+    return np.asarray(np.clip(-np.linalg.solve(hessian + weight, gradient), -LARGEST_STEP, LARGEST_STEP))
+
+
+def _is_flat(hessian: Array, gradient: Array, cost: float) -> bool:
+    """Whether a full Gauss–Newton step promises less than a thousandth of the cost."""
+    promised = float(gradient @ np.linalg.lstsq(hessian, gradient, rcond=1e-12)[0])
+    return promised < 1e-3 * cost

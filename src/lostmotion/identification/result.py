@@ -1,0 +1,79 @@
+"""What an identification found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drivetrain import Drivetrain
+from ..errors import Problem
+
+Source = Literal["identified", "nameplate", "not excited"]
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """How the fitted observer predicts the motor speed, one sample ahead.
+
+    Parameters
+    ----------
+    time, speed_motor, residual : (n,) arrays
+        s; predicted speed and innovation (measured − predicted), rad/s.
+    rms : float, rad/s
+        Root mean square of the innovations, without the first tenth of a second.
+    fit : float
+        1 − rms / standard deviation of the measured speed.
+    iterations : int
+        Gauss–Newton steps over the whole recording.
+    unmodelled_frequency : float, optional, Hz
+        Peak of the innovations' spectrum above the torsional mode, if one stands out.
+    """
+
+    time: NDArray[np.float64]
+    speed_motor: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    rms: float
+    fit: float
+    iterations: int
+    unmodelled_frequency: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """An identified two-mass drivetrain and how well it is known.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Contact "viscoelastic". What was not identified has its nameplate value here.
+    values : mapping of name → float or None
+        Identified and nameplate values, SI; None where the recording does not excite the parameter.
+    intervals : mapping of name → (low, high)
+        95 % intervals of the identified parameters.
+    sources : mapping of name → {"identified", "nameplate", "not excited"}
+    problems : tuple of Problem
+        Warnings, each with a remedy.
+    prediction : Prediction
+    names : tuple of str
+        Identified parameters in the order of ``covariance``.
+    covariance : (m, m) array
+        Of the logarithms of the parameters (of lag + sample time for the lag); statistical part alone.
+    """
+
+    drivetrain: Drivetrain
+    values: Mapping[str, float | None]
+    intervals: Mapping[str, tuple[float, float]]
+    sources: Mapping[str, Source]
+    problems: tuple[Problem, ...]
+    prediction: Prediction
+    names: tuple[str, ...] = ()
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+
+    def __post_init__(self) -> None:
+        for name in ("values", "intervals", "sources"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

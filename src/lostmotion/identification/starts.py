@@ -1,0 +1,117 @@
+"""Start values: from the nameplate, and from the recording where that tells more than a nameplate."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drivetrain import Drivetrain
+from .gauss_newton import minimise
+from .predictor import NAMES, Bandwidth, Predictor, to_theta
+
+Array = NDArray[np.float64]
+
+#: Factors on the nameplate that the first search tries (chosen: a factor of two either way, in steps of √2).
+FACTORS = (0.5, 0.71, 1.0, 1.41, 2.0)
+
+#: Factors on torque / stiffness that it tries for a backlash without a nameplate (chosen).
+BACKLASH_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0)
+
+#: Length of the piece of the recording that the search runs over, s, and rows at least (chosen).
+SEARCH_TIME, SEARCH_ROWS = 3.0, 5000
+
+#: Points of the search from which a short fit starts (chosen).
+CANDIDATES = 3
+
+#: Damping ratio where the nameplate has no damping (Fietzek & Rinderknecht, section II).
+DAMPING_RATIO = 0.02
+
+#: Upper edge of the band in which the drivetrain turns as one rigid body, Hz (chosen: well below every zero).
+RIGID_BAND = 8.0
+
+
+def rigid_body(torque: Array, speed: Array, dt: float) -> tuple[float, float, float]:
+    """Total inertia, Coulomb and viscous friction from torque = J·acceleration + M_c·sgn(speed) + d_v·speed.
+
+    Least squares below ``RIGID_BAND``, where neither the shaft nor the gap matters.
+    """
+    from scipy.signal import butter, sosfiltfilt
+
+    low = butter(2, min(RIGID_BAND, 0.1 / dt), fs=1.0 / dt, output="sos")
+    u, w = sosfiltfilt(low, torque), sosfiltfilt(low, speed)
+    columns = np.column_stack([np.gradient(w, dt), np.sign(w), w])
+    every = max(1, int(0.005 / dt))
+    inertia, coulomb, viscous = np.linalg.lstsq(columns[::every], u[::every], rcond=None)[0]
+    return float(inertia), float(coulomb), float(viscous)
+
+
+def complete(start: Drivetrain, predictor: Predictor, fixed: Collection[str]) -> tuple[Array, float]:
+    """Parameter vector with a value for everything, and the total inertia that the recording shows.
+
+    Friction comes from the recording where it tells. What the nameplate leaves at zero gets: damping ratio 0.02,
+    friction of 1 % of the motor torque, a lag of two samples, a backlash of torque / stiffness.
+    """
+    inertia, coulomb, viscous = rigid_body(predictor.torque, predictor.speed, predictor.dt)
+    values = {name: getattr(start, name) for name in NAMES}
+    force = float(np.std(predictor.torque))
+    fastest = float(np.max(np.abs(predictor.speed)))
+    guesses = {
+        "coulomb": coulomb if coulomb > 0.0 else values["coulomb"] or 0.01 * force,
+        "viscous": viscous if viscous > 0.0 else values["viscous"] or 0.01 * force / fastest,
+        "damping": values["damping"] or DAMPING_RATIO * start.stiffness / (np.pi * start.pole_frequency),
+        "backlash": values["backlash"] or force / start.stiffness,
+        "lag": values["lag"] or 2.0 * predictor.dt,
+    }
+    values.update({name: value for name, value in guesses.items() if name not in fixed})
+    rigid = start.inertia_total
+    return to_theta([values[n] for n in NAMES], predictor.dt), inertia if 0.3 < inertia / rigid < 3.0 else rigid
+
+
+def search(
+    theta: Array, total: float, predictor: Predictor, start: Drivetrain, fixed: Collection[str], bandwidth: Bandwidth
+) -> Array:
+    """The best of a grid over motor inertia, stiffness and backlash, each point with the given total inertia."""
+    factors = {
+        "inertia_motor": FACTORS,
+        "stiffness": FACTORS,
+        "backlash": FACTORS if start.backlash > 0.0 else BACKLASH_FACTORS,
+    }
+    grid = [(1.0,) if name in fixed else values for name, values in factors.items()]
+    points = [theta]
+    for motor, stiffness, backlash in product(*grid):
+        point = theta.copy()
+        point[[0, 2, 4]] += np.log([motor, stiffness, backlash])
+        if np.exp(point[0]) < 0.8 * total and "inertia_load" not in fixed:
+            point[1] = np.log(total - np.exp(point[0]))
+        points.append(point)
+    part = predictor.part(_liveliest(predictor.torque, predictor.dt))
+    costs = [_cost(r) for r in part.residuals(points, bandwidth)]
+    free = [i for i in (0, 1, 2, 4, 5) if NAMES[i] not in fixed]
+    best = [points[i] for i in np.argsort(costs)[:CANDIDATES]]
+    if not free:
+        return best[0]
+    fits = [
+        minimise(
+            lambda t: part.residual(t, bandwidth),
+            lambda t, r: part.jacobian(t, bandwidth, free, r),
+            point, free, theta - np.log(20.0), theta + np.log(20.0), iterations=10,
+        )
+        for point in best
+    ]  # fmt: skip
+    return min(fits, key=lambda fit: fit.cost).theta
+
+
+def _cost(residual: Array) -> float:
+    cost = float(residual @ residual)
+    return cost if np.isfinite(cost) else np.inf
+
+
+def _liveliest(torque: Array, dt: float) -> slice:
+    """The piece of ``SEARCH_TIME`` with the greatest torque variance."""
+    rows = min(torque.size, max(SEARCH_ROWS, int(SEARCH_TIME / dt)))
+    starts = np.arange(0, torque.size - rows + 1, max(1, rows // 10))
+    first = int(starts[np.argmax([np.var(torque[i : i + rows]) for i in starts])])
+    return slice(first, first + rows)
