@@ -1,8 +1,10 @@
-"""PI speed controller on the motor speed, as frequency converters have it, with torque limit and anti-windup."""
+"""PI speed controller on the motor speed, as in frequency converters, with torque limit and anti-windup."""
 
 from __future__ import annotations
 
 import math
+
+import numpy as np
 
 from ..curves import saturation
 from ..errors import InvalidInput
@@ -18,16 +20,16 @@ def pi(*, dt: float, kp: float = 10.0, ki: float = 20.0, torque_limit: float = m
         torque_motor = clip(integral + kp·e, ±torque_limit)
         integral⁺ = integral + dt·ki·(kp·e + torque_motor − (integral + kp·e))
 
-    The last difference is the anti-windup by back-calculation: it is zero within the limit, and beyond it leads
-    the integral back with the time constant 1/ki of the controller's own zero (chosen).
+    The last difference is the anti-windup by back-calculation: it is zero within the limit, and beyond it
+    leads the integral back with the time constant 1/ki of the controller's own zero (chosen).
 
     Parameters
     ----------
     dt : float, s
     kp : float, Nm s/rad
     ki : float, 1/s
-        Relative to kp: the integral gain is ki·kp. Defaults: reading of Fietzek & Rinderknecht, Table II, that
-        fits their Fig. 12 (kp 10 Nm s/rad, ki 20 1/s, so 200 Nm/rad).
+        Relative to kp: the integral gain is ki·kp. Defaults: reading of Fietzek & Rinderknecht, Table II,
+        that fits their Fig. 12 (kp 10 Nm s/rad, ki 20 1/s, so 200 Nm/rad).
     torque_limit : float, Nm
         inf: no limit, and no anti-windup.
 
@@ -46,15 +48,15 @@ def pi(*, dt: float, kp: float = 10.0, ki: float = 20.0, torque_limit: float = m
             raise InvalidInput(f"pi.{name}", repr(value), "a positive number in SI units", "Check the unit.")
     if not 0.0 <= ki * dt < 1.0:
         raise InvalidInput("pi.ki", f"{ki!r} 1/s", f"zero up to 1/dt = {1.0 / dt:g} 1/s", "Lower ki or dt.")
-    error, step = [kp, -kp], dt * ki
-    names = {"inputs": ("speed_reference", "speed_motor"), "outputs": ("torque_motor",)}
+    proportional, step, one = np.array([[kp, -kp]]), dt * ki, np.ones((1, 1))
+    names, states = ("speed_reference", "speed_motor"), ("torque_integral",)
     if math.isinf(torque_limit):
         return DiscreteSystem(
-            **names, states=("torque_integral",), dt=dt, name="pi",
-            A=[[1.0]], B=[[step * kp, -step * kp]], C=[[1.0]], D=[error],
+            inputs=names, outputs=("torque_motor",), states=states, dt=dt, name="pi",
+            A=one, B=step * proportional, C=one, D=proportional,
         )  # fmt: skip
     # With z = integral + kp·e the update is integral + dt·ki·(w − integral): the proportional parts cancel.
     return DiscreteSystem(
-        **names, states=("torque_integral",), dt=dt, name="pi", curves=(saturation(torque_limit),),
-        F=[[1.0]], G=[error], J=[[1.0]], A=[[1.0 - step]], E=[[step]],
+        inputs=names, outputs=("torque_motor",), states=states, dt=dt, name="pi",
+        curves=(saturation(torque_limit),), F=one, G=proportional, J=one, A=(1.0 - step) * one, E=step * one,
     )  # fmt: skip

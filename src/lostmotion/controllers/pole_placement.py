@@ -1,4 +1,4 @@
-"""State feedback by pole placement, with prefilter and Coulomb compensation (Fietzek & Rinderknecht, section V)."""
+"""State feedback by pole placement, prefilter, Coulomb compensation (Fietzek & Rinderknecht, section V)."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ REFERENCE_BAND = 0.1
 
 @dataclass(frozen=True, eq=False)
 class StateFeedback:
-    """torque = −gain·(twist, speed_motor, speed_load) + prefilter·speed_reference + friction_gain·friction_load.
+    """torque = −gain·(twist, speed_motor, speed_load) + prefilter·speed_reference +
+    friction_gain·friction_load.
 
-    ``gain`` is a (3,) array in Nm/rad and Nm s/rad, ``prefilter`` in Nm s/rad, ``friction_gain`` without unit:
-    a constant friction torque of the load times this leaves its speed unchanged in steady state.
+    ``gain`` is a (3,) array in Nm/rad and Nm s/rad, ``prefilter`` in Nm s/rad, ``friction_gain`` without
+    unit: a constant friction torque of the load times this leaves its speed unchanged in steady state.
     """
 
     gain: NDArray[np.float64]
@@ -37,7 +38,8 @@ class StateFeedback:
 def state_feedback(
     drivetrain: Drivetrain, poles: Sequence[complex] = (-400.0, -400.0, -400.0), dt: float | None = None
 ) -> StateFeedback:
-    """Gains that place the three poles of the two-mass drivetrain with the gap closed, by Ackermann's formula.
+    """Gains that place the three poles of the two-mass drivetrain with the gap closed, by Ackermann's
+    formula.
 
     Parameters
     ----------
@@ -66,7 +68,8 @@ def state_feedback(
         power = power @ a
     polynomial += power
     gain = np.linalg.solve(controllability.T, np.array([0.0, 0.0, 1.0])) @ polynomial
-    # In steady state all turns at the reference w: the motor brings k·twist, the load's friction, and its own.
+    # In steady state all turns at the reference w: the motor brings k·twist, the load's friction, and its
+    # own.
     k, viscous = drivetrain.stiffness, drivetrain.viscous
     friction_gain = 1.0 + float(gain[0]) / k
     prefilter = float(gain[1] + gain[2]) + drivetrain.viscous_motor + friction_gain * viscous
@@ -83,8 +86,8 @@ def pole_placement(
 ) -> DiscreteSystem:
     """Speed control of the load by feedback of the estimated **elastic** twist and speeds.
 
-    Feeding back the whole twist would let the load settle below the set-point, because backlash/2 times its gain
-    is a constant torque. The gains are those for a held torque (``state_feedback`` with dt).
+    Feeding back the whole twist would let the load settle below the set-point, because backlash/2 times its
+    gain is a constant torque. The gains are those for a held torque (``state_feedback`` with dt).
 
     Parameters
     ----------
@@ -96,8 +99,9 @@ def pole_placement(
         inf: no limit.
     friction_compensation : {"estimated", "reference", "none"}
         Which load friction is compensated: the observer's estimate, which rests between the levels while the
-        load sticks and therefore cannot chatter; or the Coulomb level in the direction of the set-point, linear
-        within ±0.1 rad/s. Coulomb friction of the motor goes by the direction of the set-point in both.
+        load sticks and therefore cannot chatter; or the Coulomb level in the direction of the set-point,
+        linear within ±0.1 rad/s. Coulomb friction of the motor goes by the direction of the set-point in
+        both.
 
     Returns
     -------
@@ -108,7 +112,8 @@ def pole_placement(
     Raises
     ------
     InvalidInput
-        See ``state_feedback``; also for an unknown friction_compensation or a torque limit that is not positive.
+        See ``state_feedback``; also for an unknown friction_compensation or a torque limit that is not
+        positive.
     """
     if friction_compensation not in ("estimated", "reference", "none"):
         raise InvalidInput(
@@ -138,12 +143,12 @@ def pole_placement(
     n = len(curves)
     if math.isinf(torque_limit):
         return DiscreteSystem(
-            inputs=inputs, outputs=("torque_motor",), dt=dt, name="pole_placement", curves=curves,
-            G=by_reference[:n], D=direct, J=np.ones((1, n)),
+            inputs=tuple(inputs), outputs=("torque_motor",), dt=dt, name="pole_placement",
+            curves=tuple(curves), G=by_reference[:n], D=direct, J=np.ones((1, n)),
         )  # fmt: skip
     curves.append(saturation(torque_limit))
     return DiscreteSystem(
-        inputs=inputs, outputs=("torque_motor",), dt=dt, name="pole_placement", curves=curves,
+        inputs=tuple(inputs), outputs=("torque_motor",), dt=dt, name="pole_placement", curves=tuple(curves),
         G=np.vstack([by_reference[:n], direct]), H=np.eye(n + 1, k=-1), J=np.eye(1, n + 1, n),
     )  # fmt: skip
 

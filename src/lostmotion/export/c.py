@@ -31,17 +31,18 @@ C_FLAGS = (
     "-ffp-contract=off",
 )
 
-#: Largest difference, relative to the largest output, up to which a check passes in single precision (chosen: a
-#: thousand roundings of 6e-8). In double precision not a bit may differ.
+#: Largest difference, relative to the largest output, up to which a check passes in single precision (chosen:
+#: a thousand roundings of 6e-8). In double precision not a bit may differ.
 FLOAT_TOLERANCE = 1e-4
 
 _FILES = {"law.h.jinja": ".h", "law.c.jinja": ".c", "law_test.c.jinja": "_test.c"}
 
 # C99 keywords that are valid Python identifiers.
 _KEYWORDS = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long "
-    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile "
-    "while".split()
+    """auto break case char const continue default do double else enum extern float for goto if inline int
+    long
+    register restrict return short signed sizeof static struct switch typedef union unsigned void volatile
+    while""".split()  # noqa: SIM905
 )
 
 
@@ -121,8 +122,8 @@ def c(
 def compile_and_check(folder: str | os.PathLike[str], name: str = "law") -> ExportCheck:
     """Compile the exported law with the system's C compiler, replay its vectors, and report the difference.
 
-    A missing compiler, a failed compilation and a difference are results, not exceptions; compiled files go to
-    a temporary folder. The environment variable CC is respected, else cc, gcc and clang are tried.
+    A missing compiler, a failed compilation and a difference are results, not exceptions; compiled files go
+    to a temporary folder. The environment variable CC is respected, else cc, gcc and clang are tried.
     """
     compiler = next(
         (p for p in map(shutil.which, (os.environ.get("CC") or "cc", "cc", "gcc", "clang")) if p), None
