@@ -1,14 +1,21 @@
 """Exact event-driven simulation of a piecewise-linear plant: from event to event, no step size, no tolerance.
 
 The plant is a set of *modes*, each a linear system with constant inputs and a constant term. With
-s = [x, v, 1] (state, held inputs, one), a mode m gives
+s = [x, v, 1] (N states, M held inputs, one; C numbers in all), a mode gives
 
-- ``delta[m] @ s``          the change of x over one whole sample (exact),
-- ``rate[m] @ s``           dx/dt,
-- ``guard[m, e] @ s``       the guard function of element e (a shaft with backlash or a friction), which must stay in
-  [lower[m, e], upper[m, e]] while the mode lasts,
-- ``swing[m, e] @ |s|``     T²/2 · max |guard''| over the sample,
-- ``remainder[m, e] @ |s|`` T⁴/384 · max |guard''''|, the error of the cubic Hermite interpolation.
+- delta @ s        the change of x over one whole sample (exact),
+- rate @ s         dx/dt,
+
+and for each element e (a shaft with backlash, or a friction)
+
+- guard @ s        its guard function, which must stay within [lower, upper] while the mode lasts,
+- guard_rate @ s   T · d(guard)/dt,
+- swing @ |s|      T²/2 · max |second derivative of guard| over the sample,
+- remainder @ |s|  T⁴/384 · max |fourth derivative of guard|, the error of the cubic Hermite interpolation.
+
+One block of numbers holds all this for one mode: ``table[row]`` has N rows of delta, N of rate, then for each
+element the rows guard, guard_rate, swing, remainder and [lower, upper, 0 …], then one row [longest piece, order of
+the Taylor series, 0 …].
 
 Every element has one *digit*; its order is along the axis of its guard, so that leaving by the lower bound lowers the
 digit by one and leaving by the upper bound raises it by one (shaft: −, gap, +; friction: negative segments, stick,
@@ -29,6 +36,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 DONE, NEED_MODE, NEED_EVENT_SPACE, CHATTERING = 0, 1, 2, 3
 SHAFT, FRICTION = 0, 1
@@ -41,55 +49,64 @@ MAX_ORDER = 24
 EVENT_COLUMNS = 5  # time in samples, element, old digit, new digit, speed at the element
 
 
-class PlantTables(NamedTuple):
-    """All modes of a plant, see the module's description; axis 0 of the first nine is the mode's row."""
+#: Rows of `table` for each element, see the module's description.
+GUARD, GUARD_RATE, SWING, REMAINDER, BOUNDS, ELEMENT_ROWS = 0, 1, 2, 3, 4, 5
 
-    delta: Array  # (rows, N, C)
-    rate: Array  # (rows, N, C)
-    guard: Array  # (rows, E, C)
-    guard_rate: Array  # (rows, E, C), times T
-    lower: Array  # (rows, E)
-    upper: Array  # (rows, E)
-    swing: Array  # (rows, E, C)
-    remainder: Array  # (rows, E, C)
-    piece: Array  # (rows, 2): longest piece in s, order of the Taylor series
-    row: NDArray[np.int64]  # (modes,): row of each mode, −1 while it was never entered
-    radix: NDArray[np.int64]  # (E,): weight of each element's digit in the mode's number
-    kind: NDArray[np.int64]  # (E,): SHAFT or FRICTION
-    stick: NDArray[np.int64]  # (E,): digit of rest, −1 for shafts
+
+class PlantTables(NamedTuple):
+    """All modes of a plant, see the module's description."""
+
+    table: Array  # (rows, 2 N + 5 E + 1, C)
+    row: Indices  # (modes,): row of each mode, −1 while it was never entered
+    radix: Indices  # (E,): weight of each element's digit in the mode's number
+    kind: Indices  # (E,): SHAFT or FRICTION
+    stick: Indices  # (E,): digit of rest, −1 for shafts
     speed_row: Array  # (E, N): the speed that is reported with an event
-    reset_row: Array  # (E, 3, N + 1): for a digit 0, 1, 2 of a shaft: the value set on entering, see reset_slot
-    reset_slot: NDArray[np.int64]  # (E,): state that is set on entering a mode (rest: speed; physical: shaft angle)
+    reset_row: Array  # (E, 3, N + 1): for a shaft's digit 0, 1, 2: the value set on entering, see reset_slot
+    reset_slot: Indices  # (E,): state that is set on entering a mode (rest: speed; physical law: shaft angle)
+
+
+class Work(NamedTuple):
+    """Scratch of the kernels: change of the state, Taylor coefficients of the state and of one guard."""
+
+    change: Array  # (N,)
+    series: Array  # (MAX_ORDER + 1, N)
+    polynomial: Array  # (MAX_ORDER + 1,)
+
+
+def new_work(states: int) -> Work:
+    return Work(np.zeros(states), np.zeros((MAX_ORDER + 1, states)), np.zeros(MAX_ORDER + 1))
 
 
 _PLANT = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 
-@njit(forceinline=True, **_PLANT)
-def _mode_row(tb, digits, E):
+@njit(inline="always", **_PLANT)
+def mode_number(radix, digits, E):
     mode = 0
     for e in range(E):
-        mode += digits[e] * tb.radix[e]
-    return tb.row[mode]
+        mode += digits[e] * radix[e]
+    return mode
 
 
-@njit(forceinline=True, **_PLANT)
-def _quiet(tb, m, s, change, N, C, E):
+@njit(inline="always", **_PLANT)
+def _quiet(table, m, s, change, N, C, E):
     """True if no guard can leave its bounds in the whole sample; `change` becomes the state's change over it."""
     for i in range(N):
         total = 0.0
         for j in range(C):
-            total += tb.delta[m, i, j] * s[j]
+            total += table[m, i, j] * s[j]
         change[i] = total
     for e in range(E):
-        low, high = tb.lower[m, e], tb.upper[m, e]
+        at = 2 * N + ELEMENT_ROWS * e
+        low, high = table[m, at + BOUNDS, 0], table[m, at + BOUNDS, 1]
         g0 = 0.0
         d0 = 0.0
         swing = 0.0
         for j in range(C):
-            g0 += tb.guard[m, e, j] * s[j]
-            d0 += tb.guard_rate[m, e, j] * s[j]
-            swing += tb.swing[m, e, j] * abs(s[j])
+            g0 += table[m, at + GUARD, j] * s[j]
+            d0 += table[m, at + GUARD_RATE, j] * s[j]
+            swing += table[m, at + SWING, j] * abs(s[j])
         if g0 + min(d0, 0.0) - swing > low and g0 + max(d0, 0.0) + swing < high:
             continue
         # Cubic Hermite through both ends: it lies between its Bernstein points; the remainder bounds its error.
@@ -97,10 +114,10 @@ def _quiet(tb, m, s, change, N, C, E):
         d1 = d0
         remainder = 0.0
         for j in range(C):
-            remainder += tb.remainder[m, e, j] * abs(s[j])
+            remainder += table[m, at + REMAINDER, j] * abs(s[j])
         for j in range(N):
-            g1 += tb.guard[m, e, j] * change[j]
-            d1 += tb.guard_rate[m, e, j] * change[j]
+            g1 += table[m, at + GUARD, j] * change[j]
+            d1 += table[m, at + GUARD_RATE, j] * change[j]
         b1 = g0 + d0 / 3.0
         b2 = g1 - d1 / 3.0
         if not (
@@ -165,24 +182,27 @@ def _first_crossing(p, order, sign, bound, until):
 
 
 @njit(**_PLANT)
-def _pieces(tb, s, digits, start, dt, k, work, events, count, N, C, E):
+def finish_sample(tb, s, digits, start, dt, k, work, events, count, N, C, E):
     """The rest of sample k from time `start` (s), event by event; returns status, time reached, event count."""
     t = start
     in_sample = 0
-    series = work[: (MAX_ORDER + 1) * N].reshape(MAX_ORDER + 1, N)
-    p = work[(MAX_ORDER + 1) * N : (MAX_ORDER + 1) * (N + 1)]
+    # Taken out of the tuples once: numba counts references each time, which took longer than the arithmetic.
+    table, row, radix, kind, stick = tb.table, tb.row, tb.radix, tb.kind, tb.stick
+    speed_row, reset_row, reset_slot = tb.speed_row, tb.reset_row, tb.reset_slot
+    series, p = work.series, work.polynomial
+    last = table.shape[1] - 1
     while True:
-        m = _mode_row(tb, digits, E)
+        m = row[mode_number(radix, digits, E)]
         if m < 0:
             return NEED_MODE, t, count
         if dt - t <= 1e-15 * dt:
             return DONE, dt, count
-        length = min(dt - t, tb.piece[m, 0])
-        order = int(tb.piece[m, 1])
+        length = min(dt - t, table[m, last, 0])
+        order = int(table[m, last, 1])
         for i in range(N):
             total = 0.0
             for j in range(C):
-                total += tb.rate[m, i, j] * s[j]
+                total += table[m, N + i, j] * s[j]
             series[0, i] = s[i]
             series[1, i] = total * length
         for n in range(1, order):
@@ -190,26 +210,28 @@ def _pieces(tb, s, digits, start, dt, k, work, events, count, N, C, E):
             for i in range(N):
                 total = 0.0
                 for j in range(N):
-                    total += tb.rate[m, i, j] * series[n, j]
+                    total += table[m, N + i, j] * series[n, j]
                 series[n + 1, i] = total * factor
 
         first = 1.0
         which = -1
         direction = 0
         for e in range(E):
+            guard = 2 * N + ELEMENT_ROWS * e + GUARD
             for n in range(order + 1):
                 total = 0.0
                 for j in range(N):
-                    total += tb.guard[m, e, j] * series[n, j]
+                    total += table[m, guard, j] * series[n, j]
                 p[n] = total
             for j in range(N, C):
-                p[0] += tb.guard[m, e, j] * s[j]
-            if tb.lower[m, e] > -np.inf:
-                at = _first_crossing(p, order, 1.0, tb.lower[m, e], first)
+                p[0] += table[m, guard, j] * s[j]
+            lower, upper = table[m, guard + BOUNDS, 0], table[m, guard + BOUNDS, 1]
+            if lower > -np.inf:
+                at = _first_crossing(p, order, 1.0, lower, first)
                 if at <= first:
                     first, which, direction = at, e, -1
-            if tb.upper[m, e] < np.inf:
-                at = _first_crossing(p, order, -1.0, tb.upper[m, e], first)
+            if upper < np.inf:
+                at = _first_crossing(p, order, -1.0, upper, first)
                 if at <= first:
                     first, which, direction = at, e, 1
 
@@ -232,19 +254,19 @@ def _pieces(tb, s, digits, start, dt, k, work, events, count, N, C, E):
         digits[which] = new
         speed = 0.0
         for j in range(N):
-            speed += tb.speed_row[which, j] * s[j]
-        slot = tb.reset_slot[which]
-        if tb.kind[which] == FRICTION:
-            if new == tb.stick[which]:
+            speed += speed_row[which, j] * s[j]
+        slot = reset_slot[which]
+        if kind[which] == FRICTION:
+            if new == stick[which]:
                 s[slot] = 0.0
         elif slot >= 0 and new != 1:
-            total = tb.reset_row[which, new, N]
+            total = reset_row[which, new, N]
             for j in range(N):
-                total += tb.reset_row[which, new, j] * s[j]
+                total += reset_row[which, new, j] * s[j]
             s[slot] = total
         at = k + t / dt
         if (
-            old == tb.stick[which]
+            old == stick[which]
             and count > 0
             and events[count - 1, 0] == at
             and events[count - 1, 1] == which
@@ -260,42 +282,36 @@ def _pieces(tb, s, digits, start, dt, k, work, events, count, N, C, E):
         count += 1
 
 
-@njit(forceinline=True, **_PLANT)
-def _advance(tb, s, digits, start, dt, k, work, events, count, N, C, E):
-    """One sample from `start` on (0 unless the run was interrupted within the sample)."""
-    m = _mode_row(tb, digits, E)
-    if m < 0:
-        return NEED_MODE, start, count
-    if start == 0.0:
-        change = work[:N]
-        if _quiet(tb, m, s, change, N, C, E):
-            for i in range(N):
-                s[i] += change[i]
-            return DONE, dt, count
-    return _pieces(tb, s, digits, start, dt, k, work, events, count, N, C, E)
-
-
-@njit(forceinline=True, **_PLANT)
+@njit(inline="always", **_PLANT)
 def _open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor, N, M, E):
     C = N + M + 1
+    table, row, radix, change = tb.table, tb.row, tb.radix, work.change
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
     status = DONE
     while k < inputs.shape[0]:
+        mode = mode_number(radix, digits, E)
+        m = row[mode]
+        if m < 0:
+            status = NEED_MODE
+            break
+        quiet = False
         if start == 0.0:
             for j in range(M):
                 s[N + j] = inputs[k, j]
             for i in range(N):
                 states[k, i] = s[i]
-            mode = 0
-            for e in range(E):
-                mode += digits[e] * tb.radix[e]
             modes[k] = mode
-        status, start, count = _advance(tb, s, digits, start, dt, k, work, events, count, N, C, E)
-        if status != DONE:
-            break
-        start = 0.0
+            quiet = _quiet(table, m, s, change, N, C, E)
+        if quiet:
+            for i in range(N):
+                s[i] += change[i]
+        else:
+            status, start, count = finish_sample(tb, s, digits, start, dt, k, work, events, count, N, C, E)
+            if status != DONE:
+                break
+            start = 0.0
         k += 1
     cursor[0] = k
     cursor[1] = start
@@ -303,10 +319,7 @@ def _open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor, N
     if status == DONE:
         for i in range(N):
             states[k, i] = s[i]
-        mode = 0
-        for e in range(E):
-            mode += digits[e] * tb.radix[e]
-        modes[k] = mode
+        modes[k] = mode_number(radix, digits, E)
     return status
 
 
@@ -319,7 +332,7 @@ def run_open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor
     s : (C,) array
         [x, v, 1], changed in place.  digits : (E,) int64, changed in place.
     inputs : (n, M) array
-    work : array of at least (MAX_ORDER + 1)·(N + 1)
+    work : Work
     events : (space, EVENT_COLUMNS) array
     cursor : (3,) array
         Sample, time within it (s), events so far: where to go on after NEED_MODE or NEED_EVENT_SPACE.

@@ -12,7 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Event, Recording
+from ..systems import DiscreteSystem
 from .modes import GAP
+from .sensors import Sensor
 from .tables import Plant
 
 PLANT_INPUTS = ("torque_motor", "torque_load")
@@ -24,21 +26,37 @@ def simulate(
     dt: float,
     torque_motor: ArrayLike | None = None,
     torque_load: ArrayLike | None = None,
+    law: DiscreteSystem | None = None,
     state: Sequence[float] | Mapping[str, Any] | None = None,
+    delay: int = 0,
+    sensors: Mapping[str, Sensor] | None = None,
+    seed: int = 0,
+    **signals: ArrayLike,
 ) -> Recording:
-    """Simulate a drivetrain with torques held over each sample.
+    """Simulate a drivetrain exactly, torques held over each sample, with or without a law in the loop.
 
     Parameters
     ----------
     drivetrain : Drivetrain
         A chain of n inertias; backlash on any shaft, set-valued friction at any inertia.
     dt : float, s
-        Sample time.
+        Sample time, of the law as well.
     torque_motor, torque_load : (n,) arrays, Nm
         Torque into the first and into the last inertia, positive in the direction of positive speed.
+    law : DiscreteSystem, optional
+        Reads the plant's signals and the given `signals` by name, once in each sample. Its output ``torque_motor``
+        drives the plant, unless `torque_motor` is given: then it only watches. All its outputs are recorded.
     state : sequence or mapping, optional
         Start: ``twist, speed_motor, speed_load`` for two masses (n − 1 twists, then n speeds, for a chain), or the
         ``final_state`` of an earlier recording, to go on from. Default: at rest in the middle of the gap.
+    delay : {0, 1}
+        Computing delay: with 1 the torque computed at sample k acts from sample k + 1 on.
+    sensors : mapping of law input → Sensor, optional
+        What the law sees; default: the plant's signals as they are.
+    seed : int
+        Seed of the sensors' noise.
+    **signals : (n,) arrays
+        Inputs of the law that do not come from the plant, such as ``speed_reference``.
 
     Returns
     -------
@@ -49,17 +67,21 @@ def simulate(
     Raises
     ------
     InvalidInput
-        For NaN, wrong lengths, a sample time that is not positive.
+        For NaN, wrong lengths, a sample time that is not positive, signals that nobody reads or makes.
     """
-    given = {"torque_motor": torque_motor, "torque_load": torque_load}
-    torques = {name: check_signal(name, values) for name, values in given.items() if values is not None}
-    if not torques:
-        raise InvalidInput("simulate", "no torque", "torque_motor, torque_load or a law", "Give the torque.")
-    length = check_lengths(torques)
-    names = PLANT_INPUTS if "torque_load" in torques else PLANT_INPUTS[:1]
-    inputs = np.zeros((length, len(names)))
-    for j, name in enumerate(names):
-        inputs[:, j] = torques.get(name, 0.0)
+    given = {"torque_motor": torque_motor, "torque_load": torque_load, **signals}
+    values = {name: check_signal(name, array) for name, array in given.items() if array is not None}
+    if law is not None:
+        from .closed_loop import simulate_law
+
+        return simulate_law(drivetrain, law, dt, values, state, delay, sensors or {}, seed)
+    if not values or set(values) - set(PLANT_INPUTS):
+        raise InvalidInput(
+            "simulate", f"signals {sorted(values)} and no law", f"some of {PLANT_INPUTS}, or a law", "Give the torque."
+        )
+    length = check_lengths(values)
+    names = plant_inputs(values)
+    inputs = np.column_stack([values.get(name, np.zeros(length)) for name in names])
     limit = drivetrain.actuator.torque_limit
     inputs[:, 0] = np.clip(inputs[:, 0], -limit, limit)
     run = PlantRun(drivetrain, dt, names, state, length)
@@ -73,6 +95,11 @@ def simulate(
         )
     )
     return run.recording({name: inputs[:, j] for j, name in enumerate(names)})
+
+
+def plant_inputs(signals: Mapping[str, Any]) -> tuple[str, ...]:
+    """The plant's inputs: the load torque only where it is given."""
+    return PLANT_INPUTS if "torque_load" in signals else PLANT_INPUTS[:1]
 
 
 def check_signal(name: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -108,7 +135,7 @@ class PlantRun:
     ) -> None:
         if not (math.isfinite(dt) and dt > 0.0):
             raise InvalidInput("simulate.dt", repr(dt), "a positive sample time in s", "Give the sample time.")
-        from ..kernels.plant import EVENT_COLUMNS, MAX_ORDER
+        from ..kernels.plant import EVENT_COLUMNS, new_work
 
         self.plant = Plant(drivetrain, dt, inputs)
         layout = self.plant.layout
@@ -117,7 +144,7 @@ class PlantRun:
         self.s[-1] = 1.0
         self.digits = self._start(state)
         self.plant.enter(self.digits)
-        self.work = np.zeros((MAX_ORDER + 1) * (layout.states + 1))
+        self.work = new_work(layout.states)
         self.states = np.zeros((length + 1, layout.states))
         self.modes = np.zeros(length + 1, dtype=np.int64)
         self.events = np.zeros((1024, EVENT_COLUMNS))

@@ -72,15 +72,25 @@ class Plant:
             x[layout.shaft_angle(i)] = reach - inside
         return PLUS if reach > half else MINUS if reach < -half else GAP
 
+    def _block(self, mode: Mode) -> NDArray[np.float64]:
+        """One mode's numbers in the order that the kernel reads, see ``kernels.plant``."""
+        n, e = self.layout.states, len(self.elements)
+        block = np.zeros((2 * n + 5 * e + 1, self.layout.columns))
+        block[:n] = mode.delta
+        block[n : 2 * n] = mode.rate
+        for j, rows in enumerate((mode.guard, mode.guard_rate, mode.swing, mode.remainder)):
+            block[2 * n + j : 2 * n + 5 * e : 5] = rows
+        block[2 * n + 4 : 2 * n + 5 * e : 5, 0] = mode.lower
+        block[2 * n + 4 : 2 * n + 5 * e : 5, 1] = mode.upper
+        block[-1, :2] = mode.piece
+        return block
+
     def tables(self) -> Any:
         """The kernel's view of the modes built so far."""
         from ..kernels.plant import FRICTION, SHAFT, PlantTables
 
-        layout, n, c = self.layout, self.layout.states, self.layout.columns
+        layout, n = self.layout, self.layout.states
         e = len(self.elements)
-
-        def stack(name: str, *shape: int) -> NDArray[np.float64]:
-            return np.ascontiguousarray(np.array([getattr(m, name) for m in self.modes]).reshape(-1, *shape))
 
         speed_row, reset_row = np.zeros((e, n)), np.zeros((e, 3, n + 1))
         reset_slot = np.full(e, -1, dtype=np.int64)
@@ -97,15 +107,7 @@ class Plant:
                     reset_row[j, digit, layout.twist(i)] = 1.0
                     reset_row[j, digit, n] = -(digit - GAP) * 0.5 * self.drivetrain.shafts[i].backlash
         return PlantTables(
-            delta=stack("delta", n, c),
-            rate=stack("rate", n, c),
-            guard=stack("guard", e, c),
-            guard_rate=stack("guard_rate", e, c),
-            lower=stack("lower", e),
-            upper=stack("upper", e),
-            swing=stack("swing", e, c),
-            remainder=stack("remainder", e, c),
-            piece=stack("piece", 2),
+            table=np.array([self._block(mode) for mode in self.modes]),
             row=self.row_of_mode.copy(),
             radix=self.radix,
             kind=np.array([SHAFT if x.kind == "shaft" else FRICTION for x in self.elements], dtype=np.int64),

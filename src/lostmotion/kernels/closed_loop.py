@@ -1,0 +1,123 @@
+"""A plant with a law in the loop: sensors, one law step, torque limit and delay, then one exact sample of the plant."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .law import law_step
+from .plant import DONE, NEED_MODE, Array, Indices, _quiet, finish_sample, mode_number
+
+
+class SensorTables(NamedTuple):
+    """How each input of the law is made from the plant and from the outside.
+
+    Input i is ``signal[mode's row, source[i]] @ s`` for source[i] ≥ 0, else column −1 − source[i] of the given
+    signals. Then: resolution[i] > 0 rounds down to whole steps; difference[i] = 1 takes the difference to the sample
+    before over dt; last comes disturbance[k, i] (noise and bias; NaN is a drop-out).
+    """
+
+    signal: Array  # (rows, signals, C)
+    source: Indices
+    resolution: Array
+    difference: Indices
+    last: Array  # (inputs,): the value of the sample before, NaN before the first
+    disturbance: Array  # (n, inputs), or (1, inputs) where it is the same in every sample
+
+
+@njit(cache=True, error_model="numpy")
+def _measure(sensors, m, s, given, k, dt, values):
+    signal, source, resolution = sensors.signal, sensors.source, sensors.resolution
+    difference, last, disturbance = sensors.difference, sensors.last, sensors.disturbance
+    for i in range(values.size):
+        if source[i] >= 0:
+            value = 0.0
+            for j in range(s.size):
+                value += signal[m, source[i], j] * s[j]
+        else:
+            value = given[k, -1 - source[i]]
+        if resolution[i] > 0.0:
+            value = np.floor(value / resolution[i]) * resolution[i]
+        if difference[i] == 1:
+            now = value
+            value = 0.0 if np.isnan(last[i]) else (now - last[i]) / dt
+            last[i] = now
+        values[i] = value + disturbance[k if disturbance.shape[0] > 1 else 0, i]
+
+
+@njit(cache=True, error_model="numpy")
+def run_closed_loop(
+    tb, s, digits, given, drive, delay, limit, law, law_state, sensors, dt, work,
+    states, modes, torque, measured, outputs, law_work, events, cursor,
+):  # fmt: skip
+    """The plant with a law in the loop, one law step per sample; as ``plant.run_open_loop``, and
+
+    Parameters
+    ----------
+    given : (n, G) array
+        Signals from outside that the law or the plant reads (set-points, load torque).
+    drive : (M,) int64 array
+        For each plant input: ≥ 0 the law's output, < 0 column −1 − drive of `given`.
+    delay : int
+        1: the torque computed at sample k acts from sample k + 1 on; 0: at once.
+    limit : float
+        Torque limit of the actuator, Nm.
+    law, law_state, law_work
+        See ``law.law_step``.
+    torque : (n, M), measured : (n, inputs), outputs : (n + 1, outputs)
+        Filled: the torque that acts in sample k, the law's inputs at k, its outputs computed at k (row k + delay).
+    """
+    E = digits.size
+    M = torque.shape[1]
+    C = s.size
+    N = C - M - 1
+    table, row, radix, change = tb.table, tb.row, tb.radix, work.change
+    values = np.empty(measured.shape[1])
+    made = np.empty(outputs.shape[1])
+    k = int(cursor[0])
+    start = cursor[1]
+    count = int(cursor[2])
+    status = DONE
+    while k < torque.shape[0]:
+        mode = mode_number(radix, digits, E)
+        m = row[mode]
+        if m < 0:
+            status = NEED_MODE
+            break
+        quiet = False
+        if start == 0.0:
+            for i in range(N):
+                states[k, i] = s[i]
+            modes[k] = mode
+            _measure(sensors, m, s, given, k, dt, values)
+            law_step(law, law_state, values, made, law_work)
+            for i in range(values.size):
+                measured[k, i] = values[i]
+            for i in range(made.size):
+                outputs[k + delay, i] = made[i]
+            for j in range(M):
+                value = outputs[k, drive[j]] if drive[j] >= 0 else given[k, -1 - drive[j]]
+                if j == 0:
+                    value = min(max(value, -limit), limit)
+                torque[k, j] = value
+                s[N + j] = value
+            quiet = _quiet(table, m, s, change, N, C, E)
+        if quiet:
+            for i in range(N):
+                s[i] += change[i]
+        else:
+            status, start, count = finish_sample(tb, s, digits, start, dt, k, work, events, count, N, C, E)
+            if status != DONE:
+                break
+            start = 0.0
+        k += 1
+    cursor[0] = k
+    cursor[1] = start
+    cursor[2] = count
+    if status == DONE:
+        for i in range(N):
+            states[k, i] = s[i]
+        modes[k] = mode_number(radix, digits, E)
+    return status

@@ -1,0 +1,76 @@
+"""Sensors of a simulated plant: encoder counts, speed from count differences, noise, bias."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """One measured channel of a simulated plant.
+
+    Parameters
+    ----------
+    source : str
+        The plant's signal that is sensed.
+    resolution : float
+        Step of the quantisation in the source's unit (an encoder of b bit: 2π/2ᵇ rad); 0: none.
+    difference : bool
+        The channel is the difference of two samples over the sample time: a speed from counts, which is the mean
+        speed of the sample that just ended.
+    noise : float
+        Standard deviation of white Gaussian noise, in the channel's unit.
+    bias : float
+        Constant error, in the channel's unit.
+    """
+
+    source: str
+    resolution: float = 0.0
+    difference: bool = False
+    noise: float = 0.0
+    bias: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("resolution", "noise"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InvalidInput(f"Sensor.{name}", repr(value), "zero or a positive number", "Check it.")
+
+
+def disturbance(sensors: Mapping[str, Sensor], channels: Sequence[str], length: int, seed: int) -> Array:
+    """(length, channels) bias and noise; a channel's noise depends on the seed and its name alone."""
+    columns = []
+    for name in channels:
+        sensor = sensors.get(name, Sensor(name))
+        column = np.full(length, sensor.bias)
+        if sensor.noise > 0.0:
+            rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
+            column = column + sensor.noise * rng.standard_normal(length)
+        columns.append(column)
+    return np.column_stack(columns) if columns else np.zeros((length, 0))
+
+
+def measure(sensors: Mapping[str, Sensor], signals: Mapping[str, Array], dt: float, seed: int) -> dict[str, Array]:
+    """What the sensors show of true signals sampled at dt (s): (n,) arrays, equal to those a law in the loop sees."""
+    length = next(iter(signals.values())).size
+    shown = {}
+    for name, sensor in sensors.items():
+        if sensor.source not in signals:
+            raise InvalidInput(f"sensor {name!r}", f"source {sensor.source!r}", f"{sorted(signals)}", "Check the name.")
+        value = np.asarray(signals[sensor.source], dtype=float)
+        if sensor.resolution > 0.0:
+            value = np.floor(value / sensor.resolution) * sensor.resolution
+        if sensor.difference:
+            value = np.concatenate([[0.0], (value[1:] - value[:-1]) / dt])
+        shown[name] = value + disturbance(sensors, (name,), length, seed)[:, 0]
+    return shown
