@@ -1,0 +1,21 @@
+"""Figures: they take data and optional Axes, change no global setting, and return the Figure."""
+
+from __future__ import annotations
+
+from .control_step import control_step
+from .identified_parameters import identified_parameters
+from .observer_step import observer_step
+from .prediction_fit import prediction_fit
+from .recording_overview import recording_overview
+from .ring_down_fit import ring_down_fit
+from .stiffness_fit import stiffness_fit
+
+__all__ = [
+    "control_step",
+    "identified_parameters",
+    "observer_step",
+    "prediction_fit",
+    "recording_overview",
+    "ring_down_fit",
+    "stiffness_fit",
+]
