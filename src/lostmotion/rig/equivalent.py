@@ -1,0 +1,69 @@
+"""The two-mass model that a finer plant with one backlash comes closest to: what an identification should find."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+
+
+def modes(drivetrain: Drivetrain) -> NDArray[np.float64]:
+    """Undamped eigenfrequencies with all gaps closed, Hz, rising, the first is 0 (rigid rotation)."""
+    return _frequencies(drivetrain, locked_motor=False)
+
+
+def motor_zeros(drivetrain: Drivetrain) -> NDArray[np.float64]:
+    """Zeros of motor angle / motor torque with all gaps closed, Hz: the modes with the motor held."""
+    return _frequencies(drivetrain, locked_motor=True)
+
+
+def _frequencies(drivetrain: Drivetrain, locked_motor: bool) -> NDArray[np.float64]:
+    n = len(drivetrain.inertias)
+    stiffness = np.zeros((n, n))
+    for i, shaft in enumerate(drivetrain.shafts):
+        stiffness[i : i + 2, i : i + 2] += shaft.stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    scale = 1.0 / np.sqrt(np.array(drivetrain.inertias))
+    scaled = scale[:, None] * stiffness * scale
+    if locked_motor:
+        scaled = scaled[1:, 1:]
+    return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(scaled), 0.0)) / (2.0 * math.pi))
+
+
+def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64]) -> dict[str, float]:
+    """Parameters of the equivalent two-mass drivetrain, by name, SI.
+
+    Inertias: the sums on each side of the gap. Stiffness: from the first pole with the gap closed and those
+    inertias. Damping: from the series of the shafts. Coulomb and viscous: least-squares line through the true friction
+    curve at the recorded load speeds (n,), rad/s.
+    """
+    gaps = [i for i, shaft in enumerate(drivetrain.shafts) if shaft.has_backlash]
+    if len(gaps) != 1:
+        raise InvalidInput("two_mass_equivalent", f"{len(gaps)} backlashes", "exactly one", "Close the others.")
+    motor = math.fsum(drivetrain.inertias[: gaps[0] + 1])
+    load = math.fsum(drivetrain.inertias[gaps[0] + 1 :])
+    pole = 2.0 * math.pi * float(modes(drivetrain)[1])
+    stiffness = pole**2 / (1.0 / motor + 1.0 / load)
+    # In series the compliances add, and in slow motion each shaft dissipates d·(share of the twist)².
+    compliance = math.fsum(1.0 / shaft.stiffness for shaft in drivetrain.shafts)
+    damping = math.fsum(s.damping * (1.0 / s.stiffness / compliance) ** 2 for s in drivetrain.shafts)
+    friction = drivetrain.frictions[-1]
+    moving = speed_load[speed_load != 0.0]
+    if moving.size > 5000:
+        moving = moving[:: moving.size // 5000]
+    torque = np.array([friction.torque(float(w)) for w in moving])
+    columns = np.column_stack([np.sign(moving), moving])
+    coulomb, viscous = np.linalg.lstsq(columns, torque, rcond=None)[0]
+    return {
+        "inertia_motor": motor,
+        "inertia_load": load,
+        "stiffness": stiffness,
+        "damping": damping,
+        "backlash": drivetrain.shafts[gaps[0]].backlash,
+        "coulomb": float(coulomb),
+        "viscous": float(viscous),
+        "lag": drivetrain.actuator.lag,
+    }

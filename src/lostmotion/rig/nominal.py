@@ -1,0 +1,98 @@
+"""The virtual test rig's plant: finer than every model fitted to it, varied by a seed.
+
+Modelled on the powertrain of Fietzek & Rinderknecht: motor – clutch – intermediate shaft – side shaft – tripod joint –
+wheel hub with brake disc. Inertias and stiffnesses were solved for modes at 100 and 750 Hz, a motor zero at 38 Hz with
+the gap closed, and the total inertia of 0.1292 kg m².
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..drivetrain import Actuator, Drivetrain, Friction, Shaft
+from ..simulation import Sensor
+
+#: Motor; clutch and intermediate shaft; joint piece at the end of the side shaft; hub with brake disc. kg m².
+INERTIAS = (0.0142, 0.0050, 0.0004, 0.1096)
+#: Clutch, side shaft, tripod joint, Nm/rad. The joint is chosen stiff: its mode lies above 2 kHz.
+STIFFNESSES = (78300.0, 7450.0, 80000.0)
+#: The paper's damping ratio (section II), given to the 750 Hz mode by the clutch, to the 100 Hz mode by the side shaft.
+DAMPING_RATIO = 0.02
+#: Relaxation rate k/d of the joint's contact in 1/s: that of the paper's Table I.
+CONTACT_POLE = 15833.0
+#: Total free angle of the tripod joint, rad (Table I).
+BACKLASH = 0.012
+#: Friction at the brake disc: Table I, and a Stribeck rise (chosen) of 15 % at rest that is gone at 2 rad/s.
+COULOMB, VISCOUS = 2.0, 0.0175
+STRIBECK = ((0.0, 0.30), (0.4, 0.16), (1.0, 0.05), (2.0, 0.0))
+#: Torque lag of the current loop, s, and largest torque, Nm (lag chosen; torque: the paper's nominal torque).
+LAG, TORQUE_LIMIT = 3e-4, 73.5
+
+#: Range of the seeds' variation (the project's own choice): inertias and stiffnesses, friction and backlash.
+SPREAD_STRUCTURE, SPREAD_FRICTION = 0.10, 0.20
+
+#: Motor encoder: 20 bit in one turn, as sin/cos encoders with interpolation have; speed from count differences.
+MOTOR_ENCODER_BITS = 20
+#: Validation encoder at the hub, interpolated to 24 bit; validation torque sensor on the side shaft, 0.3 Nm (chosen).
+HUB_ENCODER_BITS, TORQUE_NOISE = 24, 0.3
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A virtual rig: its true plant and its sensors. Nothing that estimates may look into it."""
+
+    drivetrain: Drivetrain
+    sensors: dict[str, Sensor]
+    seed: int | None
+
+
+def nominal_rig() -> Rig:
+    """The rig without variation."""
+    return _rig(INERTIAS, STIFFNESSES, BACKLASH, COULOMB, VISCOUS, seed=None)
+
+
+def varied_rig(seed: int) -> Rig:
+    """One rig of the family: every inertia and stiffness within ±10 %, friction and backlash within ±20 %."""
+    rng = np.random.default_rng([seed, 20])
+    structure = 1.0 + SPREAD_STRUCTURE * rng.uniform(-1.0, 1.0, 7)
+    friction = 1.0 + SPREAD_FRICTION * rng.uniform(-1.0, 1.0, 3)
+    return _rig(
+        tuple(float(j * f) for j, f in zip(INERTIAS, structure[:4], strict=True)),
+        tuple(float(k * f) for k, f in zip(STIFFNESSES, structure[4:], strict=True)),
+        float(BACKLASH * friction[0]),
+        float(COULOMB * friction[1]),
+        float(VISCOUS * friction[2]),
+        seed=seed,
+    )
+
+
+def _rig(
+    inertias: tuple[float, ...],
+    stiffnesses: tuple[float, ...],
+    backlash: float,
+    coulomb: float,
+    viscous: float,
+    seed: int | None,
+) -> Rig:
+    clutch, side, joint = stiffnesses
+    shafts = (
+        Shaft(clutch, 2.0 * DAMPING_RATIO / (2.0 * math.pi * 750.0) * clutch),
+        Shaft(side, 2.0 * DAMPING_RATIO / (2.0 * math.pi * 100.0) * side),
+        Shaft(joint, joint / CONTACT_POLE, backlash, "physical"),
+    )
+    disc = Friction(coulomb, viscous, stribeck=tuple((s, t * coulomb / COULOMB) for s, t in STRIBECK))
+    return Rig(
+        drivetrain=Drivetrain(
+            inertias, shafts, (Friction(), Friction(), Friction(), disc), Actuator(LAG, TORQUE_LIMIT)
+        ),
+        sensors={
+            "speed_motor": Sensor("angle_motor", 2.0 * math.pi / 2**MOTOR_ENCODER_BITS, difference=True),
+            "speed_load": Sensor("angle_load", 2.0 * math.pi / 2**HUB_ENCODER_BITS, difference=True),
+            "torque_shaft": Sensor("torque_shaft", noise=TORQUE_NOISE),
+            "twist": Sensor("twist", 2.0 * math.pi / 2**MOTOR_ENCODER_BITS),
+        },
+        seed=seed,
+    )

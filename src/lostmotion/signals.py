@@ -1,0 +1,106 @@
+"""Test signals: steps, chirps, multisines, PRBS, band-limited noise, and the excitation of an identification run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InvalidInput
+
+Array = NDArray[np.float64]
+
+
+def _length(duration: float, dt: float) -> int:
+    n = round(duration / dt)
+    if not (dt > 0.0 and n >= 2):
+        raise InvalidInput("duration, dt", f"{duration} s, {dt} s", "at least two samples", "Lengthen the signal.")
+    return int(n)
+
+
+def steps(times: Sequence[float], values: Sequence[float], duration: float, dt: float) -> Array:
+    """Piecewise constant signal: values[0] before times[0], then values[i + 1] from times[i] (s) on; (n,)."""
+    if len(values) != len(times) + 1 or any(b <= a for a, b in zip(times, times[1:], strict=False)):
+        raise InvalidInput(
+            "steps", f"{len(times)} times, {len(values)} values", "rising times, one value more than times", "Check."
+        )
+    # Half a sample of slack: a time on the raster begins its value exactly there.
+    t = (np.arange(_length(duration, dt)) + 0.5) * dt
+    return np.asarray(values, dtype=float)[np.searchsorted(np.asarray(times, dtype=float), t, side="right")]
+
+
+def chirp(low: float, high: float, amplitude: float, duration: float, dt: float) -> Array:
+    """Sine whose frequency rises linearly from low to high (Hz)."""
+    t = np.arange(_length(duration, dt)) * dt
+    return np.asarray(amplitude * np.sin(2.0 * np.pi * (low + 0.5 * (high - low) * t / duration) * t))
+
+
+def multisine(low: float, high: float, rms: float, duration: float, dt: float, *, seed: int) -> Array:
+    """All multiples of 1/duration from low to high (Hz) with equal amplitudes and random phases."""
+    n = _length(duration, dt)
+    frequency = np.fft.rfftfreq(n, dt)
+    band = (frequency >= low) & (frequency <= high)
+    if not band.any():
+        raise InvalidInput("multisine", f"{low} … {high} Hz", "a band with at least one line", "Widen the band.")
+    phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, frequency.size)
+    signal = np.fft.irfft(np.where(band, np.exp(1j * phase), 0.0), n)
+    return np.asarray(rms * signal / np.sqrt(np.mean(signal**2)))
+
+
+def prbs(amplitude: float, shortest: float, duration: float, dt: float, *, seed: int) -> Array:
+    """Random binary signal ±amplitude that may switch every `shortest` seconds."""
+    n = _length(duration, dt)
+    hold = max(1, round(shortest / dt))
+    bits = np.random.default_rng(seed).integers(0, 2, -(-n // hold))
+    return np.asarray(amplitude * (2.0 * np.repeat(bits, hold)[:n] - 1.0))
+
+
+def noise(low: float, high: float, rms: float, duration: float, dt: float, *, seed: int) -> Array:
+    """Gaussian noise with a flat spectrum between low and high (Hz) and nothing outside."""
+    n = _length(duration, dt)
+    frequency = np.fft.rfftfreq(n, dt)
+    rng = np.random.default_rng(seed)
+    lines = rng.standard_normal(frequency.size) + 1j * rng.standard_normal(frequency.size)
+    signal = np.fft.irfft(np.where((frequency >= low) & (frequency <= high), lines, 0.0), n)
+    return np.asarray(rms * signal / np.sqrt(np.mean(signal**2)))
+
+
+def excitation(
+    duration: float = 10.0,
+    dt: float = 1e-4,
+    *,
+    seed: int,
+    inertia: float,
+    coulomb: float,
+    viscous: float,
+    levels: Sequence[float] = (10.0, 25.0, -10.0, -25.0, 15.0, -15.0),
+    ramp: float = 0.5,
+    noise_rms: float = 7.0,
+    band: tuple[float, float] = (2.0, 140.0),
+    limit: float = 40.0,
+) -> Array:
+    """Motor torque that excites all parameters of a two-mass drivetrain with backlash, Nm, (n,).
+
+    The torque that a speed profile with two levels in each direction needs (Coulomb, viscous friction and inertia
+    at their nominal values; errors there only shift the levels), plus noise with content near zero and pole that
+    reverses the shaft torque many times. Levels (rad/s), ramp (s), noise (Nm), band (Hz) and limit (Nm) are chosen
+    for the paper's test rig.
+
+    Parameters
+    ----------
+    inertia : float, kg m2
+        Nominal total inertia.
+    coulomb, viscous : float, Nm and Nm s/rad
+        Nominal friction.
+    """
+    t = np.arange(_length(duration, dt)) * dt
+    hold = duration / len(levels)
+    part = np.minimum((t / hold).astype(int), len(levels) - 1)
+    target = np.array([0.0, *levels])
+    progress = np.clip((t - part * hold) / ramp, 0.0, 1.0)
+    change = target[part + 1] - target[part]
+    speed = target[part] + change * progress
+    acceleration = np.where(progress < 1.0, change / ramp, 0.0)
+    torque = inertia * acceleration + viscous * speed + coulomb * np.sign(speed)
+    return np.clip(torque + noise(*band, noise_rms, duration, dt, seed=seed), -limit, limit)
