@@ -26,8 +26,6 @@ STEP_FRACTION = 0.5
 WINDOWS = ((0.5, 10.0), (0.5, 6.0), (0.5, 14.0), (1.0, 10.0), (1.0, 14.0), (1.5, 10.0))
 #: From here on there is hardly a second swing to measure (chosen: each is 14 % of the one before).
 MAX_DAMPING_RATIO = 0.3
-#: The oscillation must explain this fraction of the variance in the window (chosen).
-MIN_EXPLAINED = 0.5
 #: Surrogates of the residual for the interval (chosen: their scatter is then known within 11 %).
 SURROGATES = 40
 #: A window cut short by the next step or the end counts from this many periods on (chosen).
@@ -92,6 +90,7 @@ def ring_down(
     by least squares over D and f (the rest is linear: variable projection), from half a period after the step
     for ten periods. Intervals (95 %): fits to surrogates, the fit plus its residual with random phases, so
     that coloured disturbances count with their colour; in quadrature with the spread over other windows.
+    No ring-down is reported where the interval of D reaches 0: a steady disturbance fits as well.
 
     Parameters
     ----------
@@ -127,17 +126,20 @@ def ring_down(
     pieces = [values[r] for r in rows]
     found, models = _fit(pieces, dt, start)
     explained = _explained(pieces, models)
-    inside = band[0] < found[0] < band[1] and 0.0 < found[1] < MAX_DAMPING_RATIO
-    if not inside or explained < MIN_EXPLAINED:
+    if not (band[0] < found[0] < band[1] and 0.0 < found[1] < MAX_DAMPING_RATIO):
         fit = f"{found[0]:.3g} Hz, damping ratio {found[1]:.2g}, {100 * explained:.0f} % of the variance"
         return _nothing(signal, times, seed, f"no clear ring-down (best fit: {fit})", explained)
     others = [_cut(values.size, steps, 1.0 / (found[0] * dt), window) for window in WINDOWS[1:]]
     spread = np.array([_fit([values[r] for r in other], dt, found)[0] for other in others if other])
     spread = spread.reshape(-1, 2)
+    intervals = _intervals(found, pieces, models, dt, spread, np.random.default_rng(seed))
+    if intervals["damping_ratio"][0] <= 0.0:
+        got = f"a line at {found[0]:.4g} Hz that need not decay"
+        return _nothing(signal, times, seed, got, explained)
     return RingDown(
         frequency=float(found[0]),
         damping_ratio=float(found[1]),
-        intervals=_intervals(found, pieces, models, dt, spread, np.random.default_rng(seed)),
+        intervals=intervals,
         steps=times,
         explained=explained,
         windows=tuple((recording.time[r], values[r], m) for r, m in zip(rows, models, strict=True)),

@@ -105,9 +105,9 @@ def shaft_stiffness(
     The twist is the trapezoidal integral, on the recording's mean step h, and its known gain
     (ωh/2)/tan(ωh/2) is divided out; a running sum would be half a sample off. Left out are frequencies below
     ``min_coherence`` and, at steady speed, the multiples of the turning frequency: there a speed sensor sees
-    its own run-out. Intervals: jackknife over the segments (Student t), in quadrature with what a fit over the
-    band's lower half changes (the real shaft may follow another law than the fit); for stiffness and inertia
-    plus half of what separates the two usual estimates, biased by noise in twist and by noise in torque.
+    its own run-out. Intervals: jackknife over the segments (Student t), in quadrature with what a fit over
+    the band's lower half changes (the real shaft may follow another law than the fit); for stiffness and
+    inertia plus half of what separates the two usual estimates, which noise in twist and noise in torque bias.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def _sum(a: Complexes, b: Complexes) -> Complexes:
 
 
 def _orders(frequency: Floats, speed: Floats, resolution: float) -> NDArray[np.bool_]:
-    """The frequencies at multiples of the turning frequency, if the shaft turns steadily and they are apart."""
+    """The frequencies at multiples of the turning frequency, if it is steady and they are apart."""
     turning = abs(float(speed.mean())) / (2.0 * np.pi)
     if turning < 3.0 * ORDER_BINS * resolution or abs(speed.mean()) < 5.0 * speed.std():
         return np.zeros(frequency.shape, dtype=bool)
