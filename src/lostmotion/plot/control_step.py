@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..recording import Recording
-from .style import SERIES, SET_POINT, axis_label, display_unit, is_held, legend_above, panels
+from .style import SERIES, SET_POINT, Floats, axis_label, display_unit, is_held, panels, title_and_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ def control_step(
     start, stop : float, s
         The drawn window.
     torque_limit : float, optional, Nm
-        Drawn where it is finite and the torque comes near it: more than a third of it.
+        Each sign is drawn if the torque exceeds a third of it.
     signals : sequence of str
         One panel each, as far as any response holds it.
     title : str
@@ -62,17 +62,18 @@ def control_step(
             if signal in response:
                 axis.plot(response.time, factor * response[signal], label=name, drawstyle=style, **line)
         if signal == "torque_motor" and torque_limit is not None:
-            _draw_limit(axis, torque_limit, max(np.abs(r[signal]).max() for r in cut.values() if signal in r))
+            _draw_limits(axis, torque_limit, [r[signal] for r in cut.values() if signal in r])
         axis.set(ylabel=axis_label(signal), xlim=(first.time[0], first.time[-1]))
     for axis in grid[-2:]:
         axis.set_xlabel("time (s)")
         axis.tick_params(labelbottom=True)
-    legend_above(figure, grid, title)
+    title_and_legend(figure, grid, title)
     return figure
 
 
-def _draw_limit(axis: Axes, limit: float, peak: float) -> None:
-    if np.isfinite(limit) and peak > limit / 3.0:
-        line: dict[str, Any] = {"color": "#8c1a1a", "linewidth": 1.0, "linestyle": (0, (6, 2, 1, 2))}
-        axis.axhline(limit, label="torque limit", **line)
-        axis.axhline(-limit, **line)
+def _draw_limits(axis: Axes, limit: float, torques: Sequence[Floats]) -> None:
+    """Each of the two limits that the torque comes near, so that a far one does not flatten the picture."""
+    line: dict[str, Any] = {"color": "#8c1a1a", "linewidth": 1.0, "linestyle": (0, (6, 2, 1, 2))}
+    for sign in (1.0, -1.0):
+        if np.isfinite(limit) and max(float(np.max(sign * torque)) for torque in torques) > limit / 3.0:
+            axis.axhline(sign * limit, label="torque limit", **line)

@@ -40,8 +40,9 @@ def identified_parameters(
     for row, (name, entry) in enumerate(parameters.items()):
         value, low, high = entry.get("value"), entry.get("low"), entry.get("high")
         if not value:
-            note = "not excited" if value is None else "0"
-            axis.annotate(note, (0.0, row), ha="center", va="center", color="#555555", fontsize=9)
+            note = "not excited" if value is None else f"0 ({entry.get('source', 'given')})"
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+            axis.annotate(note, (0.0, row), ha="center", va="center", color="#555555", bbox=box)
             continue
         percent = 100.0 / abs(value)
         if low is not None and high is not None:
@@ -74,11 +75,4 @@ def _finish(axis: Axes, names: list[str]) -> None:
     handles, labels = axis.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     if unique:
-        axis.legend(
-            unique.values(),
-            unique.keys(),
-            frameon=False,
-            loc="upper left",
-            bbox_to_anchor=(1.0, 1.0),
-            fontsize=9,
-        )
+        axis.figure.legend(unique.values(), unique.keys(), frameon=False, loc="outside lower center", ncols=3)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..recording import Recording
-from .style import ESTIMATED, MEASURED, SET_POINT, axis_label, display_unit, is_held, legend_above, panels
+from .style import ESTIMATED, MEASURED, SET_POINT, axis_label, display_unit, is_held, panels, title_and_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,5 +70,5 @@ def observer_step(
     for axis in grid[-2:]:
         axis.set_xlabel("time (s)")
         axis.tick_params(labelbottom=True)
-    legend_above(figure, grid, f"{name} over a step of the speed set-point")
+    title_and_legend(figure, grid, f"{name} over a step of the speed set-point")
     return figure

@@ -49,11 +49,12 @@ def prediction_fit(
     start, stop = window or _liveliest(t, real, 0.25)
     part = (t >= start) & (t < stop)
     overlay.plot(t[part], factor * real[part], label="measured", **MEASURED)
-    overlay.plot(t[part], factor * guess[part], label="predicted one sample ahead", **ESTIMATED)
+    overlay.plot(t[part], factor * guess[part], label="predicted", **ESTIMATED)
     overlay.set(
         xlabel="time (s)", ylabel=axis_label(signal), xlim=(start, stop), title="Prediction of the fit"
     )
-    overlay.legend(frameon=False, ncols=2, loc="upper right")
+    overlay.set_title("Prediction one sample ahead", loc="left")
+    overlay.legend(frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 0.98))
     residual = real - guess
     error.plot(*thin_min_max(t, factor * residual, 1000), color=ESTIMATED["color"], linewidth=0.5)
     error.set(
@@ -67,10 +68,8 @@ def prediction_fit(
     correlation.axhspan(-band, band, color="#E69F00", alpha=0.45, label="95 % band of white noise")
     correlation.vlines(np.arange(1, values.size), 0.0, values[1:], color=ESTIMATED["color"], linewidth=1.2)
     correlation.axhline(0.0, color="#999999", linewidth=0.8)
-    correlation.set(
-        xlabel="lag (samples)", ylabel="autocorrelation (–)", title="Autocorrelation of the residual"
-    )
-    correlation.legend(frameon=False, loc="upper right")
+    correlation.set(xlabel="lag (samples)", ylabel="autocorrelation (–)")
+    correlation.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 0.98))
     return figure
 
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Okabe & Ito's palette: distinguishable with every common colour blindness. The measurement is wide and light,
-# the estimate thin and dark, so that both are seen where they coincide, in grey print too.
+# Okabe & Ito's palette: distinguishable with every common colour blindness. The measurement is wide and
+# light, the estimate thin and dark, so that both are seen where they coincide, in grey print too.
 MEASURED: dict[str, Any] = {"color": "#E69F00", "linewidth": 3.0, "linestyle": "-"}
 ESTIMATED: dict[str, Any] = {"color": "#0B4F8A", "linewidth": 1.3, "linestyle": "-"}
 SET_POINT: dict[str, Any] = {"color": "#222222", "linewidth": 1.0, "linestyle": (0, (2, 2))}
@@ -99,14 +99,14 @@ def panels(
     return given[0].get_figure(root=True), given  # type: ignore[return-value]
 
 
-def legend_above(figure: Figure, axes: Sequence[Axes], title: str) -> None:
-    """One legend for all panels, under the title and above the panels, where it hides no line."""
+def title_and_legend(figure: Figure, axes: Sequence[Axes], title: str) -> None:
+    """A title above and one legend for all panels below them, where it hides no line."""
     entries: dict[str, Any] = {}
     for axis in axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     figure.suptitle(title, fontsize=12, fontweight="bold")
-    figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=4, frameon=False)
+    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=4, frameon=False)
 
 
 def thin_min_max(time: ArrayLike, values: ArrayLike, bins: int) -> tuple[Floats, Floats]:
