@@ -21,8 +21,6 @@ NAMES = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash", "c
 #: The kernel runs without the interpreter's lock: two threads halve the time (chosen for two cores).
 THREADS = 2
 
-_STATES = ("twist", "speed_motor", "speed_load", "torque_actuator", "speed_motor_previous")
-
 
 @dataclass(frozen=True)
 class Bandwidth:
@@ -70,7 +68,7 @@ class Predictor:
         return self.base.with_parameters(**dict(zip(NAMES, from_theta(theta, self.dt), strict=True)))
 
     def observer(self, theta: Array, bandwidth: Bandwidth) -> DiscreteSystem:
-        """The observer whose innovations are minimised."""
+        """The observer whose innovations are minimised, as ``observers.kalman`` makes it."""
         process = {
             "twist": 0.0, "speed_motor": bandwidth.motor**2, "speed_load": bandwidth.load**2
         }  # fmt: skip
@@ -83,13 +81,13 @@ class Predictor:
         """(n,) innovations, rad/s; the first ``skip`` are zero."""
         from ..kernels.prediction_error import innovations
 
-        tables = _kernel_tables(self.observer(theta, bandwidth), self.drivetrain(theta), self.count_averaged)
-        first = self.speed[0]
-        state = np.array([0.0, first, first, self.torque[0], first])
-        residual = np.empty(self.speed.size)
-        innovations(*tables, state, self.torque, self.speed, residual)
+        values = (*from_theta(theta, self.dt), self.base.coulomb_motor, self.base.viscous_motor)
+        *others, lag, coulomb_motor, viscous_motor = (float(v) for v in values)
+        parameters = (*others, coulomb_motor, viscous_motor, lag)
+        gains = (bandwidth.motor, bandwidth.load)
+        residual = innovations(parameters, gains, self.dt, self.count_averaged, self.torque, self.speed)
         residual[: self.skip] = 0.0
-        return residual
+        return np.asarray(residual)
 
     def residuals(self, thetas: Sequence[Array], bandwidth: Bandwidth) -> list[Array]:
         """Innovations for several parameter vectors, on two threads."""
@@ -123,43 +121,3 @@ def from_theta(theta: Array, dt: float) -> Array:
     values = np.exp(theta)
     values[-1] = max(values[-1] - dt, 0.0)
     return values
-
-
-def _kernel_tables(
-    system: DiscreteSystem, drivetrain: Drivetrain, count_averaged: bool
-) -> tuple[Array, Array, Array, Array, Array, float, Array, Array]:
-    """The matrices of an observer in the layout of the kernel; what it does not have is zero there."""
-    known = [i for i, name in enumerate(_STATES) if name in system.states]
-    own = [system.states.index(_STATES[i]) for i in known]
-    measured = np.array([0.0, 0.5, 0.0, 0.0, 0.5]) if count_averaged else np.eye(1, 5, 1)[0]
-    phi, torque_gain, gain, curve_gain = np.zeros((5, 5)), np.zeros(5), np.zeros(5), np.zeros((5, 3))
-    torque_gain[known], gain[known] = system.B[own].T
-    phi[np.ix_(known, known)] = system.A[np.ix_(own, own)]
-    phi += np.outer(gain, measured)
-    if "torque_actuator" in system.states:
-        gain_actuator = phi[3, 3]
-        phi[3] = 0.0
-        phi[3, 3] = gain_actuator
-    limits, rest, lead = np.zeros(3), np.zeros(2), 0.0
-    for column, curve in _curves(drivetrain):
-        curve_gain[known, column] = system.E[own, curve]
-        limits[column] = system.curves[curve].points[-1][1]
-        if column == 0:
-            lead = float(system.F[curve, 1])
-        else:
-            (z0, w0), (z1, w1) = system.curves[curve].points
-            rest[column - 1] = (w1 - w0) / (z1 - z0)
-    return phi, torque_gain, curve_gain, gain, measured, lead, limits, rest
-
-
-def _curves(drivetrain: Drivetrain) -> list[tuple[int, int]]:
-    """(column of the kernel, curve of the observer) for gap, friction of the motor, friction of the load."""
-    pairs, count = [], 0
-    if drivetrain.shaft.has_backlash:
-        pairs.append((0, 0))
-        count = 3 if drivetrain.contact != "dead_zone" and drivetrain.damping > 0.0 else 2
-    for column, level in ((1, drivetrain.coulomb_motor), (2, drivetrain.coulomb)):
-        if level > 0.0:
-            pairs.append((column, count))
-            count += 1
-    return pairs
