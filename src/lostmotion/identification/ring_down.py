@@ -77,7 +77,7 @@ def ring_down(
     recording: Recording,
     *,
     signal: str = "torque_shaft",
-    band: tuple[float, float] = (3.0, 60.0),
+    band: tuple[float, float] | None = None,
     seed: int = 1,
 ) -> RingDown:
     """Fit one damped oscillation to what follows the steps of a signal.
@@ -98,7 +98,7 @@ def ring_down(
     signal : str
         The shaft torque rings most clearly: the speed of a controlled motor hardly moves.
     band : (float, float), Hz
-        Where the frequency is looked for.
+        Where the frequency is looked for; default: 3 Hz to 300 Hz, at most 0.4 of the sample rate (chosen).
     seed : int
         Of the surrogates, which make the intervals.
 
@@ -108,6 +108,7 @@ def ring_down(
         A missing signal, or a band outside 0 … half the sample rate.
     """
     values, dt = recording[signal], recording.dt
+    band = band or (3.0, min(300.0, 0.4 / dt))
     if not 0.0 < band[0] < band[1] < 0.5 / dt:
         raise InvalidInput(
             "ring_down",

@@ -107,7 +107,7 @@ def shaft_stiffness(
     ``min_coherence`` and, at steady speed, the multiples of the turning frequency: there a speed sensor sees
     its own run-out. Intervals: jackknife over the segments (Student t), in quadrature with what a fit over
     the band's lower half changes (the real shaft may follow another law than the fit); for stiffness and
-    inertia plus half of what separates the two usual estimates, which noise in twist and noise in torque bias.
+    inertia plus half of what separates the two usual estimates, biased by noise in twist or in torque.
 
     Parameters
     ----------
