@@ -50,25 +50,20 @@ def prediction_fit(
     part = (t >= start) & (t < stop)
     overlay.plot(t[part], factor * real[part], label="measured", **MEASURED)
     overlay.plot(t[part], factor * guess[part], label="predicted", **ESTIMATED)
-    overlay.set(
-        xlabel="time (s)", ylabel=axis_label(signal), xlim=(start, stop), title="Prediction of the fit"
-    )
+    overlay.set(xlabel="time (s)", ylabel=axis_label(signal), xlim=(start, stop))
     overlay.set_title("Prediction one sample ahead", loc="left")
     overlay.legend(frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 0.98))
     residual = real - guess
     error.plot(*thin_min_max(t, factor * residual, 1000), color=ESTIMATED["color"], linewidth=0.5)
-    error.set(
-        xlabel="time (s)",
-        ylabel=f"residual ({unit})",
-        xlim=(t[0], t[-1]),
-        title="Residual over the recording",
-    )
+    error.set(xlabel="time (s)", ylabel=f"residual ({unit})", xlim=(t[0], t[-1]))
+    error.set_title("Residual over the recording", loc="left")
     values = autocorrelation(residual, lags)
     band = 1.96 / np.sqrt(residual.size)
     correlation.axhspan(-band, band, color="#E69F00", alpha=0.45, label="95 % band of white noise")
     correlation.vlines(np.arange(1, values.size), 0.0, values[1:], color=ESTIMATED["color"], linewidth=1.2)
     correlation.axhline(0.0, color="#999999", linewidth=0.8)
     correlation.set(xlabel="lag (samples)", ylabel="autocorrelation (–)")
+    correlation.set_title("Autocorrelation of the residual", loc="left")
     correlation.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 0.98))
     return figure
 

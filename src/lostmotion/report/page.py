@@ -1,0 +1,93 @@
+"""One self-contained HTML page from the results of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from . import numbers, summary, tables
+from .images import SECTIONS, ReportFigure
+
+
+def write_report(
+    path: str | Path,
+    results: Mapping[str, Any],
+    figures: Iterable[ReportFigure | tuple[Any, ...]] = (),
+    *,
+    title: str = "Drivetrain report",
+    command: str | None = None,
+) -> Path:
+    """Write the report: one HTML file that needs no network and no other file.
+
+    Parameters
+    ----------
+    path : path of the HTML file
+    results : mapping
+        As in ``results.json``; SI. Any part may be missing or ``{"skipped": reason}``, any number None.
+        Shown where present, beside the parts of ``results.json``:
+
+        - ``recordings``: name → {"samples", "duration" (s), "sample_time" (s), "use", "origin",
+          "signals", "file"};
+        - ``fits``: name → {quantity: number, text, or {"value", "low", "high", "unit"}};
+        - ``observers.baselines``: name → {signal: {...}}, as for an observer;
+        - ``controllers.plant``: text, what the controllers ran against; otherwise it follows from ``truth``.
+
+        A ``truth`` that is not skipped means that the virtual rig was used: everything is labelled simulated.
+    figures : iterable of ReportFigure, or tuples of its arguments
+    title : str
+    command : str, optional
+        The command that repeats the run.
+
+    Returns
+    -------
+    Path
+        The file written.
+    """
+    target = Path(path)
+    target.write_text(render(results, figures, title=title, command=command), encoding="utf-8")
+    return target
+
+
+def render(
+    results: Mapping[str, Any],
+    figures: Iterable[ReportFigure | tuple[Any, ...]] = (),
+    *,
+    title: str = "Drivetrain report",
+    command: str | None = None,
+) -> str:
+    """The page as text; arguments as for `write_report`."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("lostmotion.report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        digits=numbers.digits, quantity=numbers.quantity, percent=numbers.percent, words=tables.words
+    )
+    page = environment.get_template("report.html.j2")
+    return page.render(
+        title=title,
+        command=command,
+        results=results,
+        simulated=summary.is_simulated(results),
+        sentence=summary.sentence(results),
+        cards=summary.cards(results),
+        skipped=tables.skipped(results),
+        problems=list(results.get("problems") or ()),
+        parts=tables.parts(results),
+        figures=_by_section(figures),
+    )
+
+
+def _by_section(figures: Iterable[ReportFigure | tuple[Any, ...]]) -> dict[str, list[dict[str, str]]]:
+    grouped: dict[str, list[dict[str, str]]] = {section: [] for section in SECTIONS}
+    for entry in figures:
+        figure = entry if isinstance(entry, ReportFigure) else ReportFigure(*entry)
+        section = figure.section if figure.section in grouped else "other"
+        grouped[section].append({"title": figure.title, "caption": figure.caption, "uri": figure.uri()})
+    return grouped

@@ -1,0 +1,168 @@
+"""The top of the report: what came in, what came out, and what is missing, in ten seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from . import tables
+from .numbers import NONE, digits, half_width, is_number, percent, quantity
+from .tables import mapping, parameters, skip_reason, skipped
+
+
+def is_simulated(results: Mapping[str, Any]) -> bool:
+    """Whether the recordings come from the virtual rig: only then is there a truth."""
+    return bool(mapping(results.get("truth")))
+
+
+def _share(results: Mapping[str, Any], group: str, signal: str) -> float | None:
+    """RMSE as a fraction of the range, of an observer or of a baseline."""
+    observers = mapping(results.get("observers"))
+    entry = mapping(
+        mapping(observers.get(group) or mapping(observers.get("baselines")).get(group)).get(signal)
+    )
+    return tables.share_of_range(entry)
+
+
+def _overshoot(results: Mapping[str, Any], controller: str) -> float | None:
+    """Overshoot of a controller in per cent of the step."""
+    value = mapping(mapping(results.get("controllers")).get(controller)).get("overshoot")
+    return float(value) if is_number(value) else None
+
+
+def sentence(results: Mapping[str, Any]) -> str:
+    """What came in and what came out, in one or two sentences, only from what was done."""
+    done = []
+    rows = parameters(results)
+    if rows:
+        found = sum(row["source"] == "identified" for row in rows)
+        done.append(f"{found} of {len(rows)} parameters identified")
+    speed = _share(results, "observer_1", "speed_load")
+    if speed is not None:
+        done.append(f"load speed estimated to {percent(speed)} of its range")
+    new, old = _overshoot(results, "pole_placement"), _overshoot(results, "pi")
+    if new is not None:
+        against = "" if old is None else f" against {percent(old / 100.0)} under PI"
+        done.append(f"load-speed overshoot {percent(new / 100.0)}{against} (simulated)")
+    compared = mapping(results.get("export")).get("max_difference")
+    if is_number(compared):
+        done.append("C code equal to Python bit for bit" if compared == 0 else "C code differs from Python")
+    text = "; ".join(done) + "." if done else "No stage gave a result."
+    missing = len(skipped(results))
+    return (
+        text[:1].upper() + text[1:] + (f" {missing} skipped, each with its reason below." if missing else "")
+    )
+
+
+def cards(results: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Key numbers: label, value, remark, and state ("good", "bad", "plain", "none")."""
+    found = [
+        _parameter_card(results),
+        _backlash_card(results),
+        _observer_card(results, "speed_load", "Load speed error, Observer 1", "motor_speed"),
+        _observer_card(results, "torque_shaft", "Shaft torque error, Observer 1", "no_backlash"),
+        _control_card(results),
+        _export_card(results),
+        _problem_card(results),
+    ]
+    return [
+        {"label": label, "value": value, "note": note, "state": state} for label, value, note, state in found
+    ]
+
+
+Card = tuple[str, str, str, str]
+
+
+def _missing(label: str, part: Any) -> Card:
+    return (
+        label,
+        "skipped" if skip_reason(part) else "–",
+        skip_reason(part) or "not part of this run",
+        "none",
+    )
+
+
+def _parameter_card(results: Mapping[str, Any]) -> Card:
+    rows, label = parameters(results), "Parameters identified"
+    if not rows:
+        return _missing(label, results.get("parameters"))
+    counts = {
+        kind: sum(r["source"] == kind for r in rows) for kind in ("identified", "nameplate", "not excited")
+    }
+    notes = [f"{counts[kind]} {kind}" for kind in ("nameplate", "not excited") if counts[kind]]
+    return (
+        label,
+        f"{counts['identified']} of {len(rows)}",
+        ", ".join(notes) or "each with a 95 % interval",
+        "plain",
+    )
+
+
+def _backlash_card(results: Mapping[str, Any]) -> Card:
+    entry = mapping(mapping(results.get("parameters")).get("backlash"))
+    value, low, high = (entry.get(key) for key in ("value", "low", "high"))
+    if not is_number(value):
+        reason = "not excited" if entry else "–"
+        return (
+            "Backlash (total free angle)",
+            reason,
+            "this recording cannot tell it" if entry else "",
+            "none",
+        )
+    note = str(entry.get("source", ""))
+    if half_width(value, low, high) != NONE:
+        note += f", {half_width(value, low, high)} (95 %)"
+    return ("Backlash (total free angle)", quantity(value, "rad"), note, "plain")
+
+
+def _observer_card(results: Mapping[str, Any], signal: str, label: str, naive: str) -> Card:
+    share, other = (_share(results, group, signal) for group in ("observer_1", naive))
+    if share is None:
+        observers = results.get("observers")
+        return _missing(label, observers if skip_reason(observers) else mapping(observers).get("observer_1"))
+    note, state = "RMSE, of the range", "plain"
+    if other is not None:
+        name = {"motor_speed": "motor speed as estimate", "no_backlash": "observer without backlash"}[naive]
+        note, state = f"of the range; {name}: {percent(other)}", "good" if share < other else "bad"
+    return (label, percent(share), note, state)
+
+
+def _control_card(results: Mapping[str, Any]) -> Card:
+    label, new, old = (
+        "Overshoot, pole placement",
+        _overshoot(results, "pole_placement"),
+        _overshoot(results, "pi"),
+    )
+    if new is None:
+        return _missing(label, results.get("controllers"))
+    note = "of the step, simulated" + ("" if old is None else f"; PI: {percent(old / 100.0)}")
+    return (label, percent(new / 100.0), note, "plain" if old is None else "good" if new < old else "bad")
+
+
+def _export_card(results: Mapping[str, Any]) -> Card:
+    export = mapping(results.get("export"))
+    difference = export.get("max_difference")
+    if not export:
+        return _missing("C code against Python", results.get("export"))
+    if not is_number(difference):
+        return (
+            "C code against Python",
+            "not run",
+            str(export.get("compiler") or "no C compiler found"),
+            "none",
+        )
+    value = "bit-equal" if difference == 0 else f"differs by {digits(difference, 2)}"
+    return (
+        "C code against Python",
+        value,
+        str(export.get("compiler") or ""),
+        "good" if difference == 0 else "bad",
+    )
+
+
+def _problem_card(results: Mapping[str, Any]) -> Card:
+    problems = list(results.get("problems") or ())
+    errors = sum(mapping(p).get("severity") == "error" for p in problems)
+    warnings = len(problems) - errors
+    note = f"{errors} errors, {warnings} warnings" if problems else "nothing to complain about"
+    return ("Problems", str(len(problems)), note, "bad" if errors else "plain" if problems else "good")

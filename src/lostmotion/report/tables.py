@@ -1,0 +1,199 @@
+"""What the tables of the report show, as text: results in, rows out, no HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..drivetrain import PARAMETER_UNITS
+from ..recording import unit_of
+from .numbers import NONE, deviation, digits, half_width, interval, is_number, percent, quantity
+
+#: Parts of ``results.json`` that a run may skip, and their names.
+PARTS = {
+    "recordings": "Recordings",
+    "parameters": "Parameters",
+    "truth": "Truth",
+    "fits": "Fits",
+    "observers": "Observers",
+    "controllers": "Controllers",
+    "export": "Export",
+}
+_NAMES = {
+    "pi": "PI",
+    "pole_placement": "Observer 1 + pole placement",
+    "motor_speed": "motor speed taken as estimate",
+    "no_backlash": "observer without backlash",
+}
+_SIGNALS = ("speed_load", "torque_shaft", "twist")
+
+
+def words(name: object) -> str:
+    """A key in words: ``observer_1`` → "Observer 1"."""
+    text = _NAMES.get(str(name), str(name).replace("_", " "))
+    return text[:1].upper() + text[1:]
+
+
+def skip_reason(part: Any) -> str | None:
+    """The reason if a part was skipped, otherwise None."""
+    return str(part["skipped"]) if isinstance(part, Mapping) and "skipped" in part else None
+
+
+def mapping(part: Any) -> Mapping[str, Any]:
+    """A part of the results, empty if it is missing or was skipped."""
+    return part if isinstance(part, Mapping) and "skipped" not in part else {}
+
+
+def skipped(results: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What was skipped and why: whole parts and entries inside them, each once."""
+    found: list[tuple[str, str]] = []
+
+    def search(name: str, part: Any, depth: int) -> None:
+        reason = skip_reason(part)
+        if reason is not None:
+            found.append((name, reason))
+        elif isinstance(part, Mapping) and depth:
+            for key, value in part.items():
+                search(f"{name}: {words(key)}", value, depth - 1)
+
+    for key, value in results.items():
+        search(PARTS.get(key, words(key)), value, 3)
+    return found
+
+
+def parts(results: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
+    """Rows of every table by part; an empty list where there is nothing to show."""
+    return {
+        "recordings": _recordings(mapping(results.get("recordings"))),
+        "parameters": parameters(results),
+        "fits": list(_fits(mapping(results.get("fits")))),
+        "observers": list(_observers(mapping(results.get("observers")))),
+        "controllers": _controllers(mapping(results.get("controllers"))),
+    }
+
+
+def _recordings(recordings: Mapping[str, Any]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": words(name),
+            "file": entry.get("file") or NONE,
+            "use": entry.get("use") or NONE,
+            "origin": entry.get("origin") or "measured",
+            "samples": f"{entry['samples']:,}".replace(",", " ") if is_number(entry.get("samples")) else NONE,
+            "duration": quantity(entry.get("duration"), "s"),
+            "sample_time": quantity(entry.get("sample_time"), "s"),
+            "signals": ", ".join(entry.get("signals") or ()) or NONE,
+        }
+        for name, entry in recordings.items()
+        if isinstance(entry, Mapping) and "skipped" not in entry
+    ]
+
+
+def parameters(results: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """One row for each parameter, the known ones in their usual order first."""
+    found = mapping(results.get("parameters"))
+    truth = mapping(mapping(results.get("truth")).get("parameters"))
+    order = [n for n in PARAMETER_UNITS if n in found] + [n for n in found if n not in PARAMETER_UNITS]
+    return [_parameter(name, mapping(found[name]), truth.get(name)) for name in order]
+
+
+def _parameter(name: str, entry: Mapping[str, Any], true: Any) -> dict[str, Any]:
+    value, low, high = (entry.get(key) for key in ("value", "low", "high"))
+    unit = entry.get("unit") or PARAMETER_UNITS.get(name, "")
+    known = is_number(value)
+    return {
+        "name": words(name),
+        "value": quantity(value, unit, 4) if known else "not excited",
+        "known": known,
+        "interval": interval(value, low, high, unit),
+        "half": half_width(value, low, high),
+        "source": entry.get("source") or ("identified" if known else "not excited"),
+        "truth": quantity(true, unit, 4),
+        "deviation": deviation(value, true),
+        "inside": _inside(true, low, high),
+    }
+
+
+def _inside(true: Any, low: Any, high: Any) -> str:
+    if not (is_number(true) and is_number(low) and is_number(high)):
+        return NONE
+    return "yes" if low <= true <= high else "no"
+
+
+def _fits(fits: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    for name, entry in fits.items():
+        for key, value in mapping(entry).items():
+            yield {"name": words(name), "quantity": words(key), **_fit_value(value)}
+
+
+def _fit_value(value: Any) -> dict[str, str]:
+    if isinstance(value, Mapping):
+        unit, number = str(value.get("unit") or ""), value.get("value")
+        bounds = interval(number, value.get("low"), value.get("high"), unit)
+        return {"value": skip_reason(value) or quantity(number, unit, 4), "interval": bounds}
+    if isinstance(value, (list, tuple)):
+        return {"value": ", ".join(digits(v, 4) if is_number(v) else str(v) for v in value), "interval": NONE}
+    if is_number(value):
+        return {"value": str(value) if isinstance(value, int) else digits(value, 4), "interval": NONE}
+    return {"value": NONE if value is None else str(value), "interval": NONE}
+
+
+def _observers(observers: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Rows grouped by signal: every observer, then the naive estimates to compare with."""
+    baselines = mapping(observers.get("baselines"))
+    entries = [(n, e, False) for n, e in observers.items() if n != "baselines"]
+    entries += [(n, e, True) for n, e in baselines.items()]
+    signals = [s for s in _SIGNALS if any(s in mapping(e) for _, e, _ in entries)]
+    signals += sorted(
+        {s for _, e, _ in entries for s, v in mapping(e).items() if isinstance(v, Mapping)} - set(signals)
+    )
+    for signal in signals:
+        for name, entry, naive in entries:
+            figures = mapping(mapping(entry).get(signal))
+            if figures:
+                yield {
+                    "signal": words(signal),
+                    "name": words(name),
+                    "naive": naive,
+                    **_errors(figures, signal),
+                }
+
+
+def share_of_range(figures: Mapping[str, Any]) -> float | None:
+    """RMSE as a fraction of the range of one estimated signal."""
+    error, span = figures.get("rmse"), figures.get("range")
+    return error / span if is_number(error) and is_number(span) and span else None
+
+
+def _errors(figures: Mapping[str, Any], signal: str) -> dict[str, str]:
+    unit = unit_of(signal)
+    span = figures.get("range")
+    return {
+        "rmse": quantity(figures.get("rmse"), unit),
+        "share": percent(share_of_range(figures)),
+        "max": quantity(figures.get("max"), unit),
+        "lag": quantity(figures.get("lag"), "s", 2),
+        "range": quantity(span, unit),
+    }
+
+
+def _controllers(controllers: Mapping[str, Any]) -> list[dict[str, Any]]:
+    rows = []
+    for name, raw in controllers.items():
+        entry = mapping(raw)
+        if not entry:
+            continue
+        overshoot = entry.get("overshoot")
+        rows.append(
+            {
+                "name": words(name),
+                "overshoot": percent(overshoot / 100.0) if is_number(overshoot) else NONE,
+                "rise_time": quantity(entry.get("rise_time"), "s"),
+                "settling_time": quantity(entry.get("settling_time"), "s")
+                if is_number(entry.get("settling_time"))
+                else "does not settle within 2 %",
+                "peak_torque": quantity(entry.get("peak_torque"), "Nm"),
+                "steady_error": percent(entry.get("steady_error")),
+            }
+        )
+    return rows
