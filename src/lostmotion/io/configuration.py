@@ -63,7 +63,7 @@ class RecordingSource:
 
 @dataclass(frozen=True)
 class LawSettings:
-    """``[law]``: sample time (s; None: the recording's), torque limit (Nm; None: none), poles (1/s), PI gains.
+    """``[law]``: sample time (s; None: the recording's), torque limit (Nm; None: none), poles (1/s), PI.
 
     ``kp`` (Nm s/rad) and ``ki`` (Nm/rad) are both given or both None.
     """
