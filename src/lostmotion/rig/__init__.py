@@ -1,7 +1,8 @@
 """The virtual test rig: a finer plant than the models fitted to it, with sensors."""
 
 from .equivalent import modes, motor_zeros, two_mass_equivalent
+from .finer import finer_rig
 from .nominal import Rig, nominal_rig, varied_rig
 from .record import Truth, record
 
-__all__ = ["Rig", "Truth", "modes", "motor_zeros", "nominal_rig", "record", "two_mass_equivalent", "varied_rig"]
+__all__ = ["Rig", "Truth", "finer_rig", "modes", "motor_zeros", "nominal_rig", "record", "two_mass_equivalent", "varied_rig"]

@@ -51,7 +51,7 @@ class Rig:
 
 def nominal_rig() -> Rig:
     """The rig without variation."""
-    return _rig(INERTIAS, STIFFNESSES, BACKLASH, COULOMB, VISCOUS, seed=None)
+    return make_rig(INERTIAS, STIFFNESSES, BACKLASH, COULOMB, VISCOUS, seed=None)
 
 
 def varied_rig(seed: int) -> Rig:
@@ -59,7 +59,7 @@ def varied_rig(seed: int) -> Rig:
     rng = np.random.default_rng([seed, 20])
     structure = 1.0 + SPREAD_STRUCTURE * rng.uniform(-1.0, 1.0, 7)
     friction = 1.0 + SPREAD_FRICTION * rng.uniform(-1.0, 1.0, 3)
-    return _rig(
+    return make_rig(
         tuple(float(j * f) for j, f in zip(INERTIAS, structure[:4], strict=True)),
         tuple(float(k * f) for k, f in zip(STIFFNESSES, structure[4:], strict=True)),
         float(BACKLASH * friction[0]),
@@ -69,7 +69,7 @@ def varied_rig(seed: int) -> Rig:
     )
 
 
-def _rig(
+def make_rig(
     inertias: tuple[float, ...],
     stiffnesses: tuple[float, ...],
     backlash: float,
@@ -77,6 +77,7 @@ def _rig(
     viscous: float,
     seed: int | None,
 ) -> Rig:
+    """A rig with the given structure and friction; damping, contact, sensors and actuator follow the nominal one."""
     clutch, side, joint = stiffnesses
     shafts = (
         Shaft(clutch, 2.0 * DAMPING_RATIO / (2.0 * math.pi * 750.0) * clutch),

@@ -41,7 +41,7 @@ class Truth:
 
 
 def record(
-    seed: int | None = 1,
+    rig: int | Rig | None = 1,
     *,
     torque_motor: ArrayLike | None = None,
     law: DiscreteSystem | None = None,
@@ -55,8 +55,8 @@ def record(
 
     Parameters
     ----------
-    seed : int or None
-        Which rig of the family; None: the nominal one.
+    rig : int, Rig or None
+        Seed of a rig of the family, or a rig; None: the nominal one.
     torque_motor : (n,) array, Nm, optional
         Set-point of the motor torque. Default without a law: 10 s of ``signals.excitation``.
     law : DiscreteSystem, optional
@@ -78,7 +78,9 @@ def record(
         The recording holds what the sensors show: ``torque_motor`` is the set-point (the torque itself follows with
         a lag), speeds are count differences over the last sample.
     """
-    rig = nominal_rig() if seed is None else varied_rig(seed)
+    if not isinstance(rig, Rig):
+        rig = nominal_rig() if rig is None else varied_rig(rig)
+    seed = rig.seed
     unknown = sorted(set(channels) - set(rig.sensors))
     if unknown:
         raise InvalidInput("rig.record: channels", f"{unknown}", f"names out of {CHANNELS}", "Check the names.")
@@ -96,7 +98,7 @@ def record(
             "source": "virtual rig",
             "rig_seed": seed,
             "noise_seed": noise_seed,
-            "count_averaged": tuple(n for n in channels if rig.sensors[n].difference),
+            "count_averaged": rig.sensors["speed_motor"].difference,
         },
     )
     return recording, Truth(two_mass_equivalent(rig.drivetrain, signals["speed_load"]), rig.drivetrain, signals)
