@@ -132,8 +132,9 @@ class CsvTable:
                 places[name] = self.index(key, f"{self.where}, {name}")
             except InvalidInput as error:
                 problems.append(error.problem)
-        problems += self._ragged_lines()
-        if not places or any(p.severity == "error" for p in problems):
+        ragged = self._ragged_lines()
+        problems += ragged
+        if not places or ragged:
             return {}, problems
         wanted = sorted(set(places.values()))
         data, text_problems = self._numbers(wanted)

@@ -126,6 +126,7 @@ def _table(path: Path, raw: bytes) -> Table:
 def _saved(path: Path, channels: Mapping[str, Any] | None) -> Recording:
     from .storage import load_recording
 
+    recording = load_recording(path)
     if channels:
         raise InvalidInput(
             str(path),
@@ -133,7 +134,7 @@ def _saved(path: Path, channels: Mapping[str, Any] | None) -> Recording:
             "none",
             "Leave them out: names and units are stored in it.",
         )
-    return load_recording(path)
+    return recording
 
 
 def _from_table(table: Table, where: str, time: Any, channels: Mapping[str, Any] | None) -> _Raw:

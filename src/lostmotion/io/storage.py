@@ -112,7 +112,7 @@ def load_recording(path: str | Path) -> Recording:
             str(path),
             got,
             "an .npz written by save_recording",
-            "Copy it again, or give a CSV or MATLAB file.",
+            "Copy it again; save a spreadsheet as CSV.",
         ) from None
     header = unwrapped(header, "recording", str(path))
     return Recording(
