@@ -291,10 +291,12 @@ def _matrix(where: str, values: ArrayLike, shape: tuple[int, ...]) -> Matrix:
 def zero_order_hold(A: ArrayLike, B: ArrayLike, dt: float) -> tuple[Matrix, Matrix]:
     """Φ = exp(A·dt) and Γ = ∫exp(A·s)ds·B: the exact step of ẋ = Ax + Bu with u held over dt (s).
 
-    A is (n, n), B is (n, m).
+    A is (n, n), B is (n, m). Raises InvalidInput if dt is not a positive number.
     """
     from scipy.linalg import expm
 
+    if not (math.isfinite(dt) and dt > 0.0):
+        raise InvalidInput("dt", repr(dt), "a positive sample time in s", "Check the unit.")
     a, b = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
     n, m = b.shape
     block = np.zeros((n + m, n + m))

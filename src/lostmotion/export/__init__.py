@@ -1,5 +1,5 @@
 """Export: a DiscreteSystem as code for the target."""
 
-from .c import ExportCheck, c, compile_and_check
+from .c import C_FLAGS, ExportCheck, c, compile_and_check
 
-__all__ = ["ExportCheck", "c", "compile_and_check"]
+__all__ = ["C_FLAGS", "ExportCheck", "c", "compile_and_check"]

@@ -28,6 +28,9 @@ MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 1.0, "speed_load": 1.0, "torque_shaft": 10.0, "twist": 1e-6, "angle_motor": 1e-6}
 )
 
+#: An error that decays slower than this rate (1/s) counts as one that the sensors cannot see (chosen).
+SLOWEST_RATE = 1e-6
+
 _UNDETECTABLE = (
     "Measure a speed or the motor angle too (torque or twist alone cannot tell how fast the whole drivetrain "
     "turns), or raise the process covariance."
@@ -57,10 +60,13 @@ def kalman_gain(
     c = np.array([model.measurement_row(signal) for signal in measured])
     q, r = _covariances(model, measured, process_covariance, measurement_covariance)
     try:
-        p = solve_continuous_are(model.A.T, c.T, q, r)
-    except np.linalg.LinAlgError as error:
-        raise InvalidInput("measured", repr(tuple(measured)), "a detectable system", _UNDETECTABLE) from error
-    return np.asarray(p @ c.T @ np.linalg.inv(r))
+        gain = np.asarray(solve_continuous_are(model.A.T, c.T, q, r) @ c.T @ np.linalg.inv(r))
+        rate = -float(np.max(np.linalg.eigvals(model.A - gain @ c).real))
+    except np.linalg.LinAlgError:
+        rate = -np.inf
+    if not rate > SLOWEST_RATE:
+        raise InvalidInput("measured", repr(tuple(measured)), "a detectable system", _UNDETECTABLE)
+    return gain
 
 
 def kalman(
@@ -127,7 +133,7 @@ def kalman(
         c = np.hstack([c, np.zeros((len(measured), 1))])
         c[measured.index("speed_motor"), [1, -1]] = 0.5
         builder.add_state("speed_motor_previous", model.row(speed_motor=1.0))
-    gain = _predictor_gain(phi, c, q_d, r / dt, measured)
+    gain = _predictor_gain(phi, c, q_d, r / dt, measured, dt)
     return builder.system(measured, gain, c)
 
 
@@ -152,7 +158,9 @@ def _process_covariance_of_a_sample(a: Array, q: Array, dt: float) -> Array:
     return np.asarray(0.5 * (q_d + q_d.T))
 
 
-def _predictor_gain(phi: Array, c: Array, q_d: Array, r_d: Array, measured: tuple[str, ...]) -> Array:
+def _predictor_gain(
+    phi: Array, c: Array, q_d: Array, r_d: Array, measured: tuple[str, ...], dt: float
+) -> Array:
     """Gain of x⁺ = Φx + … + K(y − ŷ) from the discrete Riccati equation."""
     from scipy.linalg import solve_discrete_are
 
@@ -162,7 +170,7 @@ def _predictor_gain(phi: Array, c: Array, q_d: Array, r_d: Array, measured: tupl
         radius = float(np.max(np.abs(np.linalg.eigvals(phi - gain @ c))))
     except np.linalg.LinAlgError:
         radius = np.inf
-    if not radius < 1.0 - 1e-12:
+    if not radius < np.exp(-SLOWEST_RATE * dt):
         raise InvalidInput("measured", repr(measured), "a detectable system", _UNDETECTABLE)
     return gain
 

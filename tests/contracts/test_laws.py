@@ -1,0 +1,158 @@
+"""What every observer and controller must keep: one arithmetic everywhere, JSON, and no NaN that lives on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
+
+from lostmotion.controllers import pi, pole_placement
+from lostmotion.drivetrain import Drivetrain, Friction
+from lostmotion.observers import kalman
+from lostmotion.observers.model import SENSORS
+from lostmotion.systems import DiscreteSystem, connect, one_sample_delay
+
+TABLE_1 = Drivetrain.two_mass(
+    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
+    viscous=0.0175,
+)  # fmt: skip
+ONE_SIDED = replace(TABLE_1, frictions=(Friction(0.3, 0.001), Friction((2.5, 0.0), 0.0175)))
+
+
+def observer_1_with_pole_placement() -> DiscreteSystem:
+    observer = kalman(TABLE_1, dt=1e-4)
+    controller = pole_placement(TABLE_1, dt=1e-4, torque_limit=73.5)
+    return connect(
+        [observer, controller], inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",)
+    )
+
+
+OBSERVERS = {
+    **{f"kalman on {sensor}": kalman(TABLE_1, measured=(sensor,), dt=1e-4) for sensor in SENSORS},
+    "kalman on all": kalman(TABLE_1, measured=SENSORS, dt=1e-4),
+    "observer 2": kalman(TABLE_1, measured=("torque_shaft", "speed_motor"), dt=1e-4),
+    "kalman at 1 ms": kalman(TABLE_1, dt=1e-3),
+    "kalman, dead zone": kalman(TABLE_1.with_contact("dead_zone"), dt=1e-4),
+    "kalman, linear": kalman(TABLE_1.with_parameters(backlash=0.0, coulomb=0.0), dt=1e-4),
+    "kalman, lag": kalman(TABLE_1.with_parameters(lag=5e-4), dt=1e-4, count_averaged=True),
+    "kalman, one-sided friction": kalman(ONE_SIDED, measured=("angle_motor", "speed_load"), dt=2e-4),
+}
+CONTROLLERS = {
+    "pi": pi(dt=1e-4),
+    "pi with limit": pi(dt=1e-4, torque_limit=20.0),
+    "pole placement": pole_placement(TABLE_1, dt=1e-4),
+    "pole placement with limit": pole_placement(TABLE_1, dt=1e-4, torque_limit=73.5),
+    "pole placement, by reference": pole_placement(
+        ONE_SIDED, dt=1e-4, torque_limit=73.5, friction_compensation="reference"
+    ),
+    "pole placement, uncompensated": pole_placement(TABLE_1, dt=1e-4, friction_compensation="none"),
+    "delay": one_sample_delay("torque_motor", 1e-4, start=0.5),
+    "observer 1 + pole placement": observer_1_with_pole_placement(),
+}
+LAWS = {**OBSERVERS, **CONTROLLERS}
+
+every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
+
+
+def assert_same_bits(a, b):
+    """Equal numbers, and zeros of equal sign."""
+    np.testing.assert_array_equal(a, b)
+    np.testing.assert_array_equal(np.signbit(a), np.signbit(b))
+
+
+@every_law
+def test_numba_and_plain_python_give_the_same_bits(law):
+    inputs = random_inputs(law, 1500, seed=1)
+    outputs, faults = numba_run(law, inputs)
+    wanted, wanted_faults = python_run(law, inputs)
+    assert faults.any()
+    np.testing.assert_array_equal(faults, wanted_faults)
+    assert_same_bits(outputs, wanted)
+
+
+@every_law
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler")
+def test_numba_and_c_give_the_same_bits(law, tmp_path):
+    inputs = random_inputs(law, 5000, seed=2)
+    outputs, faults = numba_run(law, inputs)
+    wanted, wanted_faults = c_run(law, inputs, tmp_path)
+    np.testing.assert_array_equal(faults, wanted_faults)
+    assert_same_bits(outputs, wanted)
+
+
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler")
+def test_the_exported_law_gives_the_same_bits_over_100_000_steps(tmp_path):
+    law = observer_1_with_pole_placement()
+    inputs = random_inputs(law, 100_000, seed=3)
+    outputs, faults = numba_run(law, inputs)
+    # The law must have used both sides of its torque limit, and the room between.
+    assert outputs.min() == -73.5 and outputs.max() == 73.5 and (abs(outputs) < 50.0).any()
+    for other, other_faults in (python_run(law, inputs), c_run(law, inputs, tmp_path)):
+        np.testing.assert_array_equal(faults, other_faults)
+        assert_same_bits(outputs, other)
+
+
+@every_law
+def test_json_gives_back_the_very_same_law(law):
+    data = law.to_dict()
+    again = DiscreteSystem.from_dict(json.loads(json.dumps(data, allow_nan=False)))
+    assert again.to_dict() == data
+    inputs = random_inputs(law, 200, seed=4)
+    assert_same_bits(numba_run(again, inputs)[0], numba_run(law, inputs)[0])
+
+
+@every_law
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(data=st.data())
+def test_finite_inputs_never_give_nan(law, data):
+    number = st.floats(allow_nan=False, allow_infinity=False)
+    sample = st.lists(number, min_size=len(law.inputs), max_size=len(law.inputs))
+    inputs = np.array(data.draw(st.lists(sample, min_size=1, max_size=30)))
+    tail = np.repeat(inputs[-1:], 200, axis=0)
+    outputs, _ = numba_run(law, np.vstack([inputs, tail]))
+    assert np.all(np.isfinite(outputs))
+
+
+@every_law
+def test_a_bad_input_is_replaced_flagged_and_forgotten(law):
+    rng = np.random.default_rng(5)
+    clean = np.repeat(rng.normal(size=(4, len(law.inputs))), 50, axis=0)
+    broken = clean.copy()
+    for i in range(len(law.inputs)):
+        broken[60 + i, i] = np.nan
+        broken[110 + 2 * i : 112 + 2 * i, i] = [np.inf, -3e30]
+    outputs, faults = numba_run(law, broken)
+    # Within a constant stretch the last good value is the right one: nothing must differ, then or later.
+    assert_same_bits(outputs, numba_run(law, clean)[0])
+    wanted = np.zeros(200, dtype=int)
+    for i in range(len(law.inputs)):
+        wanted[[60 + i, 110 + 2 * i, 111 + 2 * i]] |= 1 << i
+    np.testing.assert_array_equal(faults, wanted)
+
+
+@pytest.mark.parametrize("law", OBSERVERS.values(), ids=OBSERVERS.keys())
+def test_observers_recover_from_nan_at_the_start(law):
+    rng = np.random.default_rng(6)
+    n = int(10.0 / law.dt)
+    clean = 0.1 * rng.normal(size=(n, len(law.inputs)))
+    broken = clean.copy()
+    broken[:5] = np.nan
+    outputs, _ = numba_run(law, broken)
+    wanted, _ = numba_run(law, clean)
+    early, late = (np.max(np.abs((outputs - wanted)[part])) for part in (slice(0, 100), slice(-100, None)))
+    assert early > 0.0
+    # Slowest: load friction alone brings the rigid rotation together where no speed or angle is measured.
+    assert late < 0.5 * early
+
+
+@pytest.mark.parametrize("law", OBSERVERS.values(), ids=OBSERVERS.keys())
+def test_observers_are_stable_in_contact_and_sliding(law):
+    # Far out on the right, each curve has its last slope: the gap is closed, the friction at its level.
+    slopes = np.diag([curve.slope_right for curve in law.curves])
+    through = np.linalg.solve(np.eye(len(slopes)) - slopes @ law.H, slopes @ law.F)
+    assert np.max(np.abs(np.linalg.eigvals(law.A + law.E @ through))) < 1.0

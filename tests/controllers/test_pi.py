@@ -1,0 +1,73 @@
+"""PI speed controller: arithmetic, limit, anti-windup, and the paper's step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from lostmotion.controllers import pi
+from lostmotion.errors import InvalidInput
+from lostmotion.systems import DiscreteSystem, connect
+
+
+def test_it_is_proportional_plus_integral():
+    torque = pi(dt=1e-3, kp=10.0, ki=20.0).run({"speed_reference": [1.0] * 4, "speed_motor": [0.5] * 4})
+    np.testing.assert_allclose(torque["torque_motor"], 5.0 + 0.1 * np.arange(4), rtol=1e-14)
+
+
+def test_within_the_limit_the_limit_changes_nothing():
+    rng = np.random.default_rng(1)
+    data = {"speed_reference": rng.normal(size=500), "speed_motor": rng.normal(size=500)}
+    free = pi(dt=1e-3).run(data)["torque_motor"]
+    limited = pi(dt=1e-3, torque_limit=1e4).run(data)["torque_motor"]
+    np.testing.assert_allclose(limited, free, rtol=1e-9, atol=1e-9)
+
+
+def test_it_does_not_wind_up():
+    limit, dt = 20.0, 1e-3
+    # Ten seconds of an error that is out of reach, then the same error the other way.
+    error = np.concatenate([np.full(10_000, 5.0), np.full(10, -5.0)])
+    law = pi(dt=dt, torque_limit=limit)
+    torque = law.run({"speed_reference": error, "speed_motor": np.zeros_like(error)})["torque_motor"]
+    assert np.all(torque[:10_000] == limit)
+    assert torque[10_000] == -limit
+    # Without anti-windup the integral would have reached 10 000 Nm.
+    state = law.run({"speed_reference": error, "speed_motor": 0 * error}).final_state["state"]
+    assert abs(state[0]) <= limit
+
+
+def rigid_drive(inertia, torque_load, dt):
+    """speed⁺ = speed + dt/J·(torque_motor − torque_load), the load torque as a constant input."""
+    return DiscreteSystem(
+        inputs=("torque_motor", "torque_load"), outputs=("speed_motor",), states=("speed",), dt=dt,
+        A=[[1.0]], B=[[dt / inertia, -dt / inertia]], C=[[1.0]], name="rigid",
+    )  # fmt: skip
+
+
+def test_no_steady_error_under_load():
+    dt = 1e-3
+    law = connect(
+        [pi(dt=dt, torque_limit=30.0), rigid_drive(0.13, 3.0, dt)],
+        inputs=("speed_reference", "torque_load"), outputs=("speed_motor", "torque_motor"),
+    )  # fmt: skip
+    found = law.run({"speed_reference": np.full(5000, 2.0), "torque_load": np.full(5000, 3.0)})
+    assert found["speed_motor"][-1] == pytest.approx(2.0, abs=1e-9)
+    assert found["torque_motor"][-1] == pytest.approx(3.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "arguments, complaint",
+    [
+        ({"kp": 0.0}, r"pi\.kp"),
+        ({"kp": math.nan}, r"pi\.kp"),
+        ({"dt": -1.0}, r"pi\.dt"),
+        ({"torque_limit": 0.0}, r"pi\.torque_limit"),
+        ({"ki": 1000.0}, r"pi\.ki"),
+        ({"ki": -1.0}, r"pi\.ki"),
+    ],
+)
+def test_misuse(arguments, complaint):
+    with pytest.raises(InvalidInput, match=complaint):
+        pi(**{"dt": 1e-3, **arguments})

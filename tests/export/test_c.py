@@ -1,0 +1,157 @@
+"""C export: files, warnings, both number types, and results instead of exceptions."""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+import pytest
+
+from lostmotion import export
+from lostmotion.controllers import pi, pole_placement
+from lostmotion.curves import saturation
+from lostmotion.drivetrain import Drivetrain
+from lostmotion.errors import InvalidInput
+from lostmotion.observers import kalman
+from lostmotion.systems import DiscreteSystem, connect
+
+needs_compiler = pytest.mark.skipif(
+    not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler on this machine"
+)
+
+
+@pytest.fixture(scope="module")
+def law():
+    plant = Drivetrain.two_mass(
+        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
+        viscous=0.0175,
+    )  # fmt: skip
+    systems = [kalman(plant, dt=1e-4), pole_placement(plant, dt=1e-4, torque_limit=73.5)]
+    return connect(systems, inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",))
+
+
+@needs_compiler
+def test_double_precision_compiles_without_warning_and_repeats_its_vectors_exactly(law, tmp_path):
+    written = export.c(law, tmp_path, name="drive_law")
+    assert sorted(p.name for p in written) == ["README.md", "drive_law.c", "drive_law.h", "drive_law_test.c"]
+    check = export.compile_and_check(tmp_path, "drive_law")
+    assert check.passed, check.message
+    assert check.max_difference == 0.0
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(p.name for p in written)
+
+
+@needs_compiler
+def test_single_precision_compiles_without_warning_and_comes_close(law, tmp_path):
+    export.c(law, tmp_path, real="float")
+    check = export.compile_and_check(tmp_path)
+    assert check.passed, check.message
+    # Torques up to 73.5 Nm in single precision: 4e-6 Nm for each rounding.
+    assert 0.0 < check.max_difference < 1e-3
+
+
+@needs_compiler
+def test_one_typedef_makes_it_single_precision(law, tmp_path):
+    export.c(law, tmp_path)
+    header = tmp_path / "law.h"
+    header.write_text(header.read_text().replace("typedef double law_real;", "typedef float law_real;"))
+    check = export.compile_and_check(tmp_path)
+    assert check.passed, check.message
+    assert check.max_difference > 0.0
+
+
+@needs_compiler
+def test_a_changed_number_is_found(law, tmp_path):
+    export.c(law, tmp_path)
+    source = tmp_path / "law.c"
+    number = repr(float(law.A[1, 1]))
+    assert number in source.read_text()
+    source.write_text(source.read_text().replace(number, repr(float(np.nextafter(law.A[1, 1], 2.0)))))
+    check = export.compile_and_check(tmp_path)
+    assert not check.passed
+    assert check.max_difference > 0.0
+
+
+@needs_compiler
+def test_a_lost_input_check_is_found(law, tmp_path):
+    export.c(law, tmp_path)
+    source = tmp_path / "law.c"
+    source.write_text(source.read_text().replace("value >= R(-1e30) && value <= R(1e30)", "value < R(1e300)"))
+    assert not export.compile_and_check(tmp_path).passed
+
+
+@needs_compiler
+def test_code_that_does_not_compile_is_a_result(law, tmp_path):
+    export.c(law, tmp_path)
+    (tmp_path / "law.c").write_text("int law_step(void) { return; }")
+    check = export.compile_and_check(tmp_path)
+    assert not check.passed
+    assert check.max_difference is None
+    assert "does not compile" in check.message
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    "law",
+    [
+        pi(dt=1e-3, torque_limit=5.0),
+        DiscreteSystem(
+            inputs=("unused", "u"), outputs=("y", "zero"), states=("x",), dt=1.0, D=[[0, 1], [0, 0]]
+        ),
+        DiscreteSystem(inputs=("u",), outputs=("y",), dt=1.0, curves=(saturation(1.0),), G=[[1.0]]),
+        DiscreteSystem(
+            inputs=(), outputs=("y",), states=("x",), dt=1.0, A=[[0.5]], C=[[1.0]], initial_state=[1.0]
+        ),
+    ],
+    ids=["pi", "unused input and state", "unused curve", "no input"],
+)
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_odd_laws_compile_without_warning(law, real, tmp_path):
+    export.c(law, tmp_path, real=real)
+    check = export.compile_and_check(tmp_path)
+    assert check.passed, check.message
+
+
+def test_without_a_compiler_it_says_so(law, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    check = export.compile_and_check(tmp_path)
+    assert check.skipped and not check.passed
+    assert "no C compiler" in check.message
+
+
+def test_the_same_law_gives_the_same_bytes(law, tmp_path):
+    for folder in ("a", "b"):
+        export.c(law, tmp_path / folder)
+    for path in (tmp_path / "a").iterdir():
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+
+
+def test_readme_says_signals_units_and_sample_time(law, tmp_path):
+    export.c(law, tmp_path)
+    text = (tmp_path / "README.md").read_text()
+    for words in (
+        "| `speed_reference` | rad/s |",
+        "| `torque_motor` | Nm |",
+        "0.0001 s",
+        "-ffp-contract=off",
+    ):
+        assert words in text
+
+
+@pytest.mark.parametrize(
+    "changes, complaint",
+    [
+        ({"name": "2law"}, "'2law'"),
+        ({"name": "while"}, "'while'"),
+        ({"real": "half"}, "half"),
+        ({"vectors": 1}, "2"),
+    ],
+)
+def test_misuse(law, tmp_path, changes, complaint):
+    with pytest.raises(InvalidInput, match=complaint):
+        export.c(law, tmp_path, **changes)
+
+
+def test_signal_names_must_be_c_identifiers(law, tmp_path):
+    with pytest.raises(InvalidInput, match="Motor speed"):
+        export.c(law.renamed({"speed_motor": "Motor speed"}), tmp_path)
