@@ -67,7 +67,7 @@ def _finish(axis: Axes, names: list[str]) -> None:
     axis.set_xscale("symlog", linthresh=1.0)
     reach = max(2.0, *(abs(x) for x in axis.get_xlim()))
     axis.set_xlim(-1.3 * reach, 1.3 * reach)
-    axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:+g}" if x else "0"))
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:+g}".replace("-", "−") if x else "0"))
     axis.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axis.set_ylim(len(names) - 0.4, -0.6)
     axis.axvline(0.0, color="#999999", linewidth=0.8)

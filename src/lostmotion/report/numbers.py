@@ -21,54 +21,73 @@ def is_number(value: Any) -> TypeGuard[float]:
 
 
 def digits(value: Any, significant: int = 3) -> str:
-    """A number with so many significant digits, without exponent from 0.001 to 999 999."""
+    """A number with so many significant digits, without exponent from 0.0001 to 999 999."""
     if not is_number(value):
         return NONE
     if value == 0:
         return "0"
     size = math.floor(math.log10(abs(float(f"{value:.{significant - 1}e}"))))
-    if size < -3 or size > 5:
+    if size < -4 or size > 5:
         mantissa, exponent = f"{value:.{significant - 1}e}".split("e")
         return f"{mantissa}·10{_superscript(int(exponent))}".replace("-", "−")
-    return f"{value:.{max(0, significant - 1 - size)}f}".replace("-", "−")
+    return _fixed(value, max(0, significant - 1 - size))
 
 
 def quantity(value: Any, unit: str = "", significant: int = 3) -> str:
     """A number with its unit: 0.01213 rad → "12.1 mrad"."""
-    factor, shown = _prefix(value, unit)
-    text = digits(value * factor, significant) if is_number(value) else NONE
-    return f"{text} {shown}".strip() if text != NONE else NONE
-
-
-def interval(value: Any, low: Any, high: Any, unit: str) -> str:
-    """ "12.05 … 12.21 mrad": both ends with as many decimals as two digits of the half width need."""
-    if not (is_number(low) and is_number(high)):
+    if not is_number(value):
         return NONE
     factor, shown = _prefix(value, unit)
-    half = 0.5 * abs(high - low) * factor
-    if half == 0.0 or half < 1e-6 * abs(high * factor):
-        return f"{digits(low * factor, 4)} … {digits(high * factor, 4)} {shown}".strip()
-    places = max(0, 1 - math.floor(math.log10(half)))
-    return f"{low * factor:.{places}f} … {high * factor:.{places}f} {shown}".strip().replace("-", "−")
+    return _with_unit(digits(value * factor, significant), shown)
+
+
+def given(value: Any, unit: str) -> str:
+    """A number without interval, up to four significant digits and no trailing zeros."""
+    if not is_number(value):
+        return NONE
+    factor, shown = _prefix(value, unit)
+    text = digits(value * factor, 4)
+    return _with_unit(text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text, shown)
+
+
+def with_interval(value: Any, low: Any, high: Any, unit: str) -> tuple[str, str]:
+    """("12.13 mrad", "12.05 … 12.21"): decimals down to the half width's first digit, one more if it is 1 or 2."""
+    if not (is_number(value) and is_number(low) and is_number(high)):
+        return given(value, unit), NONE
+    factor, shown = _prefix(value, unit)
+    half, largest = 0.5 * abs(high - low) * factor, max(abs(low), abs(high)) * factor
+    size = math.log10(max(half, 1e-6 * largest)) if largest else 0.0
+    places = max(0, -math.floor(size) + (size % 1.0 < math.log10(2.5)))
+    middle, left, right = (_fixed(v * factor, places) for v in (value, low, high))
+    return _with_unit(middle, shown), f"{left} … {right}"
+
+
+def _fixed(value: float, places: int) -> str:
+    return f"{value:.{places}f}".replace("-", "−")
+
+
+def _with_unit(text: str, unit: str) -> str:
+    """Joined by a no-break space, so that no line ends between a number and its unit."""
+    return f"{text}\u00a0{unit}" if unit else text
 
 
 def percent(fraction: Any, significant: int = 2) -> str:
     """A fraction in per cent: 0.0042 → "0.42 %"."""
-    return f"{digits(100.0 * fraction, significant)} %" if is_number(fraction) else NONE
+    return _with_unit(digits(100.0 * fraction, significant), "%") if is_number(fraction) else NONE
 
 
 def half_width(value: Any, low: Any, high: Any) -> str:
     """Half the interval in per cent of the value: "± 0.66 %"."""
     if not (is_number(value) and is_number(low) and is_number(high)) or value == 0:
         return NONE
-    return f"± {percent(0.5 * (high - low) / abs(value))}"
+    return f"±\u00a0{percent(0.5 * (high - low) / abs(value))}"
 
 
 def deviation(value: Any, reference: Any) -> str:
     """How far a value is from a reference, in per cent of the reference, signed."""
     if not (is_number(value) and is_number(reference)) or reference == 0:
         return NONE
-    return f"{100.0 * (value - reference) / abs(reference):+.1f} %".replace("-", "−")
+    return _with_unit(f"{100.0 * (value - reference) / abs(reference):+.1f}".replace("-", "−"), "%")
 
 
 def _prefix(value: Any, unit: str) -> tuple[float, str]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..drivetrain import PARAMETER_UNITS
 from . import tables
-from .numbers import NONE, digits, half_width, is_number, percent, quantity
-from .tables import mapping, parameters, skip_reason, skipped
+from .numbers import NONE, digits, half_width, is_number, percent, with_interval
+from .tables import mapping, parameters, skip_reason, skipped, words
 
 
 def is_simulated(results: Mapping[str, Any]) -> bool:
@@ -49,25 +50,25 @@ def sentence(results: Mapping[str, Any]) -> str:
         done.append("C code equal to Python bit for bit" if compared == 0 else "C code differs from Python")
     text = "; ".join(done) + "." if done else "No stage gave a result."
     missing = len(skipped(results))
-    return (
-        text[:1].upper() + text[1:] + (f" {missing} skipped, each with its reason below." if missing else "")
-    )
+    remark = f" {_count(missing, 'part')} skipped, with the reason below." if missing else ""
+    return text[:1].upper() + text[1:] + remark
 
 
 def cards(results: Mapping[str, Any]) -> list[dict[str, str]]:
     """Key numbers: label, value, remark, and state ("good", "bad", "plain", "none")."""
     found = [
         _parameter_card(results),
-        _backlash_card(results),
+        _value_card(results, "backlash", "Backlash (total free angle)"),
+        _value_card(results, "stiffness", "Shaft stiffness"),
         _observer_card(results, "speed_load", "Load speed error, Observer 1", "motor_speed"),
         _observer_card(results, "torque_shaft", "Shaft torque error, Observer 1", "no_backlash"),
         _control_card(results),
         _export_card(results),
         _problem_card(results),
     ]
-    return [
-        {"label": label, "value": value, "note": note, "state": state} for label, value, note, state in found
-    ]
+    if skip_reason(results.get("observers")) is not None:
+        found[3:5] = _fit_cards(results)
+    return [dict(zip(("label", "value", "note", "state"), card, strict=True)) for card in found]
 
 
 Card = tuple[str, str, str, str]
@@ -98,21 +99,30 @@ def _parameter_card(results: Mapping[str, Any]) -> Card:
     )
 
 
-def _backlash_card(results: Mapping[str, Any]) -> Card:
-    entry = mapping(mapping(results.get("parameters")).get("backlash"))
+def _value_card(results: Mapping[str, Any], name: str, label: str) -> Card:
+    found = mapping(results.get("parameters"))
+    entry = mapping(found.get(name))
     value, low, high = (entry.get(key) for key in ("value", "low", "high"))
+    if not entry:
+        return _missing(label, found.get(name) or results.get("parameters"))
     if not is_number(value):
-        reason = "not excited" if entry else "–"
-        return (
-            "Backlash (total free angle)",
-            reason,
-            "this recording cannot tell it" if entry else "",
-            "none",
-        )
-    note = str(entry.get("source", ""))
-    if half_width(value, low, high) != NONE:
-        note += f", {half_width(value, low, high)} (95 %)"
-    return ("Backlash (total free angle)", quantity(value, "rad"), note, "plain")
+        return (label, "not excited", "the recording cannot tell it", "none")
+    note, half = str(entry.get("source") or ""), half_width(value, low, high)
+    shown = with_interval(value, low, high, entry.get("unit") or PARAMETER_UNITS.get(name, ""))[0]
+    return (label, shown, note if half == NONE else f"{note}, {half} (95 %)", "plain")
+
+
+def _fit_cards(results: Mapping[str, Any]) -> list[Card]:
+    """The first fits with an interval, where there is no observer to speak of; at most three (chosen)."""
+    cards: list[Card] = []
+    for name, fit in mapping(results.get("fits")).items():
+        for key, entry in mapping(fit).items():
+            value, low, high = (mapping(entry).get(k) for k in ("value", "low", "high"))
+            half = half_width(value, low, high)
+            if half != NONE and key not in mapping(results.get("parameters")):
+                shown = with_interval(value, low, high, str(entry.get("unit") or ""))[0]
+                cards.append((words(key), shown, f"{words(name)}, {half} (95 %)", "plain"))
+    return cards[:3]
 
 
 def _observer_card(results: Mapping[str, Any], signal: str, label: str, naive: str) -> Card:
@@ -164,5 +174,9 @@ def _problem_card(results: Mapping[str, Any]) -> Card:
     problems = list(results.get("problems") or ())
     errors = sum(mapping(p).get("severity") == "error" for p in problems)
     warnings = len(problems) - errors
-    note = f"{errors} errors, {warnings} warnings" if problems else "nothing to complain about"
+    note = f"{_count(errors, 'error')}, {_count(warnings, 'warning')}" if problems else "nothing found"
     return ("Problems", str(len(problems)), note, "bad" if errors else "plain" if problems else "good")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" + ("" if number == 1 else "s")

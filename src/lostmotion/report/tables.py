@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..drivetrain import PARAMETER_UNITS
+from ..plot import style
 from ..recording import unit_of
-from .numbers import NONE, deviation, digits, half_width, interval, is_number, percent, quantity
+from .numbers import NONE, deviation, digits, given, half_width, is_number, percent, quantity, with_interval
 
 #: Parts of ``results.json`` that a run may skip, and their names.
 PARTS = {
     "recordings": "Recordings",
     "parameters": "Parameters",
-    "truth": "Truth",
     "fits": "Fits",
     "observers": "Observers",
     "controllers": "Controllers",
@@ -32,6 +32,11 @@ def words(name: object) -> str:
     """A key in words: ``observer_1`` → "Observer 1"."""
     text = _NAMES.get(str(name), str(name).replace("_", " "))
     return text[:1].upper() + text[1:]
+
+
+def signal_words(signal: str) -> str:
+    """A signal's name in words, with a capital: ``speed_load`` → "Load speed"."""
+    return words(style.words(signal))
 
 
 def skip_reason(part: Any) -> str | None:
@@ -57,7 +62,8 @@ def skipped(results: Mapping[str, Any]) -> list[tuple[str, str]]:
                 search(f"{name}: {words(key)}", value, depth - 1)
 
     for key, value in results.items():
-        search(PARTS.get(key, words(key)), value, 3)
+        if key != "truth":  # only the virtual rig has one: its absence is no loss
+            search(PARTS.get(key, words(key)), value, 3)
     return found
 
 
@@ -82,7 +88,7 @@ def _recordings(recordings: Mapping[str, Any]) -> list[dict[str, Any]]:
             "samples": f"{entry['samples']:,}".replace(",", " ") if is_number(entry.get("samples")) else NONE,
             "duration": quantity(entry.get("duration"), "s"),
             "sample_time": quantity(entry.get("sample_time"), "s"),
-            "signals": ", ".join(entry.get("signals") or ()) or NONE,
+            "signals": ", ".join(style.words(str(s)) for s in entry.get("signals") or ()) or NONE,
         }
         for name, entry in recordings.items()
         if isinstance(entry, Mapping) and "skipped" not in entry
@@ -100,15 +106,16 @@ def parameters(results: Mapping[str, Any]) -> list[dict[str, Any]]:
 def _parameter(name: str, entry: Mapping[str, Any], true: Any) -> dict[str, Any]:
     value, low, high = (entry.get(key) for key in ("value", "low", "high"))
     unit = entry.get("unit") or PARAMETER_UNITS.get(name, "")
+    shown, bounds = with_interval(value, low, high, unit)
     known = is_number(value)
     return {
         "name": words(name),
-        "value": quantity(value, unit, 4) if known else "not excited",
+        "value": shown if known else "not excited",
         "known": known,
-        "interval": interval(value, low, high, unit),
-        "half": half_width(value, low, high),
+        "interval": bounds,
+        "half": half_width(value, low, high).removeprefix("±\u00a0"),
         "source": entry.get("source") or ("identified" if known else "not excited"),
-        "truth": quantity(true, unit, 4),
+        "truth": given(true, unit),
         "deviation": deviation(value, true),
         "inside": _inside(true, low, high),
     }
@@ -117,7 +124,7 @@ def _parameter(name: str, entry: Mapping[str, Any], true: Any) -> dict[str, Any]
 def _inside(true: Any, low: Any, high: Any) -> str:
     if not (is_number(true) and is_number(low) and is_number(high)):
         return NONE
-    return "yes" if low <= true <= high else "no"
+    return "inside the interval" if low <= true <= high else "outside"
 
 
 def _fits(fits: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -128,9 +135,9 @@ def _fits(fits: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 def _fit_value(value: Any) -> dict[str, str]:
     if isinstance(value, Mapping):
-        unit, number = str(value.get("unit") or ""), value.get("value")
-        bounds = interval(number, value.get("low"), value.get("high"), unit)
-        return {"value": skip_reason(value) or quantity(number, unit, 4), "interval": bounds}
+        unit = str(value.get("unit") or "")
+        shown, bounds = with_interval(value.get("value"), value.get("low"), value.get("high"), unit)
+        return {"value": skip_reason(value) or shown, "interval": bounds}
     if isinstance(value, (list, tuple)):
         return {"value": ", ".join(digits(v, 4) if is_number(v) else str(v) for v in value), "interval": NONE}
     if is_number(value):
