@@ -120,16 +120,16 @@ def ring_down(
     times = tuple(float(recording.time[i]) for i in steps)
     if not steps:
         return _nothing(signal, times, seed, "no step that stands out")
-    start = _search(values, steps, dt, band)
-    if start is None:
+    fit = _search_and_fit(values, steps, dt, band)
+    if fit is None:
         return _nothing(signal, times, seed, "no ring-down of four periods or more")
-    rows = _cut(values.size, steps, 1.0 / (start[0] * dt), WINDOWS[0])
+    found, rows, models = fit
     pieces = [values[r] for r in rows]
-    found, models = _fit(pieces, dt, start)
     explained = _explained(pieces, models)
-    if not (band[0] < found[0] < band[1] and 0.0 < found[1] < MAX_DAMPING_RATIO):
-        fit = f"{found[0]:.3g} Hz, damping ratio {found[1]:.2g}, {100 * explained:.0f} % of the variance"
-        return _nothing(signal, times, seed, f"no clear ring-down (best fit: {fit})", explained)
+    decays = 0.0 < found[1] < MAX_DAMPING_RATIO and explained > 0.0
+    if not (decays and band[0] < found[0] < band[1]):
+        best = f"{found[0]:.3g} Hz, damping ratio {found[1]:.2g}, {100 * explained:.0f} % of the variance"
+        return _nothing(signal, times, seed, f"no clear ring-down (best fit: {best})", explained)
     others = [_cut(values.size, steps, 1.0 / (found[0] * dt), window) for window in WINDOWS[1:]]
     spread = np.array([_fit([values[r] for r in other], dt, found)[0] for other in others if other])
     spread = spread.reshape(-1, 2)
@@ -208,6 +208,22 @@ def _search(values: Floats, steps: list[int], dt: float, band: Interval) -> Floa
             if pieces and explained > best:
                 best, found = explained, np.array([frequency, ratio])
     return found
+
+
+def _search_and_fit(
+    values: Floats, steps: list[int], dt: float, band: Interval
+) -> tuple[Floats, list[slice], list[Floats]] | None:
+    """Frequency and damping ratio, the rows that they were fitted to, and the fit there; None if too short."""
+    found = _search(values, steps, dt, band)
+    if found is None:
+        return None
+    # Once more with the window of the frequency found: else the result would depend on the grid.
+    for _ in range(2):
+        rows = _cut(values.size, steps, 1.0 / (found[0] * dt), WINDOWS[0])
+        if not rows:
+            return None
+        found, models = _fit([values[r] for r in rows], dt, found)
+    return found, rows, models
 
 
 def _fit(pieces: list[Floats], dt: float, start: Floats) -> tuple[Floats, list[Floats]]:
