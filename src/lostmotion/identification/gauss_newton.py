@@ -55,7 +55,7 @@ def minimise(
     damping = 1e-3
     for count in range(1, iterations + 1):
         j = jacobian(fit.theta, fit.residual)
-        hessian, gradient = j @ j.T, j @ fit.residual
+        hessian, gradient = normal_equations(j, fit.residual)
         for _ in range(6):
             trial = fit.theta.copy()
             trial[free] += _step(hessian, gradient, damping)
@@ -74,10 +74,21 @@ def minimise(
     return fit
 
 
+def sum_of_squares(residual: Array) -> float:
+    """Infinite for a residual that is not finite. Without BLAS, whose threads stall on a busy machine."""
+    cost = float(np.einsum("i,i->", residual, residual))
+    return cost if np.isfinite(cost) else np.inf
+
+
+def normal_equations(jacobian: Array, residual: Array) -> tuple[Array, Array]:
+    """J Jᵀ (p, p) and J r (p,) for J (p, n), without BLAS."""
+    return np.einsum("ik,jk->ij", jacobian, jacobian), np.einsum("ik,k->i", jacobian, residual)
+
+
 def _evaluate(residual: Callable[[Array], Array], theta: Array) -> tuple[Array, float]:
     r = residual(theta)
-    cost = float(r @ r)
-    return r, cost if np.isfinite(cost) else np.inf
+    cost = sum_of_squares(r)
+    return r, cost
 
 
 def _step(hessian: Array, gradient: Array, damping: float) -> Array:

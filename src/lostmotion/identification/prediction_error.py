@@ -15,7 +15,7 @@ from . import findings, starts
 from .gauss_newton import Fit, minimise
 from .predictor import NAMES, Bandwidth, Predictor, from_theta, to_theta
 from .result import Identification, Prediction, Source
-from .uncertainty import gauss_newton_shift, model_allowance, sandwich, student_factor, unmodelled_mode
+from .uncertainty import model_allowance, sandwich, shift, student_factor, unmodelled_mode
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -72,9 +72,11 @@ def identify(
     of the parameters. A grid over motor inertia, stiffness and backlash around the nameplate finds the valley; the
     observer's gain then goes from high to low.
 
-    A half width of a 95 % interval is, in the logarithm, √(s² + g² + a²): s the sandwich standard error times
-    Student's factor, g the shift of the estimate that a three times higher gain asks for, a the allowance for a
-    mode above the torsional one that stands out in the innovations (``uncertainty.model_allowance``).
+    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + a²). s is the sandwich standard error
+    times Student's factor. The rest stands for what the model leaves out: g is how far a three times higher gain
+    would move the estimate; f is how far it moves if only the faster half of the speed range counts (friction may
+    be no straight line); a allows for a mode above the torsional one that stands out in the innovations
+    (``uncertainty.model_allowance``).
 
     Parameters
     ----------
@@ -178,9 +180,11 @@ def _half_widths(predictor: Predictor, stage: _Stage) -> tuple[Array, Array]:
     covariance = sandwich(j, stage.fit.residual)
     higher = Bandwidth(3.0 * stage.bandwidth.motor, 3.0 * stage.bandwidth.load)
     residual = predictor.residual(stage.fit.theta, higher)
-    shift = gauss_newton_shift(predictor.jacobian(stage.fit.theta, higher, stage.free, residual), residual)
+    by_gain = shift(predictor.jacobian(stage.fit.theta, higher, stage.free, residual), residual)
+    fast = np.abs(predictor.speed) > 0.5 * np.max(np.abs(predictor.speed))
+    by_speed = shift(j[:, fast], stage.fit.residual[fast])
     statistical = student_factor(len(stage.free)) * np.sqrt(np.diag(covariance))
-    return covariance, np.hypot(statistical, shift)
+    return covariance, np.sqrt(statistical**2 + by_gain**2 + by_speed**2)
 
 
 def _without_unexcited(predictor: Predictor, stage: _Stage, start: Drivetrain) -> _Stage:
@@ -211,9 +215,8 @@ def _result(
     theta, residual, names = stage.fit.theta, stage.fit.residual, tuple(NAMES[i] for i in stage.free)
     drivetrain = predictor.drivetrain(theta)
     mode = unmodelled_mode(residual[predictor.skip :], predictor.dt, drivetrain.pole_frequency)
-    ratio = drivetrain.inertia_motor / drivetrain.inertia_load
     covariance, half = _half_widths(predictor, stage)
-    half = np.hypot(half, model_allowance(names, ratio, drivetrain.pole_frequency, mode))
+    half = np.hypot(half, model_allowance(names, drivetrain, predictor.dt, mode))
     full = np.zeros(theta.size)
     full[stage.free] = half
     low, high = (from_theta(theta + sign * full, predictor.dt) for sign in (-1.0, 1.0))

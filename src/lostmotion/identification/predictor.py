@@ -79,19 +79,26 @@ class Predictor:
 
     def residual(self, theta: Array, bandwidth: Bandwidth) -> Array:
         """(n,) innovations, rad/s; the first ``skip`` are zero."""
+        return np.asarray(self._innovations(np.atleast_2d(theta), bandwidth)[0])
+
+    def residuals(self, thetas: Array, bandwidth: Bandwidth) -> Array:
+        """(m, n) innovations for m parameter vectors, on two threads."""
+        halves = np.array_split(np.asarray(thetas), THREADS)
+        parts = self._pool.map(lambda half: self._innovations(half, bandwidth), halves)
+        return np.concatenate(list(parts))
+
+    def _innovations(self, thetas: Array, bandwidth: Bandwidth) -> Array:
         from ..kernels.prediction_error import innovations
 
-        values = (*from_theta(theta, self.dt), self.base.coulomb_motor, self.base.viscous_motor)
-        *others, lag, coulomb_motor, viscous_motor = (float(v) for v in values)
-        parameters = (*others, coulomb_motor, viscous_motor, lag)
+        parameters = np.empty((len(thetas), 10))
+        for row, theta in zip(parameters, thetas, strict=True):
+            values = from_theta(theta, self.dt)
+            row[:7], row[9] = values[:7], values[7]
+        parameters[:, 7:9] = self.base.coulomb_motor, self.base.viscous_motor
         gains = (bandwidth.motor, bandwidth.load)
         residual = innovations(parameters, gains, self.dt, self.count_averaged, self.torque, self.speed)
-        residual[: self.skip] = 0.0
+        residual[:, : self.skip] = 0.0
         return np.asarray(residual)
-
-    def residuals(self, thetas: Sequence[Array], bandwidth: Bandwidth) -> list[Array]:
-        """Innovations for several parameter vectors, on two threads."""
-        return list(self._pool.map(lambda theta: self.residual(theta, bandwidth), thetas))
 
     def reversals(self, theta: Array, bandwidth: Bandwidth) -> int:
         """How often the estimated shaft torque changes its sign."""
@@ -99,14 +106,16 @@ class Predictor:
         side = np.sign(run["torque_shaft_estimated"][self.skip :])
         return int(np.count_nonzero(np.diff(side[side != 0.0])))
 
-    def jacobian(self, theta: Array, bandwidth: Bandwidth, free: Sequence[int], residual: Array) -> Array:
+    def jacobian(self, theta: Array, bandwidth: Bandwidth, free: list[int], residual: Array) -> Array:
         """(len(free), n) forward differences of the innovations.
 
         A step of 1e-4 in the logarithm is far above rounding, and moves a gap by a hundredth of what it is known.
         """
         step = 1e-4
-        moved = [theta + step * np.eye(1, theta.size, i)[0] for i in free]
-        return np.array([(r - residual) / step for r in self.residuals(moved, bandwidth)])
+        moved = self.residuals(theta + step * np.eye(theta.size)[free], bandwidth)
+        moved -= residual
+        moved /= step
+        return moved
 
 
 def to_theta(values: Sequence[float], dt: float) -> Array:

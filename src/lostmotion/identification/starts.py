@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
-from .gauss_newton import minimise
+from .gauss_newton import minimise, sum_of_squares
 from .predictor import NAMES, Bandwidth, Predictor, to_theta
 
 Array = NDArray[np.float64]
@@ -88,7 +88,7 @@ def search(
             point[1] = np.log(total - np.exp(point[0]))
         points.append(point)
     part = predictor.part(_liveliest(predictor.torque, predictor.dt))
-    costs = [_cost(r) for r in part.residuals(points, bandwidth)]
+    costs = [sum_of_squares(r) for r in part.residuals(np.array(points), bandwidth)]
     free = [i for i in (0, 1, 2, 4, 5) if NAMES[i] not in fixed]
     best = [points[i] for i in np.argsort(costs)[:CANDIDATES]]
     if not free:
@@ -102,11 +102,6 @@ def search(
         for point in best
     ]  # fmt: skip
     return min(fits, key=lambda fit: fit.cost).theta
-
-
-def _cost(residual: Array) -> float:
-    cost = float(residual @ residual)
-    return cost if np.isfinite(cost) else np.inf
 
 
 def _liveliest(torque: Array, dt: float) -> slice:

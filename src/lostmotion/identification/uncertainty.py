@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drivetrain import Drivetrain
+from .gauss_newton import normal_equations
+
 Array = NDArray[np.float64]
 
-#: Blocks of the recording whose scores count as independent (chosen: 0.2 s each in 10 s, several times the
-#: slowest time constant of the observer).
-BLOCKS = 50
+#: Blocks of the recording whose scores count as independent (chosen: 0.5 s each in 10 s, several times the
+#: slowest time constant of the observer, and about as long as a speed level lasts).
+BLOCKS = 20
 
 #: A spectral peak counts as an unmodelled mode if it stands this far above the median of its band (chosen; blue
 #: quantisation noise alone reaches 2).
@@ -18,6 +21,9 @@ PEAK_RATIO = 10.0
 #: Relative allowance for the damping if there is an unmodelled mode (chosen: on finer plants the fitted damping
 #: was 20 to 50 % above that of the shaft, because the impacts feed energy into the mode).
 DAMPING_ALLOWANCE = 0.5
+
+#: Allowance for the lag if there is an unmodelled mode, samples (chosen: such a mode turns the phase as well).
+LAG_ALLOWANCE = 0.2
 
 
 def sandwich(jacobian: Array, residual: Array) -> Array:
@@ -35,7 +41,7 @@ def sandwich(jacobian: Array, residual: Array) -> Array:
     length = n // BLOCKS
     scores = (jacobian * residual)[:, : length * BLOCKS].reshape(p, BLOCKS, length).sum(axis=2)
     scale = np.sqrt(np.maximum(np.einsum("ij,ij->i", jacobian, jacobian), 1e-300))
-    hessian = (jacobian @ jacobian.T) / np.outer(scale, scale)
+    hessian = normal_equations(jacobian, residual)[0] / np.outer(scale, scale)
     inverse = np.linalg.inv(hessian + 1e-12 * np.eye(p)) / np.outer(scale, scale)
     spread = scores @ scores.T * BLOCKS / (BLOCKS - p)
     return np.asarray(inverse @ spread @ inverse)
@@ -48,9 +54,15 @@ def student_factor(p: int) -> float:
     return float(t.ppf(0.975, BLOCKS - p))
 
 
-def gauss_newton_shift(jacobian: Array, residual: Array) -> Array:
-    """(p,) step that these innovations ask for: how far another weighting would move the estimate."""
-    return np.asarray(np.linalg.lstsq(jacobian.T, -residual, rcond=1e-10)[0])
+def shift(jacobian: Array, residual: Array) -> Array:
+    """(p,) Gauss–Newton step that these innovations ask for: how far another weighting moves the estimate.
+
+    Zero where the innovations do not tell a parameter at all.
+    """
+    hessian, gradient = normal_equations(jacobian, residual)
+    scale = np.sqrt(np.maximum(np.diag(hessian), 1e-300))
+    step = np.linalg.lstsq(hessian / np.outer(scale, scale), -gradient / scale, rcond=1e-10)[0]
+    return np.asarray(step / scale)
 
 
 def unmodelled_mode(residual: Array, dt: float, pole_frequency: float) -> float | None:
@@ -65,29 +77,32 @@ def unmodelled_mode(residual: Array, dt: float, pole_frequency: float) -> float 
     return float(frequency[peak]) if power[peak] > PEAK_RATIO * np.median(power[band]) else None
 
 
-def model_allowance(names: tuple[str, ...], inertia_ratio: float, pole: float, mode: float | None) -> Array:
+def model_allowance(names: tuple[str, ...], drivetrain: Drivetrain, dt: float, mode: float | None) -> Array:
     """Half widths (relative) for a mode that a two-mass model does not have.
 
     Below its frequency such a mode changes the inertia and the stiffness seen at the torsional mode by the
     relative amount (pole / mode)², to first order; twice that is allowed (chosen, for 95 %) for motor inertia,
     stiffness and backlash. The total inertia is not touched, so the load inertia has the motor's allowance in
-    kg m².
+    kg m². The lag has ``LAG_ALLOWANCE``.
 
     Parameters
     ----------
     names : tuple of str
-    inertia_ratio : float
-        inertia_motor / inertia_load.
-    pole, mode : float, Hz
+    drivetrain : Drivetrain
+        As fitted.
+    dt : float, s
+    mode : float or None, Hz
+        Frequency of the mode; None: there is none, and nothing to allow for.
     """
     if mode is None:
         return np.zeros(len(names))
-    base = 2.0 * (pole / mode) ** 2
+    base = 2.0 * (drivetrain.pole_frequency / mode) ** 2
     allowances = {
         "inertia_motor": base,
         "stiffness": base,
         "backlash": base,
-        "inertia_load": base * inertia_ratio,
+        "inertia_load": base * drivetrain.inertia_motor / drivetrain.inertia_load,
         "damping": DAMPING_ALLOWANCE,
+        "lag": LAG_ALLOWANCE * dt / (drivetrain.lag + dt),
     }
     return np.array([allowances.get(name, 0.0) for name in names])

@@ -60,7 +60,8 @@ def _inverse(a):
 def _continuous(parameters):
     """(8, 8) block [A, inputs; 0, 0]: states twist, speed_motor, speed_load, torque_actuator; inputs torque, gap,
     friction of motor and of load."""
-    jm, jl, k, d, _, _, viscous, _, viscous_motor, lag = parameters
+    jm, jl, k, d = parameters[:4]
+    viscous, viscous_motor, lag = parameters[6], parameters[8], parameters[9]
     block = np.zeros((8, 8))
     block[0, 1], block[0, 2] = 1.0, -1.0
     block[1, 0], block[1, 1], block[1, 2] = -k / jm, -(d + viscous_motor) / jm, d / jm
@@ -126,43 +127,7 @@ def _gain(phi, measured, noise, variance):
 
 
 @njit(cache=True, nogil=True)
-def innovations(parameters, bandwidth, dt, count_averaged, torque, speed):
-    """Innovations y − ŷ of the observer over a recording, (n,).
-
-    The states are twist, speed_motor, speed_load, torque_actuator and the speed_motor of the sample before::
-
-        x⁺ = Φ x + Γ (torque, gap, friction_motor, friction_load) + K (y − ŷ)
-
-    The gap is clip(twist + (d/k + dt/2)·rate, ±backlash/2); each friction is the torque that brings its inertia
-    to rest at the end of the sample, clipped to the Coulomb level.
-
-    Parameters
-    ----------
-    parameters : (10,) tuple or array
-        inertia_motor, inertia_load, stiffness, damping, backlash, coulomb, viscous, coulomb_motor, viscous_motor,
-        lag; SI units.
-    bandwidth : (2,) tuple or array, 1/s
-        Roots of the process densities of speed_motor and speed_load, for a density of 1 of the measurement.
-    dt : float, s
-    count_averaged : bool
-        ŷ is the mean of the last two speeds.
-    torque, speed : (n,) arrays, Nm and rad/s
-    """
-    density = np.zeros((4, 4))
-    density[1, 1], density[2, 2] = bandwidth[0] ** 2, bandwidth[1] ** 2
-    step, noise4 = _sampled(_continuous(parameters), density, dt)
-    phi, noise = np.zeros((5, 5)), np.zeros((5, 5))
-    phi[:4, :4], noise[:4, :4] = step[:4, :4], noise4
-    phi[4, 1] = 1.0
-    c1 = 0.5 if count_averaged else 1.0
-    c4 = 1.0 - c1
-    gain = _gain(phi, np.array([0.0, c1, 0.0, 0.0, c4]), noise, 1.0 / dt)
-    lead = parameters[3] / parameters[2] + 0.5 * dt
-    return _run(step, gain, c1, c4, lead, 0.5 * parameters[4], parameters[7], parameters[5], torque, speed)
-
-
-@njit(cache=True, nogil=True)
-def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed):
+def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed, residual):
     a00, a01, a02, a03, b0, g0, m0, f0 = step[0]
     a10, a11, a12, a13, b1, g1, m1, f1 = step[1]
     a20, a21, a22, a23, b2, g2, m2, f2 = step[2]
@@ -170,7 +135,6 @@ def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed)
     k0, k1, k2, k3, k4 = gain
     rest_motor, rest_load = 1.0 / abs(m1), 1.0 / abs(f2)
     x0, x1, x2, x3, x4 = 0.0, speed[0], speed[0], torque[0], speed[0]
-    residual = np.empty(torque.size)
     for i in range(torque.size):
         u = torque[i]
         gap = min(max(x0 + lead * (x1 - x2), -half), half)
@@ -186,4 +150,48 @@ def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed)
         x0 = n0 + k0 * e
         x1 = n1 + m1 * motor + f1 * load + k1 * e
         x2 = n2 + f2 * load + k2 * e
-    return residual
+
+
+@njit(cache=True, nogil=True)
+def _one(parameters, bandwidth, dt, count_averaged, torque, speed, residual):
+    """Innovations for one set of parameters."""
+    density = np.zeros((4, 4))
+    density[1, 1], density[2, 2] = bandwidth[0] ** 2, bandwidth[1] ** 2
+    step, noise4 = _sampled(_continuous(parameters), density, dt)
+    phi, noise = np.zeros((5, 5)), np.zeros((5, 5))
+    phi[:4, :4], noise[:4, :4] = step[:4, :4], noise4
+    phi[4, 1] = 1.0
+    c1 = 0.5 if count_averaged else 1.0
+    c4 = 1.0 - c1
+    gain = _gain(phi, np.array([0.0, c1, 0.0, 0.0, c4]), noise, 1.0 / dt)
+    lead = parameters[3] / parameters[2] + 0.5 * dt
+    _run(step, gain, c1, c4, lead, 0.5 * parameters[4], parameters[7], parameters[5], torque, speed, residual)
+
+
+@njit(cache=True, nogil=True)
+def innovations(parameters, bandwidth, dt, count_averaged, torque, speed):
+    """Innovations y − ŷ of the observer over a recording, (m, n): a row for each row of ``parameters``.
+
+    The states are twist, speed_motor, speed_load, torque_actuator and the speed_motor of the sample before::
+
+        x⁺ = Φ x + Γ (torque, gap, friction_motor, friction_load) + K (y − ŷ)
+
+    The gap is clip(twist + (d/k + dt/2)·rate, ±backlash/2); each friction is the torque that brings its inertia
+    to rest at the end of the sample, clipped to the Coulomb level.
+
+    Parameters
+    ----------
+    parameters : (m, 10) array
+        inertia_motor, inertia_load, stiffness, damping, backlash, coulomb, viscous, coulomb_motor, viscous_motor,
+        lag; SI units.
+    bandwidth : (2,) tuple or array, 1/s
+        Roots of the process densities of speed_motor and speed_load, for a density of 1 of the measurement.
+    dt : float, s
+    count_averaged : bool
+        ŷ is the mean of the last two speeds.
+    torque, speed : (n,) arrays, Nm and rad/s
+    """
+    residuals = np.empty((parameters.shape[0], torque.size))
+    for i in range(parameters.shape[0]):
+        _one(parameters[i], bandwidth, dt, count_averaged, torque, speed, residuals[i])
+    return residuals
