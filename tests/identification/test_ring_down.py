@@ -91,7 +91,7 @@ def _signals() -> dict[str, np.ndarray]:
         "noise": noise,
         "sine": np.sin(2.0 * np.pi * 31.4 * t) + noise,
         "bare step": (t > 5.0) + noise,
-        "clean step": (t > 5.0).astype(float),
+        "clean step": (t > 11.0).astype(float),
         "creep": np.where(t > 5.0, 1.0 - np.exp(-(t - 5.0) / 0.1), 0.0) + noise,
         "step under a steady line": (t > 5.0) + np.sin(2.0 * np.pi * 22.3 * t) + 5.0 * noise,
         "step with a buried swing": ringing(8, noise=0.3, steps=((4.0, 0.3),))["torque_shaft"] + (t > 4.0),

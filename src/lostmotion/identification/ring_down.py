@@ -213,7 +213,7 @@ def _search(values: Floats, steps: list[int], dt: float, band: Interval) -> Floa
 def _search_and_fit(
     values: Floats, steps: list[int], dt: float, band: Interval
 ) -> tuple[Floats, list[slice], list[Floats]] | None:
-    """Frequency and damping ratio, the rows that they were fitted to, and the fit there; None if too short."""
+    """Frequency and damping ratio, the rows fitted, and the fit there; None if too short."""
     found = _search(values, steps, dt, band)
     if found is None:
         return None
