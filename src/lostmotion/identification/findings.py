@@ -41,11 +41,17 @@ def check_recording(recording: Recording, min_rows: int, min_time: float) -> Non
         if not np.all(np.isfinite(values)):
             row = int(np.argmin(np.isfinite(values)))
             raise InvalidInput(
-                f"recording {name}", f"{values[row]} in row {row}", "finite numbers", "Cut it out or repair it."
+                f"recording {name}",
+                f"{values[row]} in row {row}",
+                "finite numbers",
+                "Cut it out or repair it.",
             )
         if np.ptp(values) == 0.0:
             raise InvalidInput(
-                f"recording {name}", f"{values[0]} throughout", "a moving signal", "Check the channel, or excite it."
+                f"recording {name}",
+                f"{values[0]} throughout",
+                "a moving signal",
+                "Check the channel, or excite it.",
             )
     seconds = recording.dt * len(recording)
     if len(recording) < min_rows or seconds < min_time:
@@ -58,7 +64,10 @@ def check_recording(recording: Recording, min_rows: int, min_time: float) -> Non
     worst = float(np.max(np.abs(np.diff(recording.time) / recording.dt - 1.0)))
     if worst > RASTER:
         raise InvalidInput(
-            "recording.time", f"steps up to {100 * worst:.3g} % off", "a uniform raster within 5 %", "Resample it."
+            "recording.time",
+            f"steps up to {100 * worst:.3g} % off",
+            "a uniform raster within 5 %",
+            "Resample it.",
         )
 
 
@@ -68,7 +77,9 @@ def is_quantised(speed: NDArray[np.float64]) -> bool:
     if levels.size < 3:
         return False
     steps = np.diff(levels)
-    step = float(np.median(steps[steps < 1.5 * np.min(steps[steps > 1e-9 * np.max(np.abs(levels))], initial=np.inf)]))
+    step = float(
+        np.median(steps[steps < 1.5 * np.min(steps[steps > 1e-9 * np.max(np.abs(levels))], initial=np.inf)])
+    )
     counts = levels / step if step > 0.0 else np.full(1, 0.5)
     return bool(np.max(np.abs(counts - np.round(counts))) < 0.02)
 

@@ -66,7 +66,9 @@ def minimise(
             damping = max(8.0 * damping, 1e-4)
         else:
             return Fit(fit.theta, fit.residual, fit.cost, count, _is_flat(hessian, gradient, fit.cost))
-        small = np.max(np.abs(trial - fit.theta)) < SMALLEST_STEP or fit.cost - cost < SMALLEST_GAIN * fit.cost
+        small = (
+            np.max(np.abs(trial - fit.theta)) < SMALLEST_STEP or fit.cost - cost < SMALLEST_GAIN * fit.cost
+        )
         damping = max(damping / 8.0, 1e-8)
         fit = Fit(trial, r, cost, count, bool(small))
         if small:

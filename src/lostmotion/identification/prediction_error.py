@@ -139,12 +139,15 @@ def _predictor(
         count_averaged = bool(recording.meta.get("count_averaged", findings.is_quantised(speed)))
     skip = min(int(SETTLING / recording.dt), speed.size // 10)
     base = start.with_contact("viscoelastic")
-    return Predictor(np.ascontiguousarray(recording["torque_motor"]), speed, recording.dt, count_averaged, base, skip)
+    return Predictor(
+        np.ascontiguousarray(recording["torque_motor"]), speed, recording.dt, count_averaged, base, skip
+    )
 
 
 def _bandwidth(drivetrain: Drivetrain, rung: Bandwidth) -> Bandwidth:
     return Bandwidth(
-        rung.motor * 2.0 * np.pi * drivetrain.pole_frequency, rung.load * 2.0 * np.pi * drivetrain.zero_frequency
+        rung.motor * 2.0 * np.pi * drivetrain.pole_frequency,
+        rung.load * 2.0 * np.pi * drivetrain.zero_frequency,
     )
 
 
@@ -194,7 +197,9 @@ def _without_unexcited(predictor: Predictor, stage: _Stage, start: Drivetrain) -
         if name is None:
             break
         theta, free = stage.fit.theta.copy(), [i for i in stage.free if NAMES[i] != name]
-        theta[NAMES.index(name)] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[NAMES.index(name)]
+        theta[NAMES.index(name)] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[
+            NAMES.index(name)
+        ]
         fit = _fit(predictor, theta, free, stage.bandwidth)
         stage = _Stage(fit, stage.bandwidth, free, stage.iterations + fit.iterations)
     return stage
@@ -231,14 +236,17 @@ def _result(
         unmodelled_frequency=mode,
     )
     sources: dict[str, Source] = {
-        name: "identified" if name in names else "nameplate" if name in fixed else "not excited" for name in NAMES
+        name: "identified" if name in names else "nameplate" if name in fixed else "not excited"
+        for name in NAMES
     }
     return Identification(
         drivetrain=drivetrain,
         values={n: None if sources[n] == "not excited" else float(getattr(drivetrain, n)) for n in NAMES},
         intervals={NAMES[i]: (float(low[i]), float(high[i])) for i in stage.free},
         sources=sources,
-        problems=findings.warnings(start, drivetrain, sources, names, covariance, prediction, stage.fit.converged),
+        problems=findings.warnings(
+            start, drivetrain, sources, names, covariance, prediction, stage.fit.converged
+        ),
         prediction=prediction,
         names=names,
         covariance=covariance,

@@ -67,11 +67,18 @@ def complete(start: Drivetrain, predictor: Predictor, fixed: Collection[str]) ->
     }
     values.update({name: value for name, value in guesses.items() if name not in fixed})
     rigid = start.inertia_total
-    return to_theta([values[n] for n in NAMES], predictor.dt), inertia if 0.3 < inertia / rigid < 3.0 else rigid
+    return to_theta(
+        [values[n] for n in NAMES], predictor.dt
+    ), inertia if 0.3 < inertia / rigid < 3.0 else rigid
 
 
 def search(
-    theta: Array, total: float, predictor: Predictor, start: Drivetrain, fixed: Collection[str], bandwidth: Bandwidth
+    theta: Array,
+    total: float,
+    predictor: Predictor,
+    start: Drivetrain,
+    fixed: Collection[str],
+    bandwidth: Bandwidth,
 ) -> Array:
     """The best of a grid over motor inertia, stiffness and backlash, each point with the given total inertia."""
     factors = {
