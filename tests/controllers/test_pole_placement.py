@@ -68,12 +68,11 @@ def test_the_linear_steady_state_is_exact(dt):
     )
 
 
-def step_with(controller, drivetrain, seconds=0.6, at=0.3, levels=(-2.0, 2.0), observer=True, truth=None):
-    """Load speed and torque of a set-point step, the plant being its own model at a twentieth of the sample."""
-    truth = truth or drivetrain
+def step_with(controller, drivetrain, seconds=0.6, at=0.3, levels=(-2.0, 2.0), observer=True):
+    """Load speed and torque of a set-point step; the plant is its own model at a twentieth of the sample."""
     fine = 20
     plant = connect(
-        [kalman(truth, dt=DT / fine).renamed({"speed_motor": "speed_motor_estimated"})],
+        [kalman(drivetrain, dt=DT / fine).renamed({"speed_motor": "speed_motor_estimated"})],
         inputs=("torque_motor",), outputs=("speed_motor_estimated", "speed_load_estimated"),
     )  # fmt: skip
     law = controller

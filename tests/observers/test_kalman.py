@@ -1,4 +1,4 @@
-"""The Kalman observer: the paper's gains, the rules of its discretisation as measured, friction and sensors."""
+"""The Kalman observer: the paper's gains, the rules of its discretisation, friction, sensors, misuse."""
 
 from __future__ import annotations
 
