@@ -51,13 +51,13 @@ def given(value: Any, unit: str) -> str:
 
 
 def with_interval(value: Any, low: Any, high: Any, unit: str) -> tuple[str, str]:
-    """("12.13 mrad", "12.05 … 12.21"): decimals down to the half width's first digit, one more if it is 1 or 2."""
+    """("12.13 mrad", "12.05 … 12.21"): down to the half width's first digit, one more if it is 1 or 2."""
     if not (is_number(value) and is_number(low) and is_number(high)):
         return given(value, unit), NONE
     factor, shown = _prefix(value, unit)
     half, largest = 0.5 * abs(high - low) * factor, max(abs(low), abs(high)) * factor
     size = math.log10(max(half, 1e-6 * largest)) if largest else 0.0
-    places = max(0, -math.floor(size) + (size % 1.0 < math.log10(2.5)))
+    places = max(0, -math.floor(size) + (size % 1.0 < math.log10(3.0))) if largest else 0
     middle, left, right = (_fixed(v * factor, places) for v in (value, low, high))
     return _with_unit(middle, shown), f"{left} … {right}"
 

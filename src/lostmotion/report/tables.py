@@ -124,7 +124,7 @@ def _parameter(name: str, entry: Mapping[str, Any], true: Any) -> dict[str, Any]
 def _inside(true: Any, low: Any, high: Any) -> str:
     if not (is_number(true) and is_number(low) and is_number(high)):
         return NONE
-    return "inside the interval" if low <= true <= high else "outside"
+    return "inside" if low <= true <= high else "outside"
 
 
 def _fits(fits: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
