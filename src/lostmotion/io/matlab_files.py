@@ -40,13 +40,14 @@ def _text(value: Any) -> str:
 def _with_time(value: Any) -> Iterator[tuple[str, Any]]:
     """(label, values) of every signal of a Simulink "structure with time"; nothing for any other value."""
     value = _plain(value)
-    if "signals" in _fields(value):
-        signals = np.atleast_1d(np.asarray(value["signals"], dtype=object)).ravel()
-        for signal in signals:
-            for entry in np.atleast_1d(signal).ravel() if isinstance(signal, np.ndarray) else (signal,):
-                names = _fields(entry)
-                if "values" in names:
-                    yield (_text(entry["label"]) if "label" in names else ""), entry["values"]
+    if "signals" not in _fields(value):
+        return
+    signals = _plain(value["signals"])
+    for entry in signals.ravel() if isinstance(signals, np.ndarray) else (signals,):
+        names = _fields(_plain(entry))
+        if "values" in names:
+            signal = _plain(entry)
+            yield (_text(signal["label"]) if "label" in names else ""), signal["values"]
 
 
 def _pick(value: Any, index: str) -> Any:

@@ -1,0 +1,98 @@
+"""Warnings about recordings: what is warned of, and what is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lostmotion.io.checks import check_recording, torque_agreement
+from lostmotion.recording import Recording
+
+DT = 1e-3
+TIME = DT * np.arange(8000)
+
+
+def drive(torque: np.ndarray, gap: float = 0.0, lag: int = 0, noise: float = 0.0) -> np.ndarray:
+    """Motor speed of a two-mass drivetrain (zero 38 Hz, pole 101 Hz) with friction, by small steps."""
+    inertia_motor, inertia_load, stiffness, damping = 0.0182, 0.111, 6285.9, 0.397
+    twist = motor = wheel = 0.0
+    speeds = np.empty(torque.size)
+    substeps = 10
+    delayed = np.roll(torque, lag)
+    for k in range(torque.size):
+        speeds[k] = motor
+        for _ in range(substeps):
+            shaft = stiffness * (twist - min(max(twist, -gap / 2), gap / 2)) + damping * (motor - wheel)
+            friction = 2.0 * np.tanh(wheel / 0.05)
+            motor += DT / substeps * (delayed[k] - shaft) / inertia_motor
+            wheel += DT / substeps * (shaft - friction) / inertia_load
+            twist += DT / substeps * (motor - wheel)
+    return speeds + noise * np.random.default_rng(2).normal(size=speeds.size)
+
+
+def recording(torque: np.ndarray, speed: np.ndarray) -> Recording:
+    return Recording(TIME[: torque.size], {"torque_motor": torque, "speed_motor": speed})
+
+
+def excitation(seed: int = 1) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return 15.0 * np.repeat(rng.normal(size=2000), 4) + 5.0 * np.sin(9.0 * TIME)
+
+
+@pytest.mark.parametrize(
+    ("gap", "lag", "noise"), [(0.0, 0, 0.0), (0.012, 0, 0.05), (0.012, 1, 0.05), (0.05, 2, 0.2)]
+)
+def test_sign_is_told_for_a_two_mass_drivetrain(gap: float, lag: int, noise: float) -> None:
+    torque = excitation()
+    speed = drive(torque, gap, lag, noise)
+    right, wrong = recording(torque, speed), recording(-torque, speed)
+    assert torque_agreement(right) > 0.6 and torque_agreement(wrong) == pytest.approx(
+        -torque_agreement(right)
+    )
+    assert check_recording(right) == ()
+    (warning,) = check_recording(wrong)
+    assert warning.severity == "warning" and "opposite sign" in warning.got and "sign = -1" in warning.remedy
+
+
+def test_nothing_is_said_of_signals_that_have_nothing_to_do_with_each_other() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        unrelated = recording(rng.normal(size=8000), rng.normal(size=8000))
+        assert check_recording(unrelated) == ()
+
+
+def test_load_steps_against_a_speed_controller_are_no_wrong_sign() -> None:
+    # The load brakes, the controller answers: torque up while the speed goes down, with the right sign.
+    rng = np.random.default_rng(3)
+    load = 10.0 * np.repeat(rng.normal(size=16), 500)
+    speed, torques, speeds = 0.0, [], []
+    for k in range(8000):
+        torque = -2.0 * speed
+        torques.append(torque)
+        speeds.append(speed)
+        speed += DT * (torque - load[k]) / 0.13
+    assert check_recording(recording(np.array(torques), np.array(speeds))) == ()
+
+
+def test_constant_channel_and_torque_that_never_reverses() -> None:
+    torque = 5.0 + np.sin(50 * TIME) + 0.1 * np.random.default_rng(0).normal(size=TIME.size)
+    torque[17] = -3.0  # one outlier is no reversal
+    rec = Recording(
+        TIME,
+        {"torque_shaft": torque, "speed_load": np.full(TIME.size, 2.5), "torque_motor": -torque},
+        meta={"file": "a.csv"},
+    )
+    shaft, constant, motor = check_recording(rec)
+    assert (
+        shaft.where == "a.csv, torque_shaft" and "never reverses" in shaft.got and "backlash" in shaft.remedy
+    )
+    assert constant.where == "a.csv, speed_load" and constant.got == "the constant 2.5"
+    assert "never reverses" in motor.got
+    assert {p.severity for p in (shaft, constant, motor)} == {"warning"}
+
+
+def test_a_torque_in_both_directions_is_not_warned_of() -> None:
+    rec = Recording(
+        TIME, {"torque_shaft": np.sin(TIME) + 0.9, "torque_motor": np.where(TIME < 7.9, 1.0, -0.1)}
+    )
+    assert check_recording(rec) == ()
