@@ -149,6 +149,24 @@ def test_short_recording_gives_no_number() -> None:
     assert "3 segments" in found.problems[0].got
 
 
+def test_a_number_that_hangs_on_one_event_is_not_given() -> None:
+    recording = shaft(10, speed_noise=0.0, torque_noise=0.0)
+    # One large kick, of another stiffness than the faint rest, in the middle of one segment: coherent, alone.
+    kick = np.exp(-0.5 * ((recording.time - 6.0) / 0.003) ** 2)
+    found = shaft_stiffness(
+        recording.with_signals(
+            "measured",
+            speed_motor=0.02 * recording["speed_motor"] + np.gradient(kick, DT),
+            speed_load=0.02 * recording["speed_load"],
+            torque_shaft=0.02 * recording["torque_shaft"] + 10.0 * kick,
+        )
+    )
+    assert np.count_nonzero(found.used) > 20
+    assert found.stiffness is None
+    assert found.intervals == {}
+    assert "95 % interval" in found.problems[-1].got
+
+
 def test_reversing_torque_is_named_as_a_risk() -> None:
     recording = shaft(9)
     found = shaft_stiffness(recording.with_signals("measured", torque_shaft=recording["torque_shaft"] - 10.0))

@@ -155,7 +155,11 @@ def shaft_stiffness(
             problems.append(_wrong_sign(torque))
             response, y = -response, -y
         values, intervals = _estimate(x[:, used], y[:, used], frequency[used])
-        _take_known_delay(values, intervals, torque_delay)
+        if intervals["stiffness"][0] <= 0.0:
+            problems.append(_uncertain(intervals["stiffness"], torque))
+            values, intervals = {}, {}
+        else:
+            _take_known_delay(values, intervals, torque_delay)
     return ShaftStiffness(
         stiffness=values.get("stiffness"),
         torque_delay=values.get("torque_delay"),
@@ -258,6 +262,16 @@ def _too_little(segments: int, usable: int, length: float, min_coherence: float,
         f"{segments} segments of {length:.3g} s, {usable} frequencies of coherence ≥ {min_coherence:g}",
         f"at least {MIN_SEGMENTS} segments and {MIN_FREQUENCIES} frequencies",
         "Record longer or excite the shaft more within the band; the stiffness is not excited.",
+    )
+
+
+def _uncertain(interval: Interval, torque: str) -> Problem:
+    return Problem(
+        "warning",
+        f"shaft_stiffness: {torque}",
+        f"a 95 % interval of {interval[0]:.3g} … {interval[1]:.3g} Nm/rad",
+        "an interval of positive stiffness",
+        "Excite the shaft more often than once, over the whole band; the stiffness is not excited.",
     )
 
 
