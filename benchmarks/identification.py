@@ -2,8 +2,8 @@
 
     python benchmarks/identification.py --seeds 20
 
-Prints a Markdown table: error in %, ✗ where the 95 % interval misses the truth, – where nothing was identified. The
-start values are off by exactly a factor of two, up or down at random.
+Prints a Markdown table: error in %, ✗ where the 95 % interval misses the truth, – where nothing was
+identified. The start values are off by exactly a factor of two, up or down at random.
 """
 
 from __future__ import annotations

@@ -107,8 +107,9 @@ def warnings(
     if prediction.unmodelled_frequency is not None:
         problems.append(
             Problem(
-                "warning", "identification", f"a mode at {prediction.unmodelled_frequency:.0f} Hz in the innovations",
-                "two masses", "The intervals allow for it. Excite less of it for narrower ones.",
+                "warning", "identification", 
+                f"innovations with a peak at {prediction.unmodelled_frequency:.0f} Hz", "two masses",
+                "The intervals allow for it. Excite less of it for narrower ones.",
             )
         )  # fmt: skip
     samples = 1.0 / (found.pole_frequency * float(np.mean(np.diff(prediction.time))))

@@ -20,9 +20,9 @@ from .uncertainty import model_allowance, sandwich, shift, student_factor, unmod
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
-#: Observer gains, from high to low, as fractions of the angular frequencies of pole (motor) and zero (load).
-#: Chosen on finer plants: the first makes the cost smooth, the last ones let what the model leaves out (a mode at
-#: seven times the pole) bias the fit least.
+#: Observer gains, from high to low, as fractions of the angular frequencies of pole (motor) and zero
+#: (load). Chosen on finer plants: the first makes the cost smooth, the last ones let what the model leaves
+#: out (a mode at seven times the pole) bias the fit least.
 LADDER = (Bandwidth(2.5, 0.38), Bandwidth(0.85, 0.11), Bandwidth(0.45, 0.06))
 
 #: A lower gain is kept only while the innovations grow by no more than this factor (chosen). Above it the
@@ -68,23 +68,23 @@ def identify(
 ) -> Identification:
     """Find the two-mass drivetrain whose observer predicts the motor speed best.
 
-    The innovations of ``observers.kalman`` (motor torque and motor speed alone) are minimised over the logarithms
-    of the parameters. A grid over motor inertia, stiffness and backlash around the nameplate finds the valley; the
-    observer's gain then goes from high to low.
+    The innovations of ``observers.kalman`` (motor torque and motor speed alone) are minimised over the
+    logarithms of the parameters. A grid over motor inertia, stiffness and backlash around the nameplate
+    finds the valley; the observer's gain then goes from high to low.
 
-    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + a²). s is the sandwich standard error
-    times Student's factor. The rest stands for what the model leaves out: g is how far a three times higher gain
-    would move the estimate; f is how far it moves if only the faster half of the speed range counts (friction may
-    be no straight line); a allows for a mode above the torsional one that stands out in the innovations
-    (``uncertainty.model_allowance``).
+    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + a²). s is the sandwich standard
+    error times Student's factor. The rest stands for what the model leaves out: g is how far a three times
+    higher gain would move the estimate; f is how far it moves if only the faster half of the speed range
+    counts (friction may be no straight line); a allows for a mode above the torsional one that stands out
+    in the innovations (``uncertainty.model_allowance``).
 
     Parameters
     ----------
     recording : Recording
         ``torque_motor`` (Nm, held from row to row) and ``speed_motor`` (rad/s); nothing else is looked at.
     start : Drivetrain
-        Two masses, nameplate values, right within a factor of two. A zero for backlash, damping, coulomb, viscous
-        or lag means "not known".
+        Two masses, nameplate values, right within a factor of two. A zero for backlash, damping, coulomb,
+        viscous or lag means "not known".
     fixed : collection of str
         Names out of ``predictor.NAMES`` that keep their nameplate value.
     count_averaged : bool, optional
@@ -105,9 +105,9 @@ def identify(
 
     Notes
     -----
-    ``lag`` stands for the sum of current lag, filters and delay, which cannot be told apart. Friction of the motor
-    stays as in ``start``. The torque is taken as free of scale error, the speed as free of bias: both would show
-    as inertia and as asymmetric friction.
+    ``lag`` stands for the sum of current lag, filters and delay, which cannot be told apart.
+    Friction of the motor stays as in ``start``. The torque is taken as free of scale error, the speed as
+    free of bias: both would show as inertia and as asymmetric friction.
     """
     say = progress or (lambda fraction, text: None)
     predictor = _predictor(recording, start, fixed, count_averaged)
@@ -191,7 +191,7 @@ def _half_widths(predictor: Predictor, stage: _Stage) -> tuple[Array, Array]:
 
 
 def _without_unexcited(predictor: Predictor, stage: _Stage, start: Drivetrain) -> _Stage:
-    """Put what the recording does not tell back to the nameplate, one after the other, and fit the rest again."""
+    """Put what the recording does not tell back to the nameplate, one by one, and fit the rest again."""
     while stage.free:
         name = _unexcited(predictor, stage)
         if name is None:

@@ -109,7 +109,8 @@ class Predictor:
     def jacobian(self, theta: Array, bandwidth: Bandwidth, free: list[int], residual: Array) -> Array:
         """(len(free), n) forward differences of the innovations.
 
-        A step of 1e-4 in the logarithm is far above rounding, and moves a gap by a hundredth of what it is known.
+        A step of 1e-4 in the logarithm is far above rounding, and moves a gap by a hundredth of what it is
+        known.
         """
         step = 1e-4
         moved = self.residuals(theta + step * np.eye(theta.size)[free], bandwidth)

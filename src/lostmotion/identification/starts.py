@@ -51,8 +51,8 @@ def rigid_body(torque: Array, speed: Array, dt: float) -> tuple[float, float, fl
 def complete(start: Drivetrain, predictor: Predictor, fixed: Collection[str]) -> tuple[Array, float]:
     """Parameter vector with a value for everything, and the total inertia that the recording shows.
 
-    Friction comes from the recording where it tells. What the nameplate leaves at zero gets: damping ratio 0.02,
-    friction of 1 % of the motor torque, a lag of two samples, a backlash of torque / stiffness.
+    Friction comes from the recording where it tells. What the nameplate leaves at zero gets: damping ratio
+    0.02, friction of 1 % of the motor torque, a lag of two samples, a backlash of torque / stiffness.
     """
     inertia, coulomb, viscous = rigid_body(predictor.torque, predictor.speed, predictor.dt)
     values = {name: getattr(start, name) for name in NAMES}
@@ -80,7 +80,7 @@ def search(
     fixed: Collection[str],
     bandwidth: Bandwidth,
 ) -> Array:
-    """The best of a grid over motor inertia, stiffness and backlash, each point with the given total inertia."""
+    """The best of a grid over motor inertia, stiffness and backlash, each with the given total inertia."""
     factors = {
         "inertia_motor": FACTORS,
         "stiffness": FACTORS,

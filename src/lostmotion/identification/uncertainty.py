@@ -1,4 +1,4 @@
-"""How well the parameters are known: statistics of the fit, and an allowance for what the model leaves out."""
+"""How well the parameters are known: statistics of the fit, and allowances for what the model leaves out."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ Array = NDArray[np.float64]
 #: slowest time constant of the observer, and about as long as a speed level lasts).
 BLOCKS = 20
 
-#: A spectral peak counts as an unmodelled mode if it stands this far above the median of its band (chosen; blue
-#: quantisation noise alone reaches 2).
+#: A spectral peak counts as an unmodelled mode if it stands this far above the median of its band (chosen;
+#: blue quantisation noise alone reaches 2).
 PEAK_RATIO = 10.0
 
-#: Relative allowance for the damping if there is an unmodelled mode (chosen: on finer plants the fitted damping
-#: was 20 to 50 % above that of the shaft, because the impacts feed energy into the mode).
+#: Relative allowance for the damping if there is an unmodelled mode (chosen: on finer plants the fitted
+#: damping was 20 to 50 % above that of the shaft, because the impacts feed energy into the mode).
 DAMPING_ALLOWANCE = 0.5
 
-#: Allowance for the lag if there is an unmodelled mode, samples (chosen: such a mode turns the phase as well).
+#: Allowance for the lag if there is an unmodelled mode, samples (chosen: such a mode turns the phase as
+#: well).
 LAG_ALLOWANCE = 0.2
 
 
 def sandwich(jacobian: Array, residual: Array) -> Array:
     """Covariance H⁻¹ S H⁻¹ of the parameters; valid for a residual of any colour.
 
-    H = J Jᵀ, and S sums the outer products of the scores of ``BLOCKS`` blocks (White 1980, with blocks for the
-    autocorrelation). A direction without information gets a huge variance instead of an error.
+    H = J Jᵀ, and S sums the outer products of the scores of ``BLOCKS`` blocks (White 1980, with blocks for
+    the autocorrelation). A direction without information gets a huge variance instead of an error.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def shift(jacobian: Array, residual: Array) -> Array:
 
 
 def unmodelled_mode(residual: Array, dt: float, pole_frequency: float) -> float | None:
-    """Frequency (Hz) of the highest peak of the residual's spectrum above twice the torsional mode, if any."""
+    """Frequency (Hz) of a peak of the residual's spectrum above twice the torsional mode, if it stands out."""
     from scipy.signal import welch
 
     frequency, power = welch(residual, fs=1.0 / dt, nperseg=min(4096, residual.size))
@@ -81,9 +82,9 @@ def model_allowance(names: tuple[str, ...], drivetrain: Drivetrain, dt: float, m
     """Half widths (relative) for a mode that a two-mass model does not have.
 
     Below its frequency such a mode changes the inertia and the stiffness seen at the torsional mode by the
-    relative amount (pole / mode)², to first order; twice that is allowed (chosen, for 95 %) for motor inertia,
-    stiffness and backlash. The total inertia is not touched, so the load inertia has the motor's allowance in
-    kg m². The lag has ``LAG_ALLOWANCE``.
+    relative amount (pole / mode)², to first order; twice that is allowed (chosen, for 95 %) for motor
+    inertia, stiffness and backlash. The total inertia is not touched, so the load inertia has the motor's
+    allowance in kg m². The lag has ``LAG_ALLOWANCE``.
 
     Parameters
     ----------

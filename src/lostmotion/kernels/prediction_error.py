@@ -58,8 +58,10 @@ def _inverse(a):
 
 @njit(cache=True, nogil=True)
 def _continuous(parameters):
-    """(8, 8) block [A, inputs; 0, 0]: states twist, speed_motor, speed_load, torque_actuator; inputs torque, gap,
-    friction of motor and of load."""
+    """(8, 8) block [A, inputs; 0, 0].
+
+    States: twist, speed_motor, speed_load, torque_actuator. Inputs: torque, gap, friction of motor and load.
+    """
     jm, jl, k, d = parameters[:4]
     viscous, viscous_motor, lag = parameters[6], parameters[8], parameters[9]
     block = np.zeros((8, 8))
@@ -82,7 +84,7 @@ def _sampled(block, density, dt):
     norm = 0.0
     for i in range(8):
         norm = max(norm, np.sum(np.abs(block[i])) * dt)
-    doublings = max(0, int(math.ceil(math.log2(norm / _NORM))))
+    doublings = max(0, math.ceil(math.log2(norm / _NORM)))
     h = dt / 2.0**doublings
     step, term = np.eye(8), np.eye(8)
     a = block[:4, :4].copy()
@@ -104,7 +106,10 @@ def _sampled(block, density, dt):
 
 @njit(cache=True, nogil=True)
 def _gain(phi, measured, noise, variance):
-    """Predictor gain from the discrete Riccati equation, by doubling (Anderson 1978, Int. J. Control 28, 295–306)."""
+    """Predictor gain from the discrete Riccati equation, by doubling.
+
+    Source: Anderson 1978, Int. J. Control 28, 295–306.
+    """
     n = phi.shape[0]
     a, g, p = phi.T.copy(), np.outer(measured, measured) / variance, noise.copy()
     for _ in range(_DOUBLINGS):
@@ -176,14 +181,14 @@ def innovations(parameters, bandwidth, dt, count_averaged, torque, speed):
 
         x⁺ = Φ x + Γ (torque, gap, friction_motor, friction_load) + K (y − ŷ)
 
-    The gap is clip(twist + (d/k + dt/2)·rate, ±backlash/2); each friction is the torque that brings its inertia
-    to rest at the end of the sample, clipped to the Coulomb level.
+    The gap is clip(twist + (d/k + dt/2)·rate, ±backlash/2); each friction is the torque that brings its
+    inertia to rest at the end of the sample, clipped to the Coulomb level.
 
     Parameters
     ----------
     parameters : (m, 10) array
-        inertia_motor, inertia_load, stiffness, damping, backlash, coulomb, viscous, coulomb_motor, viscous_motor,
-        lag; SI units.
+        inertia_motor, inertia_load, stiffness, damping, backlash, coulomb, viscous, coulomb_motor,
+        viscous_motor, lag; SI units.
     bandwidth : (2,) tuple or array, 1/s
         Roots of the process densities of speed_motor and speed_load, for a density of 1 of the measurement.
     dt : float, s
