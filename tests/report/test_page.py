@@ -134,7 +134,7 @@ def test_the_page_contains_every_part():
     )
     for text in (
         "8.6 % under PI", "12.13 mrad", "12.05 … 12.21", "outside", "not excited", "nameplate",
-        "Observer 1", "Observer 2", "Motor speed taken as estimate", "Observer without backlash",
+        "Load speed Observer 1", "Shaft torque Observer 1", "Observer 2", "Motor speed taken as estimate", "Observer without backlash",
         "0.16 %", "1.2 %", "20 µs", "does not settle within 2 %", "38.2 Nm", "bit-equal", "cc 12.2",
         "Record longer.", "ab" * 32, "seed 7", "lostmotion 0.1.0", "lostmotion run x", "1.7 s", "converged",
         "A title.", "A caption", "20 000",

@@ -159,7 +159,7 @@ def _observers(observers: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
             figures = mapping(mapping(entry).get(signal))
             if figures:
                 yield {
-                    "signal": words(signal),
+                    "signal": signal_words(signal),
                     "name": words(name),
                     "naive": naive,
                     **_errors(figures, signal),
