@@ -134,7 +134,8 @@ def test_the_page_contains_every_part():
     )
     for text in (
         "8.6 % under PI", "12.13 mrad", "12.05 … 12.21", "outside", "not excited", "nameplate",
-        "Load speed Observer 1", "Shaft torque Observer 1", "Observer 2", "Motor speed taken as estimate", "Observer without backlash",
+        "Load speed Observer 1", "Shaft torque Observer 1", "Observer 2",
+        "Motor speed taken as estimate", "Observer without backlash",
         "0.16 %", "1.2 %", "20 µs", "does not settle within 2 %", "38.2 Nm", "bit-equal", "cc 12.2",
         "Record longer.", "ab" * 32, "seed 7", "lostmotion 0.1.0", "lostmotion run x", "1.7 s", "converged",
         "A title.", "A caption", "20 000",
@@ -218,6 +219,13 @@ def test_any_single_entry_may_be_null_skipped_or_not_a_number(kind, replacement)
             assert not re.search(r"\bnan\b", words), path
             tried += 1
     assert tried > 10
+
+
+def test_an_entry_skipped_among_the_parameters_is_no_parameter():
+    parameters = {**RESULTS["parameters"], "identification": {"skipped": "no motor torque"}}
+    page = Balanced(render({**RESULTS, "parameters": parameters})).words
+    assert "2 of 4 parameters" in page
+    assert "Parameters: Identification no motor torque" in page
 
 
 def test_a_value_that_was_not_excited_is_neither_zero_nor_none():

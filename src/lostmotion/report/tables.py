@@ -97,7 +97,7 @@ def _recordings(recordings: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def parameters(results: Mapping[str, Any]) -> list[dict[str, Any]]:
     """One row for each parameter, the known ones in their usual order first."""
-    found = mapping(results.get("parameters"))
+    found = {n: e for n, e in mapping(results.get("parameters")).items() if skip_reason(e) is None}
     truth = mapping(mapping(results.get("truth")).get("parameters"))
     order = [n for n in PARAMETER_UNITS if n in found] + [n for n in found if n not in PARAMETER_UNITS]
     return [_parameter(name, mapping(found[name]), truth.get(name)) for name in order]
