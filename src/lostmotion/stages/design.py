@@ -1,0 +1,101 @@
+"""Stage 3, design: Observer 1 and 2, the PI speed controller, and the law for the target."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..controllers import pi, pole_placement
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput, Problem
+from ..observers import kalman
+from ..systems import DiscreteSystem, connect, one_sample_delay
+from .material import Material, Settings
+from .parameters import Found
+
+#: Signals that each observer measures (Fietzek & Rinderknecht, section III).
+OBSERVERS = {"observer_1": ("speed_motor",), "observer_2": ("torque_shaft", "speed_motor")}
+
+ESTIMATES = (
+    "twist_estimated",
+    "twist_elastic_estimated",
+    "speed_motor_estimated",
+    "speed_load_estimated",
+    "torque_shaft_estimated",
+    "friction_load_estimated",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The laws, or the reason why there are none.
+
+    Parameters
+    ----------
+    law : DiscreteSystem or None
+        Observer 1 + pole placement, for the target: speed_reference, speed_motor → torque_motor.
+    watched : DiscreteSystem or None
+        The same law with its estimates as further outputs.
+    pi : DiscreteSystem or None
+    dt : float, s
+    skipped : str
+    problems : tuple of Problem
+    """
+
+    law: DiscreteSystem | None = None
+    watched: DiscreteSystem | None = None
+    pi: DiscreteSystem | None = None
+    dt: float = 0.0
+    skipped: str = ""
+    problems: tuple[Problem, ...] = ()
+
+
+def design(material: Material, found: Found) -> Design:
+    """The laws for an identified drivetrain; what cannot be designed is a result, not an exception."""
+    if found.drivetrain is None:
+        return Design(skipped=found.missing)
+    settings = material.settings
+    recording = material.identify or material.validate
+    dt = settings.sample_time or (recording.dt if recording is not None else None)
+    if dt is None:
+        return Design(skipped="no sample time: give sample_time in [law]")
+    averaged = is_averaged(material)
+    try:
+        return Design(
+            law=target_law(found.drivetrain, settings, dt, averaged, ("torque_motor",)),
+            watched=target_law(found.drivetrain, settings, dt, averaged, ("torque_motor", *ESTIMATES)),
+            pi=pi(dt=dt, kp=settings.kp, ki=settings.ki, torque_limit=settings.torque_limit),
+            dt=dt,
+        )
+    except InvalidInput as error:
+        return Design(skipped=str(error), problems=(Problem("warning", *_parts(error)),))
+
+
+def _parts(error: InvalidInput) -> tuple[str, str, str, str]:
+    p = error.problem
+    return p.where, p.got, p.expected, p.remedy
+
+
+def is_averaged(material: Material) -> bool:
+    """Whether the drive's motor speed is a mean over the last sample."""
+    recording = material.identify or material.validate
+    return bool(recording is not None and recording.meta.get("count_averaged", False))
+
+
+def observer(drivetrain: Drivetrain, name: str, dt: float, averaged: bool) -> DiscreteSystem:
+    """Observer 1 or 2 for a recording at the sample time dt (s)."""
+    return kalman(drivetrain, measured=OBSERVERS[name], dt=dt, count_averaged=averaged)
+
+
+def target_law(
+    drivetrain: Drivetrain, settings: Settings, dt: float, averaged: bool, outputs: tuple[str, ...]
+) -> DiscreteSystem:
+    """Observer 1 + pole placement. The observer gets the torque one sample late, as the computing delay makes it act."""
+    watcher = observer(drivetrain, "observer_1", dt, averaged).renamed({"torque_motor": "torque_motor_acting"})
+    controller = pole_placement(drivetrain, poles=settings.poles, dt=dt, torque_limit=settings.torque_limit)
+    acting = one_sample_delay("torque_motor", dt, "torque_motor_acting")
+    return connect(
+        [watcher, controller, acting],
+        inputs=("speed_reference", "speed_motor"),
+        outputs=outputs,
+        name="observer_1 + pole_placement",
+    )

@@ -1,0 +1,145 @@
+"""The report's figures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import plot
+from ..recording import Recording
+from ..report import ReportFigure
+from .material import STEP_TIME, Material
+from .parameters import Found
+from .validation import PULSE_END, Validation
+
+NAMES = {"observer_1": "Observer 1", "observer_2": "Observer 2"}
+CONTROLLERS = {"pi": "PI", "pole_placement": "Observer 1 + pole placement"}
+
+
+def figures(material: Material, found: Found, validation: Validation, truth: dict[str, float] | None) -> list[ReportFigure]:
+    """All figures for which there is something to show, in the report's order."""
+    return [
+        *_recordings(material),
+        *_parameters(found, truth),
+        *_shaft(found),
+        *_observers(material, validation),
+        *_controllers(material, validation),
+    ]
+
+
+def _recordings(material: Material) -> list[ReportFigure]:
+    origin = " (virtual rig, simulated)" if material.virtual else ""
+    return [
+        ReportFigure(
+            f"Recording: {name.replace('_', ' ')}",
+            "Each signal over the whole time, thinned to the extremes.",
+            plot.recording_overview(recording, title=f"{name.replace('_', ' ').capitalize()}{origin}"),
+            "recording",
+        )
+        for name, recording in material.recordings.items()
+    ]
+
+
+def _parameters(found: Found, truth: dict[str, float] | None) -> list[ReportFigure]:
+    made = []
+    if any(entry["low"] is not None for entry in found.table.values()):
+        made.append(
+            ReportFigure(
+                "Identified parameters",
+                "Intervals of 95 %, relative to the identified value.",
+                plot.identified_parameters(found.table, truth=truth),
+                "parameters",
+            )
+        )
+    if found.identification is not None:
+        prediction = found.identification.prediction
+        made.append(
+            ReportFigure(
+                "Prediction of the motor speed",
+                "One sample ahead. Lines outside the band: the residual holds something the two-mass model lacks.",
+                plot.prediction_fit(
+                    prediction.time, prediction.speed_motor + prediction.residual, prediction.speed_motor
+                ),
+                "fits",
+            )
+        )
+    return made
+
+
+def _shaft(found: Found) -> list[ReportFigure]:
+    made = []
+    shaft, ringing = found.shaft, found.ringing
+    if shaft is not None and shaft.stiffness is not None:
+        made.append(
+            ReportFigure(
+                "Shaft stiffness",
+                "Measured shaft torque against the integral of the measured speed difference.",
+                plot.stiffness_fit(
+                    shaft.frequency, shaft.response, shaft.coherence, fitted=shaft.fitted(shaft.frequency),
+                    used=shaft.used, stiffness=shaft.stiffness, interval=shaft.interval,
+                ),
+                "fits",
+            )
+        )  # fmt: skip
+    if ringing is not None and ringing.frequency is not None:
+        made.append(
+            ReportFigure(
+                "Ring-down",
+                "Measured shaft torque after each step and the fitted damped oscillation.",
+                plot.ring_down_fit(
+                    ringing.windows, signal=ringing.signal, frequency=ringing.frequency,
+                    damping_ratio=ringing.damping_ratio,
+                ),
+                "fits",
+            )
+        )  # fmt: skip
+    return made
+
+
+def _observers(material: Material, validation: Validation) -> list[ReportFigure]:
+    recording = material.validate
+    if recording is None or not validation.estimates:
+        return []
+    step = STEP_TIME if material.virtual else _liveliest(recording)
+    made = []
+    for number, (name, estimate) in enumerate(validation.estimates.items()):
+        figure = plot.observer_step(
+            recording,
+            estimate,
+            step_time=step,
+            name=NAMES[name],
+            source="virtual rig (simulated)" if material.virtual else "measurement",
+        )
+        made.append(
+            ReportFigure(
+                f"{NAMES[name]} over the recorded step (as Fig. {12 + number} of the paper)",
+                "Load speed and shaft torque were withheld from the observer unless it measures them.",
+                figure,
+                "observers",
+            )
+        )
+    return made
+
+
+def _liveliest(recording: Recording) -> float:
+    """The time (s) at which the motor torque changes most: where an observer should be looked at."""
+    return float(recording.time[int(np.argmax(np.abs(np.diff(recording["torque_motor"]))))])
+
+
+def _controllers(material: Material, validation: Validation) -> list[ReportFigure]:
+    if not validation.responses:
+        return []
+    limit = material.settings.torque_limit
+    return [
+        ReportFigure(
+            "Pulse of the set-point with PI and with Observer 1 + pole placement (as Fig. 15 of the paper)",
+            str(validation.controllers["plant"]),
+            plot.control_step(
+                {CONTROLLERS[name]: response for name, response in validation.responses.items()},
+                start=STEP_TIME - 0.05,
+                stop=PULSE_END + 0.25,
+                torque_limit=None if limit == float("inf") else limit,
+                title="Pulse of the speed set-point (simulated)",
+            ),
+            "controllers",
+        )
+    ]

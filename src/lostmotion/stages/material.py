@@ -1,0 +1,145 @@
+"""Stage 1, read and check: the recordings, the nameplate and the settings, from the user's TOML or the virtual rig."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .. import rig, signals
+from ..controllers import pi
+from ..errors import Problem
+from ..io import Configuration, check_recording, load_recordings
+from ..recording import Recording
+
+#: Start values for the virtual rig (chosen): what datasheets and a rough estimate give, 25 to 70 % off.
+RIG_NAMEPLATE: Mapping[str, float] = {
+    "inertia_motor": 0.015,
+    "inertia_load": 0.14,
+    "stiffness": 5000.0,
+    "damping": 0.2,
+    "backlash": 0.02,
+    "coulomb": 1.2,
+    "viscous": 0.02,
+}
+#: Set-point of the step that is recorded and controlled: Fietzek & Rinderknecht, section IV (±2 rad/s, at 1 s).
+STEP_TIME, STEP_SPEED, STEP_DURATION = 1.0, 2.0, 2.0
+#: With one recording only, this last part of it validates.
+VALIDATION_PART = 0.3
+DEFAULT_POLES = (-400.0, -400.0, -400.0)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is designed: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), PI (Nm s/rad, 1/s)."""
+
+    sample_time: float | None = None
+    torque_limit: float = np.inf
+    poles: tuple[complex, ...] = DEFAULT_POLES
+    kp: float = 10.0
+    ki: float = 20.0
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """What the later stages work on. The virtual rig's truth is not in it.
+
+    Parameters
+    ----------
+    nameplate : mapping of parameter → value, SI
+    settings : Settings
+    seed : int
+    virtual : bool
+        Whether the recordings come from the virtual rig.
+    identify, validate : Recording or None
+    recordings : mapping of name → Recording
+        All of them, as read.
+    problems : tuple of Problem
+        Warnings.
+    inputs : mapping of file → sha256
+    """
+
+    nameplate: Mapping[str, float]
+    settings: Settings
+    seed: int
+    virtual: bool
+    identify: Recording | None
+    validate: Recording | None
+    recordings: Mapping[str, Recording]
+    problems: tuple[Problem, ...] = ()
+    inputs: Mapping[str, str] = field(default_factory=dict)
+
+
+def step_reference(dt: float) -> np.ndarray:
+    """The set-point of the recorded step, rad/s."""
+    return signals.steps((STEP_TIME,), (-STEP_SPEED, STEP_SPEED), STEP_DURATION, dt)
+
+
+def from_rig(seed: int, dt: float = 1e-4) -> tuple[Material, rig.Truth]:
+    """An excitation of 10 s and a set-point step under PI control on the virtual rig, and apart from it the truth."""
+    settings = Settings(sample_time=dt, torque_limit=rig.TORQUE_LIMIT)
+    excited, truth = rig.record(seed, dt=dt)
+    controller = pi(dt=dt, kp=settings.kp, ki=settings.ki, torque_limit=settings.torque_limit)
+    step, _ = rig.record(seed, law=controller, speed_reference=step_reference(dt), dt=dt, noise_seed=1)
+    material = Material(
+        nameplate=RIG_NAMEPLATE,
+        settings=settings,
+        seed=seed,
+        virtual=True,
+        identify=excited,
+        validate=step,
+        recordings={"excitation": excited, "step": step},
+        problems=(*check_recording(excited), *check_recording(step)),
+    )
+    return material, truth
+
+
+def from_configuration(configuration: Configuration, seed: int | None = None) -> Material:
+    """The user's recordings; raises ``InputProblems`` with all errors of all files."""
+    loaded = load_recordings(configuration)
+    law = configuration.law
+    settings = Settings(
+        sample_time=law.sample_time,
+        torque_limit=np.inf if law.torque_limit is None else law.torque_limit,
+        poles=law.poles,
+        kp=Settings.kp if law.kp is None else law.kp,
+        # The file gives the integral gain in Nm/rad, the controller takes it relative to kp.
+        ki=Settings.ki if law.kp is None or law.ki is None else law.ki / law.kp,
+    )
+    problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
+    first = {use: next((r for u, r in loaded if u == use), None) for use in ("identify", "validate")}
+    for use in first:
+        unused = [str(r.meta.get("file", "")) for u, r in loaded if u == use][1:]
+        problems += [_unused(file, use) for file in unused]
+    identify, validate = first["identify"], first["validate"]
+    if identify is not None and validate is None:
+        cut = identify.time[-1] - VALIDATION_PART * (identify.time[-1] - identify.time[0])
+        identify, validate = identify.window(stop=cut), identify.window(start=cut)
+    return Material(
+        nameplate=configuration.nameplate,
+        settings=settings,
+        seed=configuration.run.seed if seed is None else seed,
+        virtual=False,
+        identify=identify,
+        validate=validate,
+        recordings={f"{use}_{i + 1}": recording for i, (use, recording) in enumerate(loaded)},
+        problems=tuple(problems),
+        inputs=_hashes([configuration.path, *(source.file for source in configuration.recordings)]),
+    )
+
+
+def _unused(file: str, use: str) -> Problem:
+    return Problem(
+        "warning",
+        file,
+        f"a further recording to {use}",
+        f"one recording to {use}",
+        "Only the first is used: join the others to it, or run again with another first.",
+    )
+
+
+def _hashes(files: list[Path]) -> dict[str, str]:
+    return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}

@@ -1,0 +1,167 @@
+"""Stage 2, identify: every parameter with its value, its 95 % interval and its source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..drivetrain import PARAMETER_UNITS, Drivetrain
+from ..errors import InvalidInput, Problem
+from ..identification import (
+    Identification,
+    RingDown,
+    ShaftStiffness,
+    backlash_excited,
+    identify,
+    ring_down,
+    shaft_stiffness,
+)
+from ..recording import Recording
+from .material import Material
+
+#: Without these nothing can be designed; friction and lag may be zero.
+NEEDED = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash")
+#: What identification by prediction error reads.
+DRIVEN = ("torque_motor", "speed_motor")
+PREDICTION = "prediction of the motor speed"
+#: What the measurement of a shaft reads.
+SHAFT = ("speed_motor", "speed_load", "torque_shaft")
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What stage 2 found.
+
+    Parameters
+    ----------
+    table : mapping of parameter → {"value", "low", "high", "unit", "source"}
+        As in ``results.json``.
+    drivetrain : Drivetrain or None
+        What the design starts from; None where too little is known, then `missing` says what.
+    identification : Identification or None
+    shaft, ringing : ShaftStiffness, RingDown or None
+        What a measured shaft torque tells.
+    skipped : str
+        Why there is no identification by prediction error.
+    fits : mapping
+        For the report.
+    problems : tuple of Problem
+    """
+
+    table: Mapping[str, Mapping[str, Any]]
+    drivetrain: Drivetrain | None
+    missing: str = ""
+    identification: Identification | None = None
+    shaft: ShaftStiffness | None = None
+    ringing: RingDown | None = None
+    skipped: str = ""
+    fits: Mapping[str, Any] = field(default_factory=dict)
+    problems: tuple[Problem, ...] = ()
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """95 % intervals by parameter, SI."""
+        return {n: (e["low"], e["high"]) for n, e in self.table.items() if e["low"] is not None}
+
+
+def find_parameters(material: Material, progress: Callable[[float, str], None] | None = None) -> Found:
+    """Identification by prediction error where there is a motor torque, and from the shaft torque where there is one."""
+    table = {name: _entry(name, value, "nameplate") for name, value in material.nameplate.items()}
+    recording = material.identify
+    if recording is None:
+        return _finished(table, skipped="no recording with use = 'identify'")
+    problems: list[Problem] = []
+    fits: dict[str, Any] = {}
+    shaft: ShaftStiffness | None = None
+    ringing: RingDown | None = None
+
+    reason = _reason_against(recording, material.nameplate)
+    if not reason:
+        found = identify(recording, start=Drivetrain.two_mass(**material.nameplate), progress=progress)
+        problems += found.problems
+        for name in found.values:
+            table[name] = _entry(name, found.values[name], found.sources[name], found.intervals.get(name))
+        fits[PREDICTION] = {
+            "residual": {"value": found.prediction.rms, "unit": "rad/s"},
+            "fit": found.prediction.fit,
+            "iterations": found.prediction.iterations,
+        }
+        return _finished(table, found, fits=fits, problems=tuple(problems))
+    # Without a motor torque, speeds on both ends and the torque of a shaft still tell its stiffness.
+    if all(name in recording for name in SHAFT):
+        shaft, ringing = shaft_stiffness(recording), ring_down(recording, seed=material.seed)
+        excited = backlash_excited(recording)
+        problems += [*shaft.problems, *ringing.problems, *excited.problems]
+        fits |= _shaft_fits(shaft, ringing)
+        if excited.source == "not excited":
+            table["backlash"] = _entry("backlash", None, "not excited")
+        if material.validate is not None and all(name in material.validate for name in SHAFT):
+            fits["measured shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
+        if shaft.stiffness is not None:
+            table["stiffness"] = _entry("stiffness", shaft.stiffness, "identified", shaft.interval)
+    return _finished(table, None, shaft, ringing, reason, fits, tuple(problems))
+
+
+def _reason_against(recording: Recording, nameplate: Mapping[str, float]) -> str:
+    missing = [name for name in DRIVEN if name not in recording]
+    if missing:
+        return f"no {' and no '.join(missing)} in the recording"
+    missing = [name for name in ("inertia_motor", "inertia_load", "stiffness") if name not in nameplate]
+    return f"no start value for {', '.join(missing)}: add it to [nameplate]" if missing else ""
+
+
+def _shaft_fit(shaft: ShaftStiffness) -> dict[str, Any]:
+    return {
+        "stiffness": _fit(shaft.stiffness, shaft.intervals.get("stiffness"), "Nm/rad"),
+        "torque late by": _fit(shaft.torque_delay, shaft.intervals.get("torque_delay"), "s"),
+    }
+
+
+def _shaft_fits(shaft: ShaftStiffness, ringing: RingDown) -> dict[str, Any]:
+    return {
+        "measured shaft": _shaft_fit(shaft),
+        "ring-down": {
+            "frequency": _fit(ringing.frequency, ringing.intervals.get("frequency"), "Hz"),
+            "damping ratio (of the whole rig as it ran)": _fit(ringing.damping_ratio, ringing.intervals.get("damping_ratio"), ""),
+        },
+    }
+
+
+def _fit(value: float | None, interval: tuple[float, float] | None, unit: str) -> dict[str, Any]:
+    if value is None:
+        return {"skipped": "not excited"}
+    low, high = interval if interval else (None, None)
+    return {"value": value, "low": low, "high": high, "unit": unit}
+
+
+def _entry(
+    name: str, value: float | None, source: str, interval: tuple[float, float] | None = None
+) -> dict[str, Any]:
+    low, high = interval if interval is not None else (None, None)
+    return {"value": value, "low": low, "high": high, "unit": PARAMETER_UNITS[name], "source": source}
+
+
+def _finished(
+    table: dict[str, dict[str, Any]],
+    found: Identification | None = None,
+    shaft: ShaftStiffness | None = None,
+    ringing: RingDown | None = None,
+    skipped: str = "",
+    fits: Mapping[str, Any] | None = None,
+    problems: tuple[Problem, ...] = (),
+) -> Found:
+    for name in NEEDED:
+        table.setdefault(name, _entry(name, None, "not excited"))
+    ordered = {name: table[name] for name in PARAMETER_UNITS if name in table}
+    missing = [name for name in NEEDED if ordered[name]["value"] is None]
+    drivetrain: Drivetrain | None = None
+    if found is not None:
+        drivetrain, missing = found.drivetrain, []
+    elif not missing:
+        try:
+            drivetrain = Drivetrain.two_mass(**{n: e["value"] for n, e in ordered.items()})
+        except InvalidInput as error:
+            missing = [str(error)]
+    reason = f"{', '.join(missing)} not known: identify from a motor torque, or give [nameplate]" if missing else ""
+    return Found(ordered, drivetrain, reason, found, shaft, ringing, skipped, fits or {}, problems)

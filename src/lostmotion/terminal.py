@@ -1,0 +1,80 @@
+"""What the command line shows while and after it works: a line for each stage, then the key numbers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+
+class StageLines:
+    """A progress line for each stage on standard error; call it as ``run.Progress``."""
+
+    def __init__(self, shown: bool = True) -> None:
+        self.shown = shown
+        self._console = Console(stderr=True, highlight=False)
+        self._progress = Progress(
+            TextColumn("{task.fields[stage]:<9}"),
+            BarColumn(30),
+            TimeElapsedColumn(),
+            TextColumn("{task.description}"),
+            console=self._console,
+            disable=not shown or not self._console.is_terminal,
+        )
+        self._tasks: dict[str, Any] = {}
+        self._started: dict[str, float] = {}
+
+    def __enter__(self) -> StageLines:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def __call__(self, stage: str, fraction: float, text: str = "") -> None:
+        if stage not in self._tasks:
+            self._tasks[stage] = self._progress.add_task("", total=1.0, stage=stage)
+            self._started[stage] = time.perf_counter()
+            if not self._console.is_terminal:
+                self._console.print(f"{stage} …")
+        done = fraction >= 1.0 and not text
+        shown = text if not done else ""
+        self._progress.update(self._tasks[stage], completed=fraction, description=shown)
+        if done and not self._console.is_terminal:
+            self._console.print(f"{stage} done in {time.perf_counter() - self._started[stage]:.1f} s")
+
+
+def summary(results: Mapping[str, Any], out: Path) -> None:
+    """The key numbers and where the report is, on standard output."""
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    for name, entry in results["parameters"].items():
+        console.print(f"  {name:<15} {_value(entry)}")
+    for part, signal in (("observer_1", "speed_load"), ("observer_1", "torque_shaft")):
+        row = results["observers"].get(part, {}).get(signal, {})
+        if row.get("range"):
+            console.print(f"  Observer 1, {signal}: RMSE {100.0 * row['rmse'] / row['range']:.2f} % of the range")
+    for name in ("pi", "pole_placement"):
+        row = results["controllers"].get(name, {})
+        if row.get("overshoot") is not None:
+            console.print(f"  {name}: overshoot {row['overshoot']:.1f} % of the step")
+    for part in ("identification", "observers", "controllers", "export"):
+        if "skipped" in results[part]:
+            console.print(f"  {part} skipped: {results[part]['skipped']}")
+    warnings = len(results["problems"])
+    console.print(f"  {warnings} warning{'' if warnings == 1 else 's'}; report: {out / 'report.html'}")
+
+
+def _value(entry: Mapping[str, Any]) -> str:
+    if entry["value"] is None:
+        return str(entry["source"])
+    text = f"{entry['value']:.4g}"
+    if entry["low"] is not None:
+        text += f" ({entry['low']:.4g} … {entry['high']:.4g})"
+    return f"{text} {entry['unit']}, {entry['source']}"
