@@ -107,7 +107,7 @@ def warnings(
     if prediction.unmodelled_frequency is not None:
         problems.append(
             Problem(
-                "warning", "identification", 
+                "warning", "identification",
                 f"innovations with a peak at {prediction.unmodelled_frequency:.0f} Hz", "two masses",
                 "The intervals allow for it. Excite less of it for narrower ones.",
             )

@@ -67,7 +67,7 @@ def shift(jacobian: Array, residual: Array) -> Array:
 
 
 def unmodelled_mode(residual: Array, dt: float, pole_frequency: float) -> float | None:
-    """Frequency (Hz) of a peak of the residual's spectrum above twice the torsional mode, if it stands out."""
+    """Frequency (Hz) of the residual's peak above twice the torsional mode, if one stands out."""
     from scipy.signal import welch
 
     frequency, power = welch(residual, fs=1.0 / dt, nperseg=min(4096, residual.size))
