@@ -11,7 +11,15 @@ if TYPE_CHECKING:
     from .drivetrain import Actuator, Drivetrain, Friction, Shaft
     from .errors import InputProblems, InvalidInput, LostMotionError, Problem
     from .identification import Identification, identify, ring_down, shaft_stiffness
-    from .io import load_drivetrain, load_law, load_recording, read_recording, save_drivetrain, save_law, save_recording
+    from .io import (
+        load_drivetrain,
+        load_law,
+        load_recording,
+        read_recording,
+        save_drivetrain,
+        save_law,
+        save_recording,
+    )
     from .recording import Event, Recording
     from .simulation import Sensor, simulate
     from .systems import DiscreteSystem, connect, one_sample_delay

@@ -36,7 +36,8 @@ def _show_version(wanted: bool) -> None:
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and stop.")
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and stop."),
     ] = False,
 ) -> None:
     pass
@@ -44,10 +45,16 @@ def _options(
 
 @app.command(epilog=EXIT_CODES)
 def run(
-    file: Annotated[Path | None, typer.Argument(help="TOML with your recordings; without: the virtual rig.")] = None,
+    file: Annotated[
+        Path | None, typer.Argument(help="TOML with your recordings; without: the virtual rig.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="Output folder.")] = Path("lostmotion-out"),
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed of rig and noise; default: the TOML's, else 1.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Write although foreign files lie in the folder.")] = False,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of rig and noise; default: the TOML's, else 1.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write although foreign files lie in the folder.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print results.json.")] = False,
 ) -> None:
@@ -102,7 +109,9 @@ def init(
     try:
         file.write_text(template(), encoding="utf-8")
     except OSError as error:
-        raise InvalidInput(str(file), error.strerror or "an error", "a place to write", "Choose another.") from None
+        raise InvalidInput(
+            str(file), error.strerror or "an error", "a place to write", "Choose another."
+        ) from None
     typer.echo(f"{file} written: fill it in, then: lostmotion check {file}")
 
 

@@ -38,7 +38,9 @@ class PiecewiseLinear:
         object.__setattr__(self, "slope_left", float(self.slope_left))
         object.__setattr__(self, "slope_right", float(self.slope_right))
         if not points:
-            raise InvalidInput("PiecewiseLinear.points", "no point", "at least one point (z, w)", "Add a point.")
+            raise InvalidInput(
+                "PiecewiseLinear.points", "no point", "at least one point (z, w)", "Add a point."
+            )
         numbers = [v for point in points for v in point] + [self.slope_left, self.slope_right]
         if not all(math.isfinite(v) for v in numbers):
             raise InvalidInput(
@@ -46,7 +48,10 @@ class PiecewiseLinear:
             )
         if any(b[0] <= a[0] for a, b in zip(points, points[1:], strict=False)):
             raise InvalidInput(
-                "PiecewiseLinear.points", f"{points!r}", "strictly increasing z", "Sort the points, drop doubles."
+                "PiecewiseLinear.points",
+                f"{points!r}",
+                "strictly increasing z",
+                "Sort the points, drop doubles.",
             )
 
     @property
@@ -72,7 +77,9 @@ class PiecewiseLinear:
 def dead_zone(half_width: float, slope: float = 1.0) -> PiecewiseLinear:
     """slope · dz(z), dz(z) = z − clip(z, −half_width, half_width); a half width of 0 gives the straight line."""
     if half_width < 0.0:
-        raise InvalidInput("dead_zone.half_width", f"{half_width!r}", "zero or more", "Give backlash/2 in rad.")
+        raise InvalidInput(
+            "dead_zone.half_width", f"{half_width!r}", "zero or more", "Give backlash/2 in rad."
+        )
     if half_width == 0.0:
         return PiecewiseLinear(((0.0, 0.0),), slope, slope)
     return PiecewiseLinear(((-half_width, 0.0), (half_width, 0.0)), slope, slope)

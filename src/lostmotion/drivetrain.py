@@ -94,7 +94,9 @@ class Friction:
         else:
             object.__setattr__(self, "coulomb", _check("Friction.coulomb", self.coulomb))
         object.__setattr__(self, "viscous", _check("Friction.viscous", self.viscous))
-        points = tuple((_check("Friction.stribeck", s), _check("Friction.stribeck", t)) for s, t in self.stribeck)
+        points = tuple(
+            (_check("Friction.stribeck", s), _check("Friction.stribeck", t)) for s, t in self.stribeck
+        )
         increasing = all(b[0] > a[0] for a, b in zip(points, points[1:], strict=False))
         if points and (points[0][0] != 0.0 or points[-1][1] != 0.0 or not increasing):
             raise InvalidInput(
@@ -160,7 +162,10 @@ class Actuator:
         object.__setattr__(self, "lag", _check("Actuator.lag", self.lag))
         if not self.torque_limit > 0.0:
             raise InvalidInput(
-                "Actuator.torque_limit", repr(self.torque_limit), "a positive number in Nm", "Use inf for no limit."
+                "Actuator.torque_limit",
+                repr(self.torque_limit),
+                "a positive number in Nm",
+                "Use inf for no limit.",
             )
 
 
@@ -198,7 +203,9 @@ class Drivetrain:
     actuator: Actuator = field(default_factory=Actuator)
 
     def __post_init__(self) -> None:
-        inertias = tuple(_check(f"Drivetrain.inertias[{i}]", j, positive=True) for i, j in enumerate(self.inertias))
+        inertias = tuple(
+            _check(f"Drivetrain.inertias[{i}]", j, positive=True) for i, j in enumerate(self.inertias)
+        )
         frictions = tuple(self.frictions) or (Friction(),) * len(inertias)
         object.__setattr__(self, "inertias", inertias)
         object.__setattr__(self, "shafts", tuple(self.shafts))
@@ -242,7 +249,10 @@ class Drivetrain:
     def _two_mass_only(self, what: str) -> None:
         if len(self.inertias) != 2:
             raise InvalidInput(
-                f"Drivetrain.{what}", f"{len(self.inertias)} inertias", "a two-mass drivetrain", "Reduce it first."
+                f"Drivetrain.{what}",
+                f"{len(self.inertias)} inertias",
+                "a two-mass drivetrain",
+                "Reduce it first.",
             )
 
     @property
@@ -347,7 +357,9 @@ class Drivetrain:
         known.update(torque_limit=self.actuator.torque_limit, contact=self.contact)
         unknown = sorted(set(values) - set(known))
         if unknown:
-            raise InvalidInput("Drivetrain.with_parameters", f"{unknown}", f"names out of {sorted(known)}", "Check it.")
+            raise InvalidInput(
+                "Drivetrain.with_parameters", f"{unknown}", f"names out of {sorted(known)}", "Check it."
+            )
         return Drivetrain.two_mass(**{**known, **values})
 
     def with_contact(self, contact: str) -> Drivetrain:

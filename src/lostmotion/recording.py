@@ -91,7 +91,10 @@ class Recording:
         time = _read_only(self.time)
         if time.ndim != 1 or time.size < 2 or not np.all(np.diff(time) > 0):
             raise InvalidInput(
-                "Recording.time", f"shape {time.shape}", "at least two strictly increasing times", "Sort or crop it."
+                "Recording.time",
+                f"shape {time.shape}",
+                "at least two strictly increasing times",
+                "Sort or crop it.",
             )
         signals = {name: _read_only(values) for name, values in self.signals.items()}
         for name, values in signals.items():

@@ -118,7 +118,9 @@ def _results(
         "seed": material.seed,
         "version": __version__,
         "inputs": dict(material.inputs),
-        "identification": {"skipped": found.skipped} if found.skipped else {"fit": found.fits.get(PREDICTION, {})},
+        "identification": {"skipped": found.skipped}
+        if found.skipped
+        else {"fit": found.fits.get(PREDICTION, {})},
         "parameters": dict(found.table),
         "observers": dict(validation.observers),
         "controllers": dict(validation.controllers),
@@ -159,5 +161,3 @@ def _command(configuration: str | Path | Configuration | None, seed: int) -> str
         return f"lostmotion run --seed {seed}"
     path = configuration.path if isinstance(configuration, Configuration) else configuration
     return f"lostmotion run {path} --seed {seed}"
-
-

@@ -15,7 +15,9 @@ Array = NDArray[np.float64]
 def _length(duration: float, dt: float) -> int:
     n = round(duration / dt)
     if not (dt > 0.0 and n >= 2):
-        raise InvalidInput("duration, dt", f"{duration} s, {dt} s", "at least two samples", "Lengthen the signal.")
+        raise InvalidInput(
+            "duration, dt", f"{duration} s, {dt} s", "at least two samples", "Lengthen the signal."
+        )
     return int(n)
 
 
@@ -23,7 +25,10 @@ def steps(times: Sequence[float], values: Sequence[float], duration: float, dt: 
     """Piecewise constant signal: values[0] before times[0], then values[i + 1] from times[i] (s) on; (n,)."""
     if len(values) != len(times) + 1 or any(b <= a for a, b in zip(times, times[1:], strict=False)):
         raise InvalidInput(
-            "steps", f"{len(times)} times, {len(values)} values", "rising times, one value more than times", "Check."
+            "steps",
+            f"{len(times)} times, {len(values)} values",
+            "rising times, one value more than times",
+            "Check.",
         )
     # Half a sample of slack: a time on the raster begins its value exactly there.
     t = (np.arange(_length(duration, dt)) + 0.5) * dt
@@ -42,7 +47,9 @@ def multisine(low: float, high: float, rms: float, duration: float, dt: float, *
     frequency = np.fft.rfftfreq(n, dt)
     band = (frequency >= low) & (frequency <= high)
     if not band.any():
-        raise InvalidInput("multisine", f"{low} … {high} Hz", "a band with at least one line", "Widen the band.")
+        raise InvalidInput(
+            "multisine", f"{low} … {high} Hz", "a band with at least one line", "Widen the band."
+        )
     phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, frequency.size)
     signal = np.fft.irfft(np.where(band, np.exp(1j * phase), 0.0), n)
     return np.asarray(rms * signal / np.sqrt(np.mean(signal**2)))

@@ -59,7 +59,9 @@ def summary(results: Mapping[str, Any], out: Path) -> None:
     for part, signal in (("observer_1", "speed_load"), ("observer_1", "torque_shaft")):
         row = results["observers"].get(part, {}).get(signal, {})
         if row.get("range"):
-            console.print(f"  Observer 1, {signal}: RMSE {100.0 * row['rmse'] / row['range']:.2f} % of the range")
+            console.print(
+                f"  Observer 1, {signal}: RMSE {100.0 * row['rmse'] / row['range']:.2f} % of the range"
+            )
     for name in ("pi", "pole_placement"):
         row = results["controllers"].get(name, {})
         if row.get("overshoot") is not None:

@@ -121,7 +121,8 @@ def _quiet(table, m, s, change, N, C, E):
         b1 = g0 + d0 / 3.0
         b2 = g1 - d1 / 3.0
         if not (
-            min(min(g0, g1), min(b1, b2)) - remainder > low and max(max(g0, g1), max(b1, b2)) + remainder < high
+            min(min(g0, g1), min(b1, b2)) - remainder > low
+            and max(max(g0, g1), max(b1, b2)) + remainder < high
         ):
             return False
     return True

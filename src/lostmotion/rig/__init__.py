@@ -2,7 +2,18 @@
 
 from .equivalent import modes, motor_zeros, two_mass_equivalent
 from .finer import finer_rig
-from .nominal import Rig, nominal_rig, varied_rig
+from .nominal import TORQUE_LIMIT, Rig, nominal_rig, varied_rig
 from .record import Truth, record
 
-__all__ = ["Rig", "Truth", "finer_rig", "modes", "motor_zeros", "nominal_rig", "record", "two_mass_equivalent", "varied_rig"]
+__all__ = [
+    "TORQUE_LIMIT",
+    "Rig",
+    "Truth",
+    "finer_rig",
+    "modes",
+    "motor_zeros",
+    "nominal_rig",
+    "record",
+    "two_mass_equivalent",
+    "varied_rig",
+]

@@ -42,7 +42,9 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
     """
     gaps = [i for i, shaft in enumerate(drivetrain.shafts) if shaft.has_backlash]
     if len(gaps) != 1:
-        raise InvalidInput("two_mass_equivalent", f"{len(gaps)} backlashes", "exactly one", "Close the others.")
+        raise InvalidInput(
+            "two_mass_equivalent", f"{len(gaps)} backlashes", "exactly one", "Close the others."
+        )
     motor = math.fsum(drivetrain.inertias[: gaps[0] + 1])
     load = math.fsum(drivetrain.inertias[gaps[0] + 1 :])
     pole = 2.0 * math.pi * float(modes(drivetrain)[1])

@@ -83,7 +83,9 @@ def record(
     seed = rig.seed
     unknown = sorted(set(channels) - set(rig.sensors))
     if unknown:
-        raise InvalidInput("rig.record: channels", f"{unknown}", f"names out of {CHANNELS}", "Check the names.")
+        raise InvalidInput(
+            "rig.record: channels", f"{unknown}", f"names out of {CHANNELS}", "Check the names."
+        )
     sensor_seed = 1000 * noise_seed + (0 if seed is None else seed)
     signals = _run(rig, torque_motor, law, speed_reference, dt, delay, sensor_seed, seed)
     shown = measure({name: rig.sensors[name] for name in channels}, signals.signals, dt, sensor_seed)
@@ -101,7 +103,9 @@ def record(
             "count_averaged": rig.sensors["speed_motor"].difference,
         },
     )
-    return recording, Truth(two_mass_equivalent(rig.drivetrain, signals["speed_load"]), rig.drivetrain, signals)
+    return recording, Truth(
+        two_mass_equivalent(rig.drivetrain, signals["speed_load"]), rig.drivetrain, signals
+    )
 
 
 def _run(
@@ -117,11 +121,22 @@ def _run(
     if law is None:
         if torque_motor is None:
             torque_motor = excitation(
-                dt=dt, seed=0 if seed is None else seed, inertia=sum(INERTIAS), coulomb=COULOMB, viscous=VISCOUS
+                dt=dt,
+                seed=0 if seed is None else seed,
+                inertia=sum(INERTIAS),
+                coulomb=COULOMB,
+                viscous=VISCOUS,
             )
         return simulate(rig.drivetrain, dt=dt, torque_motor=torque_motor)
     sensors = {name: sensor for name, sensor in rig.sensors.items() if name in law.inputs}
     given = {} if speed_reference is None else {"speed_reference": np.asarray(speed_reference, dtype=float)}
     return simulate(
-        rig.drivetrain, dt=dt, torque_motor=torque_motor, law=law, delay=delay, sensors=sensors, seed=sensor_seed, **given
+        rig.drivetrain,
+        dt=dt,
+        torque_motor=torque_motor,
+        law=law,
+        delay=delay,
+        sensors=sensors,
+        seed=sensor_seed,
+        **given,
     )

@@ -36,11 +36,15 @@ def simulate_law(
 ) -> Recording:
     """``simulate`` with a law; `given` holds checked (n,) signals from outside."""
     if abs(law.dt / dt - 1.0) > _SAME_TIME:
-        raise InvalidInput("simulate.dt", f"{dt} s", f"the law's sample time, {law.dt} s", "Design the law for this dt.")
+        raise InvalidInput(
+            "simulate.dt", f"{dt} s", f"the law's sample time, {law.dt} s", "Design the law for this dt."
+        )
     if delay not in (0, 1):
         raise InvalidInput("simulate.delay", repr(delay), "0 or 1 sample", "Choose one of them.")
     if not given:
-        raise InvalidInput("simulate", "no signal of known length", "a set-point or a torque", "Give speed_reference.")
+        raise InvalidInput(
+            "simulate", "no signal of known length", "a set-point or a torque", "Give speed_reference."
+        )
     length = check_lengths(given)
     names = plant_inputs(given)
     run = PlantRun(drivetrain, dt, names, state, length)
@@ -89,12 +93,17 @@ class _Wiring:
         self.sensors = [sensors.get(name, Sensor(name)) for name in law.inputs]
         unknown = sorted(set(sensors) - set(law.inputs))
         if unknown:
-            raise InvalidInput("simulate.sensors", f"{unknown}", f"inputs of the law {law.inputs}", "Check the names.")
+            raise InvalidInput(
+                "simulate.sensors", f"{unknown}", f"inputs of the law {law.inputs}", "Check the names."
+            )
         self.source = np.array([self._source(s.source, columns) for s in self.sensors], dtype=np.int64)
         unread = sorted(set(given) - set(law.inputs) - set(names))
         if unread:
             raise InvalidInput(
-                "simulate", f"signals {unread} that nobody reads", f"inputs of the law {law.inputs}", "Check the names."
+                "simulate",
+                f"signals {unread} that nobody reads",
+                f"inputs of the law {law.inputs}",
+                "Check the names.",
             )
         self.drive = np.array([self._drive(name, law.outputs, columns) for name in names], dtype=np.int64)
 
@@ -104,7 +113,10 @@ class _Wiring:
         if name in self.signals:
             return self.signals.index(name)
         raise InvalidInput(
-            f"law input {name!r}", "no such signal", f"a given signal or one of {self.signals}", "Give it to simulate."
+            f"law input {name!r}",
+            "no such signal",
+            f"a given signal or one of {self.signals}",
+            "Give it to simulate.",
         )
 
     @staticmethod
@@ -114,7 +126,10 @@ class _Wiring:
         if name in outputs:
             return outputs.index(name)
         raise InvalidInput(
-            f"simulate: {name}", f"a law with outputs {outputs}", f"an output {name!r}, or {name} given", "Add it."
+            f"simulate: {name}",
+            f"a law with outputs {outputs}",
+            f"an output {name!r}, or {name} given",
+            "Add it.",
         )
 
     def tables(self, last: Array, noise: Array) -> SensorTables:

@@ -68,7 +68,11 @@ class Layout:
     def names(self) -> tuple[str, ...]:
         n = self.n
         twists = ["twist"] if n == 2 else [f"twist_{i + 1}" for i in range(n - 1)]
-        speeds = ["speed_motor", *(f"speed_{i + 1}" for i in range(1, n - 1)), *(["speed_load"] if n > 1 else [])]
+        speeds = [
+            "speed_motor",
+            *(f"speed_{i + 1}" for i in range(1, n - 1)),
+            *(["speed_load"] if n > 1 else []),
+        ]
         angles = [f"shaft_angle_{i + 1}" for i in self.physical]
         actuator = ["torque_actuator"] if self.actuator is not None else []
         return (*twists, *speeds, "angle_motor", *angles, *actuator)
@@ -283,7 +287,9 @@ def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ..
     fourth = second @ full @ full
     cell = (np.eye(columns, dtype=Long) + delta_exponential(full, dt / _CELLS, norm)).astype(float)
     length = min(dt, _PIECE_NORM / norm) if norm > 0.0 else dt
-    order = next(n for n in range(4, 25) if (norm * length) ** (n + 1) / math.factorial(n + 1) < 1e-20 or n == 24)
+    order = next(
+        n for n in range(4, 25) if (norm * length) ** (n + 1) / math.factorial(n + 1) < 1e-20 or n == 24
+    )
     return Mode(
         delta=delta[:states].astype(float),
         rate=full[:states].astype(float),
@@ -298,7 +304,9 @@ def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ..
     )
 
 
-def _largest(rows: NDArray[Any], slopes: NDArray[Any], cell: NDArray[np.float64], dt: float) -> NDArray[np.float64]:
+def _largest(
+    rows: NDArray[Any], slopes: NDArray[Any], cell: NDArray[np.float64], dt: float
+) -> NDArray[np.float64]:
     """Bound of |row · exp(F t)| over a sample, elementwise: the grid's largest plus half a cell of its slope."""
     value, slope = rows.astype(float), slopes.astype(float)
     largest, steepest = np.abs(value), np.abs(slope)

@@ -60,13 +60,17 @@ def disturbance(sensors: Mapping[str, Sensor], channels: Sequence[str], length: 
     return np.column_stack(columns) if columns else np.zeros((length, 0))
 
 
-def measure(sensors: Mapping[str, Sensor], signals: Mapping[str, Array], dt: float, seed: int) -> dict[str, Array]:
+def measure(
+    sensors: Mapping[str, Sensor], signals: Mapping[str, Array], dt: float, seed: int
+) -> dict[str, Array]:
     """What the sensors show of true signals sampled at dt (s): (n,) arrays, equal to those a law in the loop sees."""
     length = next(iter(signals.values())).size
     shown = {}
     for name, sensor in sensors.items():
         if sensor.source not in signals:
-            raise InvalidInput(f"sensor {name!r}", f"source {sensor.source!r}", f"{sorted(signals)}", "Check the name.")
+            raise InvalidInput(
+                f"sensor {name!r}", f"source {sensor.source!r}", f"{sorted(signals)}", "Check the name."
+            )
         value = np.asarray(signals[sensor.source], dtype=float)
         if sensor.resolution > 0.0:
             value = np.floor(value / sensor.resolution) * sensor.resolution

@@ -77,7 +77,10 @@ def simulate(
         return simulate_law(drivetrain, law, dt, values, state, delay, sensors or {}, seed)
     if not values or set(values) - set(PLANT_INPUTS):
         raise InvalidInput(
-            "simulate", f"signals {sorted(values)} and no law", f"some of {PLANT_INPUTS}, or a law", "Give the torque."
+            "simulate",
+            f"signals {sorted(values)} and no law",
+            f"some of {PLANT_INPUTS}, or a law",
+            "Give the torque.",
         )
     length = check_lengths(values)
     names = plant_inputs(values)
@@ -106,11 +109,16 @@ def check_signal(name: str, values: ArrayLike) -> NDArray[np.float64]:
     """A one-dimensional finite signal."""
     array = np.asarray(values, dtype=float)
     if array.ndim != 1 or array.size < 2:
-        raise InvalidInput(name, f"shape {array.shape}", "a one-dimensional array of two or more samples", "Reshape.")
+        raise InvalidInput(
+            name, f"shape {array.shape}", "a one-dimensional array of two or more samples", "Reshape."
+        )
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         raise InvalidInput(
-            name, f"{array[bad[0]]} in sample {bad[0]}", "finite numbers", "Remove or interpolate bad samples."
+            name,
+            f"{array[bad[0]]} in sample {bad[0]}",
+            "finite numbers",
+            "Remove or interpolate bad samples.",
         )
     return np.ascontiguousarray(array)
 
@@ -134,7 +142,9 @@ class PlantRun:
         length: int,
     ) -> None:
         if not (math.isfinite(dt) and dt > 0.0):
-            raise InvalidInput("simulate.dt", repr(dt), "a positive sample time in s", "Give the sample time.")
+            raise InvalidInput(
+                "simulate.dt", repr(dt), "a positive sample time in s", "Give the sample time."
+            )
         from ..kernels.plant import EVENT_COLUMNS, new_work
 
         self.plant = Plant(drivetrain, dt, inputs)
@@ -157,13 +167,18 @@ class PlantRun:
             if "digits" in state and len(state["state"]) == layout.states:
                 x[:] = state["state"]
                 return np.array(state["digits"], dtype=np.int64)
-            raise InvalidInput("simulate.state", f"{dict(state)}", "the final_state of the same drivetrain", "Check it.")
+            raise InvalidInput(
+                "simulate.state", f"{dict(state)}", "the final_state of the same drivetrain", "Check it."
+            )
         if state is not None:
             start = np.asarray(state, dtype=float)
             expected = 2 * layout.n - 1
             if start.shape != (expected,) or not np.all(np.isfinite(start)):
                 raise InvalidInput(
-                    "simulate.state", repr(state), f"{expected} finite numbers: twists (rad), then speeds (rad/s)", "Check."
+                    "simulate.state",
+                    repr(state),
+                    f"{expected} finite numbers: twists (rad), then speeds (rad/s)",
+                    "Check.",
                 )
             x[:expected] = start
         return self.plant.start_digits(x)
@@ -191,7 +206,13 @@ class PlantRun:
     def signals(self) -> dict[str, NDArray[np.float64]]:
         """All signals at every sample, the one after the last torque included: (n + 1,) each."""
         names = self.plant.signal_names()
-        s = np.column_stack([self.states, np.zeros((self.length + 1, len(self.plant.layout.inputs))), np.ones(self.length + 1)])
+        s = np.column_stack(
+            [
+                self.states,
+                np.zeros((self.length + 1, len(self.plant.layout.inputs))),
+                np.ones(self.length + 1),
+            ]
+        )
         values = np.empty((self.length + 1, len(names)))
         for number in np.unique(self.modes):
             rows = self.plant.signal_rows(self.plant.modes[self.plant.row_of_mode[number]])
@@ -211,7 +232,9 @@ class PlantRun:
                 kind = "slip"
             else:
                 continue  # from one segment of the friction curve to the next
-            found.append(Event(float(time * self.plant.dt), kind, f"{part.kind} {part.index + 1}", float(speed)))
+            found.append(
+                Event(float(time * self.plant.dt), kind, f"{part.kind} {part.index + 1}", float(speed))
+            )
         return tuple(found)
 
     def recording(self, made: Mapping[str, NDArray[np.float64]], **final: Any) -> Recording:

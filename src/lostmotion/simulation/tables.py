@@ -121,12 +121,18 @@ class Plant:
         """Names of all signals that `signal_rows` gives, in its order."""
         n = self.layout.n
         chain = n > 2
-        names = ["speed_motor", *(f"speed_{i + 1}" for i in range(1, n - 1)), *(["speed_load"] if n > 1 else [])]
+        names = [
+            "speed_motor",
+            *(f"speed_{i + 1}" for i in range(1, n - 1)),
+            *(["speed_load"] if n > 1 else []),
+        ]
         names += ["angle_motor"]
         if n > 1:
             names += ["angle_load", "twist", "torque_shaft"]
         if chain:
-            names += [f"twist_{i + 1}" for i in range(n - 1)] + [f"torque_shaft_{i + 1}" for i in range(n - 1)]
+            names += [f"twist_{i + 1}" for i in range(n - 1)] + [
+                f"torque_shaft_{i + 1}" for i in range(n - 1)
+            ]
         return tuple(names)
 
     def signal_rows(self, mode: Mode) -> NDArray[np.float64]:

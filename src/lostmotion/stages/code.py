@@ -23,6 +23,12 @@ def write_code(laws: Design, folder: Path) -> tuple[dict[str, Any], tuple[Proble
     result = {"max_difference": check.max_difference, "compiler": check.compiler}
     if check.passed:
         return result, ()
-    remedy = "Install a C compiler, or compile c/ with your target's." if check.skipped else "Look into c/README.md."
+    remedy = (
+        "Install a C compiler, or compile c/ with your target's."
+        if check.skipped
+        else "Look into c/README.md."
+    )
     expected = "a compiled law equal to the designed one, bit for bit"
-    return {**result, "message": check.message}, (Problem("warning", "export", check.message, expected, remedy),)
+    return {**result, "message": check.message}, (
+        Problem("warning", "export", check.message, expected, remedy),
+    )

@@ -90,7 +90,9 @@ def target_law(
     drivetrain: Drivetrain, settings: Settings, dt: float, averaged: bool, outputs: tuple[str, ...]
 ) -> DiscreteSystem:
     """Observer 1 + pole placement. The observer gets the torque one sample late, as the computing delay makes it act."""
-    watcher = observer(drivetrain, "observer_1", dt, averaged).renamed({"torque_motor": "torque_motor_acting"})
+    watcher = observer(drivetrain, "observer_1", dt, averaged).renamed(
+        {"torque_motor": "torque_motor_acting"}
+    )
     controller = pole_placement(drivetrain, poles=settings.poles, dt=dt, torque_limit=settings.torque_limit)
     acting = one_sample_delay("torque_motor", dt, "torque_motor_acting")
     return connect(

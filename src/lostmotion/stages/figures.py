@@ -15,7 +15,9 @@ NAMES = {"observer_1": "Observer 1", "observer_2": "Observer 2"}
 CONTROLLERS = {"pi": "PI", "pole_placement": "Observer 1 + pole placement"}
 
 
-def figures(material: Material, found: Found, validation: Validation, truth: dict[str, float] | None) -> list[ReportFigure]:
+def figures(
+    material: Material, found: Found, validation: Validation, truth: dict[str, float] | None
+) -> list[ReportFigure]:
     """All figures for which there is something to show, in the report's order."""
     return [
         *_recordings(material),

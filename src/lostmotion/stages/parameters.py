@@ -123,7 +123,9 @@ def _shaft_fits(shaft: ShaftStiffness, ringing: RingDown) -> dict[str, Any]:
         "measured shaft": _shaft_fit(shaft),
         "ring-down": {
             "frequency": _fit(ringing.frequency, ringing.intervals.get("frequency"), "Hz"),
-            "damping ratio (of the whole rig as it ran)": _fit(ringing.damping_ratio, ringing.intervals.get("damping_ratio"), ""),
+            "damping ratio (of the whole rig as it ran)": _fit(
+                ringing.damping_ratio, ringing.intervals.get("damping_ratio"), ""
+            ),
         },
     }
 
@@ -163,5 +165,9 @@ def _finished(
             drivetrain = Drivetrain.two_mass(**{n: e["value"] for n, e in ordered.items()})
         except InvalidInput as error:
             missing = [str(error)]
-    reason = f"{', '.join(missing)} not known: identify from a motor torque, or give [nameplate]" if missing else ""
+    reason = (
+        f"{', '.join(missing)} not known: identify from a motor torque, or give [nameplate]"
+        if missing
+        else ""
+    )
     return Found(ordered, drivetrain, reason, found, shaft, ringing, skipped, fits or {}, problems)

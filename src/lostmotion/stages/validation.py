@@ -72,7 +72,9 @@ def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any]
 
 def _compared(estimate: Recording, recording: Recording, found: Found) -> dict[str, Any]:
     """Metrics of every withheld signal that the recording holds, from SETTLING after its start on."""
-    judged = recording.time >= recording.time[0] + min(SETTLING, 0.3 * (recording.time[-1] - recording.time[0]))
+    judged = recording.time >= recording.time[0] + min(
+        SETTLING, 0.3 * (recording.time[-1] - recording.time[0])
+    )
     rows: dict[str, Any] = {}
     for signal in WITHHELD:
         if signal not in recording:
@@ -90,7 +92,9 @@ def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool, fou
     without = observer(drivetrain.with_parameters(backlash=0.0), "observer_1", recording.dt, averaged)
     return {
         "motor_speed": {"speed_load": _compared(motor, recording, found).get("speed_load")},
-        "no_backlash": _compared(without.run(recording.only("torque_motor", "speed_motor")), recording, found),
+        "no_backlash": _compared(
+            without.run(recording.only("torque_motor", "speed_motor")), recording, found
+        ),
     }
 
 
@@ -115,7 +119,9 @@ def validate_controllers(
 
 def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float) -> Recording:
     """The law in the loop of a rig: what its sensors record, the set-point a pulse, and the law's outputs."""
-    reference = signals.steps((STEP_TIME, PULSE_END), (-STEP_SPEED, STEP_SPEED, -STEP_SPEED), PULSE_DURATION, dt)
+    reference = signals.steps(
+        (STEP_TIME, PULSE_END), (-STEP_SPEED, STEP_SPEED, -STEP_SPEED), PULSE_DURATION, dt
+    )
     recording, truth = rig.record(plant, law=law, speed_reference=reference, dt=dt, noise_seed=2)
     estimates = {n: truth.signals[n] for n in law.outputs if n.endswith("_estimated")}
     return recording.with_signals("estimated", **estimates)
@@ -132,7 +138,10 @@ def judged_step(response: Recording) -> dict[str, float | None]:
         torque=response["torque_motor"],
         stop_time=PULSE_END,
     )
-    return {name: None if value is None or not np.isfinite(value) else value for name, value in metrics.as_dict().items()}
+    return {
+        name: None if value is None or not np.isfinite(value) else value
+        for name, value in metrics.as_dict().items()
+    }
 
 
 def validate(material: Material, found: Found, laws: Design) -> Validation:
