@@ -71,7 +71,7 @@ def stiffness_fit(
     size.set(ylabel="torque / twist (Nm/rad)", title=f"{title}{found}")
     phase.set(ylabel="phase (°)")
     trust.set(ylabel="coherence (–)", xlabel="frequency (Hz)", ylim=(0.0, 1.05))
-    size.legend(frameon=False, fontsize=9, ncols=2)
+    figure.legend(*size.get_legend_handles_labels(), frameon=False, ncols=2, loc="outside lower center")
     return figure
 
 

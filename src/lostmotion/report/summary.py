@@ -121,7 +121,7 @@ def _fit_cards(results: Mapping[str, Any]) -> list[Card]:
             half = half_width(value, low, high)
             if half != NONE and key not in mapping(results.get("parameters")):
                 shown = with_interval(value, low, high, str(entry.get("unit") or ""))[0]
-                cards.append((words(key), shown, f"{words(name)}, {half} (95 %)", "plain"))
+                cards.append((f"{words(name)}: {key}".replace("_", " "), shown, f"{half} (95 %)", "plain"))
     return cards[:3]
 
 
