@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
 
 from lostmotion.controllers import pi, pole_placement
+from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Drivetrain, Friction
 from lostmotion.observers import kalman
 from lostmotion.observers.model import SENSORS
@@ -83,6 +84,22 @@ def test_numba_and_c_give_the_same_bits(law, tmp_path):
     wanted, wanted_faults = c_run(law, inputs, tmp_path)
     np.testing.assert_array_equal(faults, wanted_faults)
     assert_same_bits(outputs, wanted)
+
+
+def test_corners_of_a_curve_belong_to_the_segment_on_the_right_and_sums_start_at_plus_zero(tmp_path):
+    points = ((-0.7, 0.1), (0.1, 0.3), (0.7, -0.1))
+    law = DiscreteSystem(
+        inputs=("u",), outputs=("through", "curve"), dt=1.0, curves=(PiecewiseLinear(points, 0.3, -0.7),),
+        G=[[1.0]], D=[[1.0], [0.0]], J=[[0.0], [1.0]],
+    )  # fmt: skip
+    inputs = np.array([[-0.7], [0.1], [0.7], [-0.0], [-5.0], [5.0]])
+    wanted, _ = python_run(law, inputs)
+    # Measured from the left, the corner at 0.7 would come out as −0.10000000000000003.
+    assert wanted[:3, 1].tolist() == [0.1, 0.3, -0.1]
+    assert not np.signbit(wanted[3, 0])
+    assert_same_bits(numba_run(law, inputs)[0], wanted)
+    if COMPILER is not None:
+        assert_same_bits(c_run(law, inputs, tmp_path)[0], wanted)
 
 
 @pytest.mark.skipif(COMPILER is None, reason="no C compiler")
