@@ -171,7 +171,10 @@ def test_simulated_is_said_only_where_it_is():
     real = {**RESULTS, "truth": {"skipped": "real recording"}}
     page = Balanced(render(real)).words
     assert "virtual rig" not in page and "Truth" not in page
-    assert "a finer plant perturbed within the intervals" in page and "Controllers simulated" in page
+    assert (
+        "a finer one than the identified model, perturbed within the intervals" in page
+        and "Controllers simulated" in page
+    )
 
 
 @pytest.mark.parametrize(
