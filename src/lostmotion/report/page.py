@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import numbers, summary, tables
 from .images import SECTIONS, ReportFigure
+
+if TYPE_CHECKING:
+    import jinja2
 
 
 def write_report(
@@ -57,6 +61,23 @@ def render(
     command: str | None = None,
 ) -> str:
     """The page as text; arguments as for `write_report`."""
+    return _template().render(
+        title=title,
+        command=command,
+        results=results,
+        simulated=summary.is_simulated(results),
+        sentence=summary.sentence(results),
+        cards=summary.cards(results),
+        skipped=tables.skipped(results),
+        problems=list(results.get("problems") or ()),
+        parts=tables.parts(results),
+        figures=_by_section(figures),
+    )
+
+
+@cache
+def _template() -> jinja2.Template:
+    """The compiled template; user text is escaped, and a misspelt name is an error."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -69,19 +90,7 @@ def render(
     environment.filters.update(
         digits=numbers.digits, quantity=numbers.quantity, percent=numbers.percent, words=tables.words
     )
-    page = environment.get_template("report.html.j2")
-    return page.render(
-        title=title,
-        command=command,
-        results=results,
-        simulated=summary.is_simulated(results),
-        sentence=summary.sentence(results),
-        cards=summary.cards(results),
-        skipped=tables.skipped(results),
-        problems=list(results.get("problems") or ()),
-        parts=tables.parts(results),
-        figures=_by_section(figures),
-    )
+    return environment.get_template("report.html.j2")
 
 
 def _by_section(figures: Iterable[ReportFigure | tuple[Any, ...]]) -> dict[str, list[dict[str, str]]]:
