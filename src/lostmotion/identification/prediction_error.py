@@ -44,6 +44,9 @@ SETTLING = 0.1
 #: Steps at most for each gain of the ladder (chosen; three are usual).
 ITERATIONS = 15
 
+#: A lag is fitted down to this fraction of a sample (chosen: far below what can be told from none).
+SMALLEST_LAG = 0.05
+
 #: No parameter leaves its start by more than this factor (chosen).
 FARTHEST = 20.0
 
@@ -75,8 +78,8 @@ def identify(
     A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + a²). s is the sandwich standard
     error times Student's factor. The rest stands for what the model leaves out: g is how far a three times
     higher gain would move the estimate; f is how far it moves if only the faster half of the speed range
-    counts (friction may be no straight line); a allows for a mode above the torsional one that stands out
-    in the innovations (``uncertainty.model_allowance``).
+    counts (friction may be no straight line); a allows for the sampling, and for a mode above the torsional
+    one that stands out in the innovations (``uncertainty.model_allowance``).
 
     Parameters
     ----------
@@ -153,8 +156,9 @@ def _bandwidth(drivetrain: Drivetrain, rung: Bandwidth) -> Bandwidth:
 
 def _fit(predictor: Predictor, theta: Array, free: list[int], bandwidth: Bandwidth) -> Fit:
     lower, upper = theta - np.log(FARTHEST), theta + np.log(FARTHEST)
-    lower[-1] = np.log(1.05 * predictor.dt)
-    theta = np.maximum(theta, lower)
+    if NAMES.index("lag") in free:
+        lower[-1] = np.log((1.0 + SMALLEST_LAG) * predictor.dt)
+        theta = np.maximum(theta, lower)
     return minimise(
         lambda t: predictor.residual(t, bandwidth),
         lambda t, r: predictor.jacobian(t, bandwidth, free, r),
@@ -219,7 +223,9 @@ def _result(
 ) -> Identification:
     theta, residual, names = stage.fit.theta, stage.fit.residual, tuple(NAMES[i] for i in stage.free)
     drivetrain = predictor.drivetrain(theta)
-    mode = unmodelled_mode(residual[predictor.skip :], predictor.dt, drivetrain.pole_frequency)
+    mode = unmodelled_mode(
+        residual[predictor.skip :], predictor.speed[predictor.skip :], predictor.dt, drivetrain.pole_frequency
+    )
     covariance, half = _half_widths(predictor, stage)
     half = np.hypot(half, model_allowance(names, drivetrain, predictor.dt, mode))
     full = np.zeros(theta.size)
