@@ -17,8 +17,8 @@ COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
 _DRIVER = """
 #include "law.h"
-void run(const double *inputs, double *outputs, unsigned long *faults, long n);
-void run(const double *inputs, double *outputs, unsigned long *faults, long n)
+void run(const law_real *inputs, law_real *outputs, unsigned long *faults, long n);
+void run(const law_real *inputs, law_real *outputs, unsigned long *faults, long n)
 {
     law_state state;
     long k;
@@ -74,15 +74,16 @@ def python_run(
 
 
 def c_run(
-    law: DiscreteSystem, inputs: NDArray[np.float64], folder: Path
+    law: DiscreteSystem, inputs: NDArray[np.float64], folder: Path, real: str = "double"
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    export.c(law, folder, name="law", vectors=2)
+    export.c(law, folder, name="law", real=real, vectors=2)
+    number = np.float64 if real == "double" else np.float32
     (folder / "driver.c").write_text(_DRIVER)
     library = folder / "law.so"
     command = [COMPILER, *export.C_FLAGS, "-shared", "-fPIC", "-o", str(library), "law.c", "driver.c"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
-    inputs = np.ascontiguousarray(inputs)
-    outputs = np.empty((len(inputs), len(law.outputs)))
+    inputs = np.ascontiguousarray(inputs, dtype=number)
+    outputs = np.empty((len(inputs), len(law.outputs)), dtype=number)
     faults = np.zeros(len(inputs), dtype=np.uint64 if ctypes.sizeof(ctypes.c_ulong) == 8 else np.uint32)
     pointers = [ctypes.c_void_p(a.ctypes.data) for a in (inputs, outputs, faults)]
     ctypes.CDLL(str(library)).run(*pointers, ctypes.c_long(len(inputs)))

@@ -115,6 +115,14 @@ def test_the_exported_law_gives_the_same_bits_over_100_000_steps(tmp_path):
 
 
 @every_law
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler")
+def test_the_largest_accepted_inputs_never_give_nan_in_single_precision(law, tmp_path):
+    inputs = 0.999e30 * np.sign(random_inputs(law, 3000, seed=7))
+    outputs, _ = c_run(law, inputs, tmp_path, real="float")
+    assert not np.any(np.isnan(outputs))
+
+
+@every_law
 def test_json_gives_back_the_very_same_law(law):
     data = law.to_dict()
     again = DiscreteSystem.from_dict(json.loads(json.dumps(data, allow_nan=False)))

@@ -130,6 +130,13 @@ def test_pi_overshoots_as_in_the_paper():
     assert np.max(torque[5000:]) == pytest.approx(38.0, abs=0.3)
 
 
+def test_feeding_back_the_whole_twist_would_leave_the_load_below_the_set_point():
+    controller = pole_placement(TABLE_1, dt=DT).renamed({"twist_elastic_estimated": "twist_estimated"})
+    load, _ = step_with(controller, TABLE_1)
+    gains = state_feedback(TABLE_1, dt=DT)
+    assert load[-1] == pytest.approx(2.0 - gains.gain[0] * 0.006 / gains.prefilter, abs=1e-3)
+
+
 def test_without_compensation_the_load_stays_below_the_set_point():
     load, _ = step_with(pole_placement(TABLE_1, dt=DT, friction_compensation="none"), TABLE_1)
     # friction gain · 2 Nm / prefilter
