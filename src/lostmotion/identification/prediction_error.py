@@ -223,15 +223,14 @@ def _result(
 ) -> Identification:
     theta, residual, names = stage.fit.theta, stage.fit.residual, tuple(NAMES[i] for i in stage.free)
     drivetrain = predictor.drivetrain(theta)
-    mode = unmodelled_mode(
-        residual[predictor.skip :], predictor.speed[predictor.skip :], predictor.dt, drivetrain.pole_frequency
-    )
+    rest, speed = residual[predictor.skip :], predictor.speed[predictor.skip :]
+    mode = unmodelled_mode(rest, speed, predictor.dt, predictor.count_averaged, drivetrain.pole_frequency)
     covariance, half = _half_widths(predictor, stage)
     half = np.hypot(half, model_allowance(names, drivetrain, predictor.dt, mode))
     full = np.zeros(theta.size)
     full[stage.free] = half
     low, high = (from_theta(theta + sign * full, predictor.dt) for sign in (-1.0, 1.0))
-    rms = float(np.sqrt(np.mean(residual[predictor.skip :] ** 2)))
+    rms = float(np.sqrt(np.mean(rest**2)))
     prediction = Prediction(
         time=recording.time,
         speed_motor=predictor.speed - residual,

@@ -14,9 +14,9 @@ Array = NDArray[np.float64]
 #: slowest time constant of the observer, and about as long as a speed level lasts).
 BLOCKS = 20
 
-#: A spectral peak counts as an unmodelled mode if it stands this far above the median of its band (chosen;
-#: blue quantisation noise alone reaches 2).
-PEAK_RATIO = 10.0
+#: A spectral peak counts as an unmodelled mode if it stands above the noise by this fraction of the noise's
+#: mean density (chosen: seven standard deviations of the spectrum's estimate over 10 s).
+PEAK_HEIGHT = 0.5
 
 #: And if its rms is more than this share of the rms of the torsional oscillation of the speed (chosen).
 PEAK_SHARE = 0.005
@@ -69,28 +69,38 @@ def shift(jacobian: Array, residual: Array) -> Array:
     return np.asarray(step / scale)
 
 
-def unmodelled_mode(residual: Array, speed: Array, dt: float, pole_frequency: float) -> float | None:
-    """Frequency (Hz) of the residual's peak above twice the torsional mode, if one stands out.
+def unmodelled_mode(
+    residual: Array, speed: Array, dt: float, count_averaged: bool, pole_frequency: float
+) -> float | None:
+    """Frequency (Hz) of the residual's peak above the torsional mode, if one stands out of the noise.
+
+    The noise is white, or blue like the difference of rounded counts; its level is that of the upper half
+    of the band.
 
     Parameters
     ----------
     residual, speed : (n,) arrays, rad/s
     dt : float, s
+    count_averaged : bool
     pole_frequency : float, Hz
     """
     from scipy.signal import welch
 
-    rows = min(4096, residual.size)
+    rows = min(1024, residual.size)
     frequency, power = welch(residual, fs=1.0 / dt, nperseg=rows)
-    band = (frequency > 2.0 * pole_frequency) & (frequency < 0.4 / dt)
+    colour = 2.0 * np.sin(np.pi * frequency * dt) ** 2 if count_averaged else np.ones(frequency.size)
+    upper = (frequency > 0.25 / dt) & (frequency < 0.45 / dt)
+    level = float(np.median(power[upper] / colour[upper]))
+    band = (frequency > 2.5 * pole_frequency) & (frequency < 0.45 / dt)
     if np.count_nonzero(band) < 20:
         return None
-    peak = int(np.argmax(np.where(band, power, 0.0)))
+    excess = np.where(band, power - level * colour, 0.0)
+    peak = int(np.argmax(excess))
     around = np.abs(frequency / frequency[peak] - 1.0) < 0.2
     torsional = (frequency > 0.2 * pole_frequency) & (frequency < 2.0 * pole_frequency)
     oscillation = np.sum(welch(speed, fs=1.0 / dt, nperseg=rows)[1][torsional])
-    small = np.sum(power[around]) < PEAK_SHARE**2 * oscillation
-    return None if small or power[peak] < PEAK_RATIO * np.median(power[band]) else float(frequency[peak])
+    small = np.sum(excess[around]) < PEAK_SHARE**2 * oscillation
+    return None if small or excess[peak] < PEAK_HEIGHT * level else float(frequency[peak])
 
 
 def model_allowance(names: tuple[str, ...], drivetrain: Drivetrain, dt: float, mode: float | None) -> Array:
