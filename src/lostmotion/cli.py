@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -63,7 +65,7 @@ def run(
     from .run import silent
     from .terminal import StageLines, summary
 
-    with StageLines(shown=not (quiet or as_json)) as lines:
+    with _interruptible(), StageLines(shown=not (quiet or as_json)) as lines:
         results = do_run(file, out=out, seed=seed, force=force, progress=lines if lines.shown else silent)
     if as_json:
         typer.echo(json.dumps(results, indent=1, allow_nan=False))
@@ -115,6 +117,16 @@ def init(
     typer.echo(f"{file} written: fill it in, then: lostmotion check {file}")
 
 
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Ctrl-C becomes a message and an exit code (typer itself would end without a word)."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.secho("Interrupted; an earlier output is as it was.", fg="yellow", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+
+
 def _show(problems: list[Problem]) -> None:
     for p in problems:
         typer.secho(f"{p.severity}: {p.where}", fg="red" if p.severity == "error" else "yellow", err=True)
@@ -135,10 +147,5 @@ def main() -> None:
         else:
             typer.secho(f"error: {error}", fg="red", err=True)
         sys.exit(INPUT_ERROR)
-    except KeyboardInterrupt:
-        typer.secho("Interrupted; nothing was changed.", fg="yellow", err=True)
-        sys.exit(INTERRUPTED)
 
 
-if __name__ == "__main__":
-    main()

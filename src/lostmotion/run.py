@@ -135,6 +135,7 @@ def _report_only(material: Material, found: Found) -> dict[str, Any]:
             "samples": len(r),
             "duration": float(r.time[-1] - r.time[0]),
             "sample_time": r.dt,
+            "use": material.uses[name],
             "origin": "virtual rig (simulated)" if material.virtual else "measured",
             "signals": list(r.names),
             "file": Path(str(r.meta["file"])).name if "file" in r.meta else None,

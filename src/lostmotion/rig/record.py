@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..drivetrain import Drivetrain
@@ -129,7 +129,7 @@ def _run(
             )
         return simulate(rig.drivetrain, dt=dt, torque_motor=torque_motor)
     sensors = {name: sensor for name, sensor in rig.sensors.items() if name in law.inputs}
-    given = {} if speed_reference is None else {"speed_reference": np.asarray(speed_reference, dtype=float)}
+    given: dict[str, Any] = {} if speed_reference is None else {"speed_reference": speed_reference}
     return simulate(
         rig.drivetrain,
         dt=dt,

@@ -89,7 +89,7 @@ def observer(drivetrain: Drivetrain, name: str, dt: float, averaged: bool) -> Di
 def target_law(
     drivetrain: Drivetrain, settings: Settings, dt: float, averaged: bool, outputs: tuple[str, ...]
 ) -> DiscreteSystem:
-    """Observer 1 + pole placement. The observer gets the torque one sample late, as the computing delay makes it act."""
+    """Observer 1 + pole placement; the observer gets the torque a sample late, as the computing delay makes it act."""
     watcher = observer(drivetrain, "observer_1", dt, averaged).renamed(
         {"torque_motor": "torque_motor_acting"}
     )

@@ -134,7 +134,7 @@ def _controllers(material: Material, validation: Validation) -> list[ReportFigur
     return [
         ReportFigure(
             "Pulse of the set-point with PI and with Observer 1 + pole placement (as Fig. 15 of the paper)",
-            str(validation.controllers["plant"]),
+            f"Plant: {validation.controllers['plant']}.",
             plot.control_step(
                 {CONTROLLERS[name]: response for name, response in validation.responses.items()},
                 start=STEP_TIME - 0.05,

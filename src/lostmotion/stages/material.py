@@ -57,6 +57,7 @@ class Material:
     identify, validate : Recording or None
     recordings : mapping of name → Recording
         All of them, as read.
+    uses : mapping of name → {"identify", "validate"}
     problems : tuple of Problem
         Warnings.
     inputs : mapping of file → sha256
@@ -69,6 +70,7 @@ class Material:
     identify: Recording | None
     validate: Recording | None
     recordings: Mapping[str, Recording]
+    uses: Mapping[str, str]
     problems: tuple[Problem, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)
 
@@ -92,6 +94,7 @@ def from_rig(seed: int, dt: float = 1e-4) -> tuple[Material, rig.Truth]:
         identify=excited,
         validate=step,
         recordings={"excitation": excited, "step": step},
+        uses={"excitation": "identify", "step": "validate"},
         problems=(*check_recording(excited), *check_recording(step)),
     )
     return material, truth
@@ -125,7 +128,8 @@ def from_configuration(configuration: Configuration, seed: int | None = None) ->
         virtual=False,
         identify=identify,
         validate=validate,
-        recordings={f"{use}_{i + 1}": recording for i, (use, recording) in enumerate(loaded)},
+        recordings={f"recording_{i + 1}": recording for i, (_, recording) in enumerate(loaded)},
+        uses={f"recording_{i + 1}": use for i, (use, _) in enumerate(loaded)},
         problems=tuple(problems),
         inputs=_hashes([configuration.path, *(source.file for source in configuration.recordings)]),
     )

@@ -66,7 +66,7 @@ class Found:
 
 
 def find_parameters(material: Material, progress: Callable[[float, str], None] | None = None) -> Found:
-    """Identification by prediction error where there is a motor torque, and from the shaft torque where there is one."""
+    """By prediction error where there is a motor torque, else from the shaft torque where there is one."""
     table = {name: _entry(name, value, "nameplate") for name, value in material.nameplate.items()}
     recording = material.identify
     if recording is None:
@@ -78,7 +78,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
 
     reason = _reason_against(recording, material.nameplate)
     if not reason:
-        found = identify(recording, start=Drivetrain.two_mass(**material.nameplate), progress=progress)
+        found = identify(recording, start=two_mass(material.nameplate), progress=progress)
         problems += found.problems
         for name in found.values:
             table[name] = _entry(name, found.values[name], found.sources[name], found.intervals.get(name))
@@ -101,6 +101,11 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
         if shaft.stiffness is not None:
             table["stiffness"] = _entry("stiffness", shaft.stiffness, "identified", shaft.interval)
     return _finished(table, None, shaft, ringing, reason, fits, tuple(problems))
+
+
+def two_mass(values: Mapping[str, Any]) -> Drivetrain:
+    """The drivetrain of parameters by name, SI; those that may be zero may be missing."""
+    return Drivetrain.two_mass(**dict(values))
 
 
 def _reason_against(recording: Recording, nameplate: Mapping[str, float]) -> str:
@@ -162,7 +167,7 @@ def _finished(
         drivetrain, missing = found.drivetrain, []
     elif not missing:
         try:
-            drivetrain = Drivetrain.two_mass(**{n: e["value"] for n, e in ordered.items()})
+            drivetrain = two_mass({n: e["value"] for n, e in ordered.items()})
         except InvalidInput as error:
             missing = [str(error)]
     reason = (

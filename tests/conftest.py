@@ -1,0 +1,29 @@
+"""Shared by all tests: where real data lies, and one finished run of the main job."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """Folder of the real measurements (LOSTMOTION_DATA, default ../shared/data); skips where it is missing."""
+    folder = Path(os.environ.get("LOSTMOTION_DATA", ROOT.parent / "shared" / "data"))
+    if not (folder / "aalto").is_dir():
+        pytest.skip(f"no measured data in {folder}: set LOSTMOTION_DATA")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def finished_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """Output folder and results of the main job on the virtual rig, seed 1."""
+    from lostmotion.run import run
+
+    out = tmp_path_factory.mktemp("main_job") / "out"
+    return out, run(out=out)

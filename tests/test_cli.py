@@ -1,0 +1,142 @@
+"""The command line as a user calls it: exit codes, messages, nothing lost."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import lostmotion as lm
+
+GOOD = """
+[nameplate]
+inertia_motor = 0.02
+[[recording]]
+file = "short.csv"
+time = {{ column = 0, unit = "s" }}
+channels.speed_motor = {{ column = 1, unit = "{unit}" }}
+"""
+
+
+def call(*arguments: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "lostmotion", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=cwd, check=False)
+
+
+def write_recording(folder: Path, rows: int = 300, bad: str = "") -> None:
+    lines = [f"{k * 1e-3:.3f},{k % 7}" for k in range(rows)]
+    if bad:
+        lines[rows // 2] = bad
+    (folder / "short.csv").write_text("\n".join(lines) + "\n")
+
+
+def test_version() -> None:
+    done = call("--version")
+    assert done.returncode == 0
+    assert done.stdout.strip() == f"lostmotion {lm.__version__}"
+
+
+def test_help_states_the_exit_codes() -> None:
+    for arguments in (["--help"], ["run", "--help"], ["check", "--help"]):
+        done = call(*arguments)
+        assert done.returncode == 0
+        assert "Exit codes" in done.stdout
+        assert "130" in done.stdout
+
+
+def test_wrong_usage() -> None:
+    assert call("run", "--sed", "3").returncode == 2
+    assert call("frobnicate").returncode == 2
+
+
+def test_missing_file_is_one_clear_error(tmp_path: Path) -> None:
+    done = call("run", tmp_path / "no.toml", "--out", tmp_path / "out")
+    assert done.returncode == 1
+    assert "no.toml" in done.stderr
+    assert "remedy" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_init_check_and_no_overwriting(tmp_path: Path) -> None:
+    target = tmp_path / "rig.toml"
+    assert call("init", target).returncode == 0
+    written = target.read_text()
+    again = call("init", target)
+    assert again.returncode == 1
+    assert "--force" in again.stderr
+    assert target.read_text() == written
+    assert call("init", target, "--force").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("unit", "bad", "expected"),
+    [
+        ("furlong", "", "furlong"),
+        ("rad/s", "0.150,nan", "nan"),
+        ("rad/s", "0.150,abc", "abc"),
+        ("rad/s", "0.190,3", "time"),
+    ],
+)
+def test_check_names_what_is_wrong(tmp_path: Path, unit: str, bad: str, expected: str) -> None:
+    write_recording(tmp_path, bad=bad)
+    (tmp_path / "rig.toml").write_text(GOOD.format(unit=unit))
+    done = call("check", tmp_path / "rig.toml", "--json")
+    assert done.returncode == 1, done.stderr
+    problems = json.loads(done.stdout)
+    assert any(expected in str(p).lower() and p["severity"] == "error" for p in problems)
+
+
+def test_check_of_a_good_file(tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    (tmp_path / "rig.toml").write_text(GOOD.format(unit="rpm"))
+    done = call("check", tmp_path / "rig.toml")
+    assert done.returncode == 0, done.stderr
+    assert "readable" in done.stdout
+
+
+def test_recording_without_torque_still_gives_a_report(tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    (tmp_path / "rig.toml").write_text(GOOD.format(unit="rad/s"))
+    done = call("run", tmp_path / "rig.toml", "--out", tmp_path / "out", "--json")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    results = json.loads(done.stdout)
+    assert results["identification"] == {"skipped": "no torque_motor in the recording"}
+    assert results["parameters"]["inertia_motor"]["source"] == "nameplate"
+    assert results["parameters"]["backlash"]["value"] is None
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_quiet_says_nothing(tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    (tmp_path / "rig.toml").write_text(GOOD.format(unit="rad/s"))
+    done = call("run", tmp_path / "rig.toml", "--out", tmp_path / "out", "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals as on POSIX systems")
+def test_ctrl_c_keeps_the_previous_output(tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    (tmp_path / "rig.toml").write_text(GOOD.format(unit="rad/s"))
+    assert call("run", tmp_path / "rig.toml", "--out", tmp_path / "out", "-q").returncode == 0
+    before = (tmp_path / "out" / "results.json").read_bytes()
+    command = [sys.executable, "-m", "lostmotion", "run", "--out", str(tmp_path / "out")]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        while "identify" not in process.stderr.readline():
+            pass
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        rest = process.stderr.read()
+        assert process.wait(timeout=60) == 130, rest
+    assert "Interrupted" in rest
+    assert "Traceback" not in rest
+    assert (tmp_path / "out" / "results.json").read_bytes() == before
+    assert {p.name for p in tmp_path.iterdir()} == {"short.csv", "rig.toml", "out"}
