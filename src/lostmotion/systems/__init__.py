@@ -1,0 +1,7 @@
+"""Discrete laws as data: the type, how to join several of them, and how to get there from continuous time."""
+
+from .connect import connect
+from .discrete_system import DiscreteSystem
+from .discretisation import one_sample_delay, zero_order_hold
+
+__all__ = ["DiscreteSystem", "connect", "one_sample_delay", "zero_order_hold"]

@@ -1,0 +1,41 @@
+"""From continuous to discrete time, and the delay of one sample."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import InvalidInput
+from .discrete_system import DiscreteSystem, Matrix
+
+
+def zero_order_hold(A: ArrayLike, B: ArrayLike, dt: float) -> tuple[Matrix, Matrix]:
+    """Φ = exp(A·dt) and Γ = ∫exp(A·s)ds·B: the exact step of ẋ = Ax + Bu with u held over dt (s).
+
+    A is (n, n), B is (n, m). Raises InvalidInput if dt is not a positive number.
+    """
+    from scipy.linalg import expm
+
+    if not (math.isfinite(dt) and dt > 0.0):
+        raise InvalidInput("dt", repr(dt), "a positive sample time in s", "Check the unit.")
+    a, b = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
+    n, m = b.shape
+    block = np.zeros((n + m, n + m))
+    block[:n, :n], block[:n, n:] = a, b
+    step = expm(block * dt)
+    return step[:n, :n], step[:n, n:]
+
+
+def one_sample_delay(name: str, dt: float, delayed: str | None = None, start: float = 0.0) -> DiscreteSystem:
+    """The signal ``name`` one sample later, as ``delayed`` (default: ``name`` + "_delayed"); breaks a loop.
+
+    ``start`` is the first output value, in the signal's unit.
+    """
+    delayed = f"{name}_delayed" if delayed is None else delayed
+    one = np.ones((1, 1))
+    return DiscreteSystem(
+        inputs=(name,), outputs=(delayed,), states=(delayed,), dt=dt, B=one, C=one,
+        initial_state=np.array([start]), name=f"delay of {name}",
+    )  # fmt: skip
