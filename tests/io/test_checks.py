@@ -58,7 +58,7 @@ def test_nothing_is_said_of_signals_that_have_nothing_to_do_with_each_other() ->
     rng = np.random.default_rng(5)
     for _ in range(20):
         unrelated = recording(rng.normal(size=8000), rng.normal(size=8000))
-        assert check_recording(unrelated) == ()
+        assert check_recording(unrelated) == () and torque_agreement(unrelated) == 0.0
 
 
 def test_load_steps_against_a_speed_controller_are_no_wrong_sign() -> None:

@@ -101,6 +101,7 @@ def test_force_keeps_foreign_files_and_replaces_the_own_ones(out: Path) -> None:
     (out / "new.txt").write_text("mine too")
     (out / "empty").mkdir()
     (out / "link").symlink_to("c/mine.c")
+    (out / "folder_link").symlink_to("c")
     run(out, True, report_html="two", new_txt="two")
     assert content(out) == {
         "report.html": "two",
@@ -110,6 +111,7 @@ def test_force_keeps_foreign_files_and_replaces_the_own_ones(out: Path) -> None:
         "link": "mine",
     }
     assert (out / "empty").is_dir() and (out / "link").is_symlink() and alone(out)
+    assert (out / "folder_link").is_symlink()
     # Kept files are still foreign: the next run refuses them, and keeps them with force.
     with pytest.raises(InvalidInput, match=r"new\.txt\.kept"), output_folder(out):
         pytest.fail("the work was started")

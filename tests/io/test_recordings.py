@@ -76,6 +76,20 @@ def test_preamble_comments_blank_lines_byte_order_mark_and_trailing_separator(tm
     check(recording, sign=-1)
 
 
+def test_byte_order_mark_before_the_names_and_a_remark_below_them(tmp_path: Path) -> None:
+    path = write(
+        tmp_path, ["Time;Speed [rpm];Torque", "recorded on rig 7", *lines(";")], encoding="utf-8-sig"
+    )
+    check(read_recording(path, channels=NAMED), sign=-1)
+
+
+def test_quoted_numbers(tmp_path: Path) -> None:
+    quoted = [",".join(f'"{field}"' for field in line.split(",")) for line in lines()]
+    path = write(tmp_path, ['"Time","Speed [rpm]","Torque, filtered"', *quoted])
+    channels = {"speed_motor": "Speed", "torque_motor": "Torque, filtered"}
+    check(read_recording(path, channels=channels))
+
+
 def test_unit_row_below_the_names_quotes_and_utf16(tmp_path: Path) -> None:
     path = write(
         tmp_path,
@@ -139,7 +153,7 @@ def test_speed_is_derived_from_counts_as_a_mean_over_the_sample(tmp_path: Path) 
             "torque_motor": 2,
         },
     )
-    assert len(recording) == ROWS - 1
+    np.testing.assert_array_equal(recording.time, TIME[1:])
     np.testing.assert_allclose(
         recording["speed_motor"], -np.diff(counts) * 2 * math.pi / 4096 / np.diff(TIME), rtol=1e-12
     )
@@ -164,6 +178,8 @@ def test_window_is_half_open_and_hides_what_lies_outside(tmp_path: Path) -> None
     recording = read_recording(path, time=0, channels=NUMBERED, window=(0.01, 0.15))
     np.testing.assert_array_equal(recording.time, TIME[10:150])
     np.testing.assert_array_equal(recording["torque_motor"], TORQUE[10:150])
+    with pytest.raises(InputProblems, match="torque_motor: got NaN or infinity in line 4 "):
+        read_recording(path, time=0, channels=NUMBERED, window=(0.002, 0.15))
     with pytest.raises(InputProblems, match=r"between 0 and 0\.199 s"):
         read_recording(path, time=0, channels=NUMBERED, window=(3.0, 4.0))
 

@@ -144,6 +144,11 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.
         save_json(path, "thing", {"a": 2})
     assert load_json(path, "thing") == {"a": 1}
     assert [p.name for p in tmp_path.iterdir()] == ["x.json"]
+    monkeypatch.undo()
+    monkeypatch.setattr(Path, "replace", lambda self, target: full(self, b""))
+    with pytest.raises(InvalidInput, match="No space left on device"):
+        save_json(path, "thing", {"a": 3})
+    assert load_json(path, "thing") == {"a": 1}
     with pytest.raises(InvalidInput, match="folder"):
         save_json(tmp_path / "none" / "x.json", "thing", {})
 
