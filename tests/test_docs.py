@@ -1,0 +1,44 @@
+"""The code in README and docs runs as it stands, and the README names the commands that it must."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if BLOCK.search(p.read_text())], ids=lambda p: p.stem)
+def test_code_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All blocks of a page in turn, in one namespace and an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    namespace: dict[str, Any] = {}
+    for number, block in enumerate(BLOCK.findall(page.read_text())):
+        exec(compile(block, f"{page.name}, block {number + 1}", "exec"), namespace)
+
+
+def test_api_example_closes_the_loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    namespace: dict[str, Any] = {}
+    exec(BLOCK.findall((ROOT / "README.md").read_text())[0], namespace)
+    assert abs(namespace["loop"]["speed_load"][-1] - 2.0) < 0.02
+    assert (tmp_path / "out" / "drive_law.c").exists()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)", page.read_text()):
+        if not target.startswith("http"):
+            assert (page.parent / target).exists(), target
+
+
+def test_readme_names_both_commands() -> None:
+    text = (ROOT / "README.md").read_text()
+    assert ".venv/bin/pip install . && .venv/bin/lostmotion run" in text
+    assert '.venv/bin/pip install ".[test]" && .venv/bin/pytest' in text
+    assert '.venv/bin/pip install --quiet ".[test]" && .venv/bin/pytest' in (ROOT / ".ci" / "run").read_text()

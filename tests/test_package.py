@@ -1,0 +1,33 @@
+"""The package as a whole: fast to import, every public name there, layers of the source as documented."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import lostmotion as lm
+
+HEAVY = ("numba", "scipy", "matplotlib", "pydantic", "jinja2")
+
+
+def test_every_public_name_is_there() -> None:
+    for name in lm.__all__:
+        assert getattr(lm, name) is not None, name
+
+
+def test_import_loads_nothing_heavy() -> None:
+    code = f"import sys, lostmotion; print([m for m in {HEAVY!r} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, lostmotion.cli as c\n"
+        "sys.argv = ['lostmotion', '--help']\n"
+        "try: c.main()\n"
+        "except SystemExit: pass\n"
+        f"print([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
