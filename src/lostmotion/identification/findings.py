@@ -150,11 +150,14 @@ def _far(name: str, start: Drivetrain, found: Drivetrain) -> Problem:
 
 def _correlated(names: tuple[str, ...], covariance: NDArray[np.float64]) -> list[Problem]:
     deviation = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(deviation, deviation)
+    correlation = np.abs(covariance / np.outer(deviation, deviation))
+    np.fill_diagonal(correlation, 0.0)
+    together = [name for name, row in zip(names, correlation, strict=True) if np.max(row) > CORRELATED]
+    if not together:
+        return []
     return [
         Problem(
-            "warning", f"{names[i]} and {names[j]}", f"a correlation of {correlation[i, j]:.3f}",
-            f"below {CORRELATED}", "Only a combination is known well; fix one of them from the nameplate.",
+            "warning", ", ".join(together), f"correlations up to {np.max(correlation):.3f}", f"below {CORRELATED}",
+            "Only combinations of them are known well: fix one from the nameplate, or record a richer torque.",
         )
-        for i in range(len(names)) for j in range(i) if abs(correlation[i, j]) > CORRELATED
     ]  # fmt: skip

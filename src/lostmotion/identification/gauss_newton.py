@@ -59,7 +59,7 @@ def minimise(
         for _ in range(6):
             trial = fit.theta.copy()
             trial[free] += _step(hessian, gradient, damping)
-            trial = np.clip(trial, lower, upper)
+            trial[free] = np.clip(trial[free], lower[free], upper[free])
             r, cost = _evaluate(residual, trial)
             if cost < fit.cost:
                 break
@@ -67,9 +67,8 @@ def minimise(
         else:
             # No lower cost in any direction between Gauss–Newton and steepest descent: the bottom.
             return Fit(fit.theta, fit.residual, fit.cost, count, True)
-        small = (
-            np.max(np.abs(trial - fit.theta)) < SMALLEST_STEP or fit.cost - cost < SMALLEST_GAIN * fit.cost
-        )
+        moved = np.max(np.abs(trial[free] - fit.theta[free]))
+        small = moved < SMALLEST_STEP or fit.cost - cost < SMALLEST_GAIN * fit.cost
         damping = max(damping / 8.0, 1e-8)
         fit = Fit(trial, r, cost, count, bool(small))
         if small:

@@ -120,14 +120,19 @@ class Predictor:
 
 
 def to_theta(values: Sequence[float], dt: float) -> Array:
-    """Logarithms of the parameters; of lag + dt for the lag, which may be zero."""
+    """Logarithms of the parameters; of lag + dt for the lag, which may be zero.
+
+    Others may be zero only where they are fixed: then the logarithm is −inf and stays so.
+    """
     theta = np.array(values, dtype=float)
     theta[-1] += dt
-    return np.log(theta)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(theta))
 
 
 def from_theta(theta: Array, dt: float) -> Array:
     """Parameters in the order of NAMES."""
     values = np.exp(theta)
-    values[-1] = max(values[-1] - dt, 0.0)
+    lag = values[-1] - dt
+    values[-1] = lag if lag > 1e-9 * dt else 0.0
     return values
