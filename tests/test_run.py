@@ -33,7 +33,8 @@ def test_results_have_the_stated_form(finished_run: Finished) -> None:
     written = load_json(out / "results.json", "results")
     assert written == json.loads(json.dumps(results))
     assert set(written) >= {
-        "seed", "version", "inputs", "parameters", "truth", "observers", "controllers", "export", "problems", "timing_s",
+        "seed", "version", "inputs", "parameters", "truth", "observers", "controllers", "export", "problems",
+        "timing_s",
     }  # fmt: skip
     for entry in written["parameters"].values():
         assert set(entry) == {"value", "low", "high", "unit", "source"}
@@ -89,7 +90,9 @@ def test_files_can_be_read_back(finished_run: Finished) -> None:
     assert "speed_load" in recording
 
 
-def test_truth_stays_out_of_what_is_estimated(finished_run: Finished, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_truth_stays_out_of_what_is_estimated(
+    finished_run: Finished, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """With the rig's truth falsified, every estimate stays the same."""
     from lostmotion import rig
 
@@ -193,3 +196,26 @@ def test_own_recording_with_its_last_part_for_validation(tmp_path: Path) -> None
     assert "simulated" in results["controllers"]["plant"]
     assert results["controllers"]["pole_placement"]["overshoot"] < 2.0
     assert "simulated" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_measured_rig_ends_in_a_report_without_invented_numbers(measured_data: Path, tmp_path: Path) -> None:
+    """examples/aalto.toml: what the recordings tell is there, all else is skipped with its reason."""
+    example = Path(__file__).resolve().parent.parent / "examples" / "aalto.toml"
+    results = run(example, out=tmp_path / "out")
+    parameters = results["parameters"]
+    assert 0.98 * 109 < parameters["stiffness"]["value"] < 1.02 * 113
+    assert parameters["stiffness"]["source"] == "identified"
+    assert {parameters[n]["source"] for n in ("inertia_motor", "inertia_load")} == {"nameplate"}
+    for name in ("backlash", "damping"):
+        assert parameters[name] | {"unit": ""} == {
+            "value": None, "low": None, "high": None, "unit": "", "source": "not excited",
+        }  # fmt: skip
+    assert results["identification"] == {"skipped": "no torque_motor in the recording"}
+    for part in ("observers", "controllers", "export"):
+        assert "not known" in results[part]["skipped"]
+    written = {p.name for p in (tmp_path / "out").iterdir()}
+    assert "report.html" in written
+    assert not written & {"law.json", "c", "drivetrain.toml", "truth.json"}
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "28.3 Hz" in page
+    assert "369 µs" in page
