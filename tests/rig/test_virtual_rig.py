@@ -1,0 +1,160 @@
+"""The virtual rig: the frequencies of the paper's rig, its family, its recordings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.rig import finer_rig, modes, motor_zeros, nominal_rig, two_mass_equivalent, varied_rig
+from lostmotion.rig.nominal import (
+    BACKLASH,
+    COULOMB,
+    INERTIAS,
+    SPREAD_FRICTION,
+    SPREAD_STRUCTURE,
+    STIFFNESSES,
+    VISCOUS,
+)
+
+MODEL_LAWS = ("viscoelastic", "dead_zone")
+
+
+def test_frequencies_of_the_nominal_rig():
+    rig = nominal_rig().drivetrain
+    assert len(rig.inertias) >= 4
+    assert modes(rig)[0] == pytest.approx(0.0, abs=1e-3)
+    assert modes(rig)[1] == pytest.approx(100.0, abs=3.0)
+    assert modes(rig)[2] == pytest.approx(750.0, abs=40.0)
+    assert motor_zeros(rig)[0] == pytest.approx(38.0, abs=1.0)
+    assert sum(rig.inertias) == pytest.approx(0.1292, abs=1e-12)
+
+
+def test_backlash_lies_in_the_joint_at_the_load_end():
+    rig = nominal_rig().drivetrain
+    gaps = [i for i, shaft in enumerate(rig.shafts) if shaft.has_backlash]
+    assert gaps == [len(rig.shafts) - 1]
+    assert rig.shafts[gaps[0]].backlash == 0.012
+    assert rig.inertias[gaps[0]] <= 5e-4
+    assert rig.actuator.lag <= 5e-4
+    assert rig.frictions[-1].stribeck[0][1] > 0.0
+
+
+def test_contact_law_is_no_observers_law():
+    for rig in (nominal_rig(), varied_rig(3)):
+        laws = {shaft.contact for shaft in rig.drivetrain.shafts if shaft.has_backlash}
+        assert laws == {"physical"}
+        assert not laws & set(MODEL_LAWS)
+
+
+def test_encoder_resolution_and_torque_sensor():
+    sensors = nominal_rig().sensors
+    assert sensors["speed_motor"].difference
+    assert 2.0 * np.pi / sensors["speed_motor"].resolution >= 2**18
+    assert sensors["torque_shaft"].noise > 0.0
+
+
+def test_family_varies_within_its_ranges():
+    rigs = [varied_rig(seed).drivetrain for seed in range(1, 60)]
+    rows = np.array(
+        [
+            [j / n for j, n in zip(r.inertias, INERTIAS, strict=True)]
+            + [s.stiffness / n for s, n in zip(r.shafts, STIFFNESSES, strict=True)]
+            + [
+                r.shafts[-1].backlash / BACKLASH,
+                r.frictions[-1].coulomb / COULOMB,
+                r.frictions[-1].viscous / VISCOUS,
+            ]
+            for r in rigs
+        ]
+    )
+    spread = np.array([SPREAD_STRUCTURE] * 7 + [SPREAD_FRICTION] * 3)
+    assert (SPREAD_STRUCTURE, SPREAD_FRICTION) == (0.10, 0.20)
+    assert np.all(np.abs(rows - 1.0) <= spread + 1e-12)
+    assert np.all(np.ptp(rows, axis=0) > 1.6 * spread)
+    assert varied_rig(7) == varied_rig(7)
+
+
+def torque(n: int = 3000) -> np.ndarray:
+    return 8.0 * np.sign(np.sin(np.arange(n) * 0.01)) + np.random.default_rng(0).standard_normal(n)
+
+
+def test_recording_holds_no_truth():
+    recording, truth = lm.rig.record(2, torque_motor=torque())
+    assert set(recording.names) == {"torque_motor", "speed_motor", "speed_load", "torque_shaft", "twist"}
+    assert recording.events == () and not recording.final_state
+    assert set(recording.meta) == {"source", "rig_seed", "noise_seed", "count_averaged"}
+    assert set(recording.origin.values()) == {"measured"}
+    for name in ("speed_motor", "speed_load", "torque_shaft", "twist"):
+        assert np.any(recording[name] != truth.signals[name])
+    resolution = nominal_rig().sensors["speed_motor"].resolution / 1e-4
+    steps = recording["speed_motor"] / resolution
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
+
+
+def test_same_seed_same_bytes():
+    def bytes_of(rig: int, noise: int) -> list[bytes]:
+        recording, _ = lm.rig.record(rig, torque_motor=torque(500), noise_seed=noise)
+        return [recording[name].tobytes() for name in recording.names]
+
+    assert bytes_of(1, 0) == bytes_of(1, 0)
+    noisy = [a != b for a, b in zip(bytes_of(1, 0), bytes_of(1, 1), strict=True)]
+    assert sum(noisy) == 1  # the torque sensor alone has noise
+    assert all(a != b for a, b in zip(bytes_of(1, 0)[1:], bytes_of(2, 0)[1:], strict=True))
+
+
+def test_channels_are_withheld():
+    recording, _ = lm.rig.record(1, torque_motor=torque(200), channels=("speed_motor",))
+    assert set(recording.names) == {"torque_motor", "speed_motor"}
+    with pytest.raises(lm.InvalidInput, match="channels"):
+        lm.rig.record(1, torque_motor=torque(200), channels=("angle_load",))
+
+
+def test_equivalent_of_a_two_mass_drivetrain_is_itself():
+    values = dict(
+        inertia_motor=0.02,
+        inertia_load=0.1,
+        stiffness=5000.0,
+        damping=0.3,
+        backlash=0.01,
+        coulomb=1.0,
+        viscous=0.02,
+    )
+    found = two_mass_equivalent(lm.Drivetrain.two_mass(**values, lag=1e-3), np.linspace(-5.0, 5.0, 101))
+    for name, value in {**values, "lag": 1e-3}.items():
+        assert found[name] == pytest.approx(value, rel=1e-9)
+
+
+def test_equivalent_keeps_sums_and_the_pole():
+    rig = nominal_rig().drivetrain
+    found = two_mass_equivalent(rig, np.linspace(-20.0, 20.0, 1001))
+    model = lm.Drivetrain.two_mass(**found)
+    assert model.inertia_motor == pytest.approx(sum(INERTIAS[:3]))
+    assert model.inertia_load == INERTIAS[3]
+    assert model.pole_frequency == pytest.approx(modes(rig)[1], rel=1e-12)
+    assert COULOMB < found["coulomb"] < COULOMB * 1.15
+    with pytest.raises(lm.InvalidInput, match="two_mass_equivalent"):
+        two_mass_equivalent(model.with_parameters(backlash=0.0), np.ones(3))
+
+
+def test_finer_rig_lies_within_the_intervals():
+    model = lm.Drivetrain.two_mass(
+        inertia_motor=0.0182,
+        inertia_load=0.111,
+        stiffness=6285.896,
+        damping=0.397,
+        backlash=0.012,
+        coulomb=2.0,
+        viscous=0.0175,
+    )
+    intervals = {"inertia_load": (0.1, 0.12), "backlash": (0.011, 0.013), "stiffness": (6000.0, 6500.0)}
+    drawn = []
+    for seed in range(20):
+        rig = finer_rig(model, intervals, seed).drivetrain
+        found = two_mass_equivalent(rig, np.array([-20.0, -10.0, 10.0, 20.0]))
+        drawn.append([found[name] for name in intervals])
+        for name, (low, high) in intervals.items():
+            assert low * (1 - 1e-9) <= found[name] <= high * (1 + 1e-9)
+        assert len(rig.inertias) == 4
+        assert rig.shafts[-1].contact == "physical"
+    assert np.all(np.ptp(drawn, axis=0) > 0.0)

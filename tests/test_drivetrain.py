@@ -1,0 +1,93 @@
+"""Drivetrain, Shaft, Friction, Actuator: derived values of Table I, and what they refuse."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.drivetrain import PARAMETER_UNITS, Actuator, Drivetrain, Friction, Shaft
+
+TABLE_I = dict(
+    inertia_motor=0.0182,
+    inertia_load=0.111,
+    stiffness=6285.896,
+    damping=0.397,
+    backlash=0.012,
+    coulomb=2.0,
+    viscous=0.0175,
+)
+
+
+def test_derived_values_of_table_i():
+    plant = Drivetrain.two_mass(**TABLE_I)
+    assert plant.zero_frequency == pytest.approx(37.87, abs=0.005)
+    assert plant.pole_frequency == pytest.approx(100.91, abs=0.005)
+    assert plant.damping_ratio == pytest.approx(0.02002, abs=5e-6)
+    assert plant.inertia_total == pytest.approx(0.1292, abs=1e-15)
+
+
+def test_linear_matrices_have_the_papers_eigenfrequency():
+    a, b = Drivetrain.two_mass(**{**TABLE_I, "viscous": 0.0}).linear()
+    oscillation = max(np.linalg.eigvals(a), key=abs)
+    assert abs(oscillation) / (2.0 * math.pi) == pytest.approx(100.91, abs=0.01)
+    assert b.tolist() == [[0.0], [1.0 / 0.0182], [0.0]]
+
+
+def test_parameters_round_trip():
+    plant = Drivetrain.two_mass(
+        **TABLE_I, coulomb_motor=0.3, viscous_motor=0.01, lag=1e-3, contact="dead_zone"
+    )
+    parameters = plant.parameters()
+    assert tuple(parameters) == tuple(PARAMETER_UNITS)
+    assert Drivetrain.two_mass(**parameters, contact="dead_zone") == plant
+    assert plant.with_parameters(backlash=0.02).backlash == 0.02
+    assert plant.with_contact("physical").contact == "physical"
+    assert plant.with_parameters(lag=0.0).actuator.lag == 0.0
+
+
+def test_chain_has_no_two_mass_names():
+    chain = Drivetrain((1.0, 1.0, 1.0), (Shaft(1.0), Shaft(1.0)))
+    for name in ("stiffness", "inertia_load", "coulomb", "shaft"):
+        with pytest.raises(lm.InvalidInput, match="two-mass"):
+            getattr(chain, name)
+
+
+def test_friction_curve():
+    friction = Friction((0.5, 0.3), viscous=0.1, stribeck=((0.0, 0.4), (1.0, 0.0)))
+    assert friction.level_at_rest == (0.9, 0.7)
+    assert friction.torque(0.5) == pytest.approx(0.5 + 0.2 + 0.05)
+    assert friction.torque(-2.0) == pytest.approx(-(0.3 + 0.2))
+    assert friction.torque(0.0) == 0.0
+    assert friction.sticks
+    assert not Friction(viscous=1.0).sticks
+
+
+@pytest.mark.parametrize(
+    ("make", "where"),
+    [
+        (lambda: Drivetrain.two_mass(**{**TABLE_I, "inertia_motor": -0.1}), r"inertia"),
+        (lambda: Drivetrain.two_mass(**{**TABLE_I, "stiffness": 0.0}), "stiffness"),
+        (lambda: Drivetrain.two_mass(**{**TABLE_I, "backlash": math.nan}), "backlash"),
+        (lambda: Drivetrain.two_mass(**{**TABLE_I, "damping": math.inf}), "damping"),
+        (lambda: Drivetrain.two_mass(**TABLE_I, contact="springy"), "contact"),
+        (lambda: Drivetrain.two_mass(**TABLE_I).with_parameters(stifness=1.0), "with_parameters"),
+        (lambda: Drivetrain((1.0, 1.0)), "Drivetrain"),
+        (lambda: Drivetrain(()), "Drivetrain"),
+        (lambda: Drivetrain((1.0,), frictions=(Friction(), Friction())), "Drivetrain"),
+        (lambda: Friction(coulomb=-1.0), "coulomb"),
+        (lambda: Friction(coulomb=(1.0, -1.0)), r"coulomb\[1\]"),
+        (lambda: Friction(coulomb=2.0, breakaway=1.0), "breakaway"),
+        (lambda: Friction(stribeck=((0.1, 1.0), (1.0, 0.0))), "stribeck"),
+        (lambda: Friction(stribeck=((0.0, 1.0), (1.0, 0.5))), "stribeck"),
+        (lambda: Friction(stribeck=((0.0, 1.0), (1.0, 0.5), (1.0, 0.0))), "stribeck"),
+        (lambda: Actuator(lag=-1.0), "lag"),
+        (lambda: Actuator(torque_limit=0.0), "torque_limit"),
+        (lambda: Actuator(torque_limit=math.nan), "torque_limit"),
+    ],
+)
+def test_impossible_drivetrains_are_refused(make, where):
+    with pytest.raises(lm.InvalidInput, match=where):
+        make()

@@ -1,0 +1,79 @@
+"""Recording: copied read-only signals on one time axis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.recording import Event, Recording, unit_of
+
+TIME = np.arange(10) * 0.1
+
+
+def recording() -> Recording:
+    return Recording(
+        time=TIME,
+        signals={"speed_motor": np.arange(10.0), "torque_motor": np.ones(10)},
+        origin={"speed_motor": "simulated"},
+        events=(Event(0.25, "impact", "shaft 1", 1.0), Event(0.75, "separation", "shaft 1", 1.0)),
+        final_state={"state": (1.0,)},
+        meta={"seed": 3},
+    )
+
+
+def test_arrays_are_copied_and_read_only():
+    values = np.arange(10.0)
+    made = Recording(TIME, {"speed_motor": values})
+    values[0] = 99.0
+    assert made["speed_motor"][0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        made["speed_motor"][0] = 1.0
+    with pytest.raises(TypeError):
+        made.signals["speed_motor"] = values  # type: ignore[index]
+
+
+def test_window_keeps_rows_and_events_inside():
+    part = recording().window(0.2, 0.5)
+    np.testing.assert_allclose(part.time, [0.2, 0.3, 0.4])
+    np.testing.assert_array_equal(part["speed_motor"], [2.0, 3.0, 4.0])
+    assert [e.kind for e in part.events] == ["impact"]
+    assert not part.final_state
+    assert part.meta["seed"] == 3
+    with pytest.raises(lm.InvalidInput, match="window"):
+        recording().window(5.0, 6.0)
+
+
+def test_signals_added_and_withheld():
+    more = recording().with_signals("estimated", twist_estimated=np.zeros(10))
+    assert more.origin["twist_estimated"] == "estimated"
+    assert "twist_estimated" in more and len(more) == 10
+    less = more.only("speed_motor")
+    assert less.names == ("speed_motor",)
+    assert list(less) == ["speed_motor"]
+    assert set(less.origin) == {"speed_motor"}
+
+
+def test_sample_time_is_the_mean_step():
+    assert recording().dt == pytest.approx(0.1, rel=1e-14)
+
+
+def test_units_by_name():
+    assert unit_of("speed_load_estimated") == "rad/s"
+    assert unit_of("speed_reference") == "rad/s"
+    assert unit_of("unheard_of") == ""
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Recording(TIME[::-1], {}),
+        lambda: Recording(np.zeros(4), {}),
+        lambda: Recording(np.array([0.0]), {}),
+        lambda: Recording(TIME, {"speed_motor": np.zeros(9)}),
+        lambda: recording()["speed_load"],
+    ],
+)
+def test_misuse_is_refused(make):
+    with pytest.raises(lm.InvalidInput):
+        make()
