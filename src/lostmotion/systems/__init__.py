@@ -1,7 +1,8 @@
-"""Discrete laws as data: the type, how to join several of them, and how to get there from continuous time."""
+"""Discrete laws as data: the types, how to join several of them, and how to get there from continuous time."""
 
 from .connect import connect
 from .discrete_system import DiscreteSystem
 from .discretisation import one_sample_delay, zero_order_hold
+from .stepper import Stepper
 
-__all__ = ["DiscreteSystem", "connect", "one_sample_delay", "zero_order_hold"]
+__all__ = ["DiscreteSystem", "Stepper", "connect", "one_sample_delay", "zero_order_hold"]

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..curves import PiecewiseLinear
 from ..errors import InvalidInput
 from ..recording import Recording
+from .inputs import input_columns
 
 if TYPE_CHECKING:
     from ..kernels.law import LawTables
@@ -34,9 +35,6 @@ _SHAPES = {
 
 #: The law reports replaced inputs as bits of one number, which a 32-bit target must hold too.
 MAX_INPUTS = 31
-
-#: Relative difference up to which a recording's sample time counts as the law's (chosen).
-DT_TOLERANCE = 1e-3
 
 
 def _empty() -> NDArray[np.float64]:
@@ -135,7 +133,7 @@ class DiscreteSystem:
         """
         from ..kernels.law import law_run
 
-        time, inputs = self._inputs_of(data)
+        time, inputs = input_columns(self.name, self.inputs, self.dt, data)
         start = self.initial_state if state is None else _matrix("state", state, (len(self.states),))
         full = np.concatenate([start, np.zeros(len(self.inputs))])
         outputs, faults = law_run(self.tables(), full, inputs)
@@ -148,35 +146,6 @@ class DiscreteSystem:
             final_state={"state": full[: len(self.states)].copy()},
             meta={"law": self.name},
         )
-
-    def _inputs_of(self, data: Recording | Mapping[str, ArrayLike]) -> tuple[Matrix, Matrix]:
-        missing = [name for name in self.inputs if name not in data]
-        if missing:
-            raise InvalidInput(
-                f"{self.name}.run",
-                f"no {', '.join(missing)}",
-                f"all of {', '.join(self.inputs)}",
-                "Add the signal.",
-            )
-        columns = [np.asarray(data[name], dtype=np.float64) for name in self.inputs]
-        if len({c.shape for c in columns}) > 1 or any(c.ndim != 1 for c in columns):
-            shapes = ", ".join(f"{n}: {c.shape}" for n, c in zip(self.inputs, columns, strict=True))
-            raise InvalidInput(
-                f"{self.name}.run", shapes, "(n,) arrays of one length", "Crop or resample them."
-            )
-        if isinstance(data, Recording):
-            if abs(data.dt / self.dt - 1.0) > DT_TOLERANCE:
-                raise InvalidInput(
-                    f"{self.name}.run", f"a recording with dt = {data.dt:g} s", f"the law's {self.dt:g} s",
-                    "Design the law for the recording's sample time, or resample the recording.",
-                )  # fmt: skip
-            return data.time, np.array(columns, dtype=np.float64).reshape(-1, len(data)).T.copy()
-        if not columns:
-            raise InvalidInput(
-                f"{self.name}.run", "a law without inputs", "a Recording", "Give its time axis."
-            )
-        time = self.dt * np.arange(columns[0].size, dtype=np.float64)
-        return time, np.array(columns, dtype=np.float64).T.copy()
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A: the poles with every curve at a constant value."""

@@ -1,0 +1,45 @@
+"""The inputs of a law as columns, from a recording or from arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InvalidInput
+from ..recording import Recording
+
+Matrix = NDArray[np.float64]
+
+#: Relative difference up to which a recording's sample time counts as the law's (chosen).
+DT_TOLERANCE = 1e-3
+
+
+def input_columns(
+    name: str, inputs: tuple[str, ...], dt: float, data: Recording | Mapping[str, ArrayLike]
+) -> tuple[Matrix, Matrix]:
+    """Time (n,) in s and inputs (n, n_inputs) of the law ``name`` with sample time ``dt`` (s).
+
+    Raises InvalidInput where a signal is missing, lengths differ, or the recording's sample time is another.
+    """
+    missing = [signal for signal in inputs if signal not in data]
+    if missing:
+        raise InvalidInput(
+            f"{name}.run", f"no {', '.join(missing)}", f"all of {', '.join(inputs)}", "Add the signal."
+        )
+    columns = [np.asarray(data[signal], dtype=np.float64) for signal in inputs]
+    if len({c.shape for c in columns}) > 1 or any(c.ndim != 1 for c in columns):
+        shapes = ", ".join(f"{n}: {c.shape}" for n, c in zip(inputs, columns, strict=True))
+        raise InvalidInput(f"{name}.run", shapes, "(n,) arrays of one length", "Crop or resample them.")
+    if isinstance(data, Recording):
+        if abs(data.dt / dt - 1.0) > DT_TOLERANCE:
+            raise InvalidInput(
+                f"{name}.run", f"a recording with dt = {data.dt:g} s", f"the law's {dt:g} s",
+                "Design the law for the recording's sample time, or resample the recording.",
+            )  # fmt: skip
+        return data.time, np.array(columns, dtype=np.float64).reshape(-1, len(data)).T.copy()
+    if not columns:
+        raise InvalidInput(f"{name}.run", "a law without inputs", "a Recording", "Give its time axis.")
+    time = dt * np.arange(columns[0].size, dtype=np.float64)
+    return time, np.array(columns, dtype=np.float64).T.copy()

@@ -1,0 +1,157 @@
+"""Stepper: a law that does not fit the Lur'e form of DiscreteSystem, as data and a compiled step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InvalidInput
+from ..recording import Recording
+from .discrete_system import MAX_INPUTS, _check_names
+from .inputs import input_columns
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Stepper:
+    """A discrete law given by two pure functions; the state is passed, never stored.
+
+    ::
+
+        state          = init(parameters)
+        state, outputs = step(parameters, state, inputs)
+
+    Parameters
+    ----------
+    name : str
+    inputs, outputs : tuple of str
+        Signal names, each without doubles.
+    dt : float, s
+        Sample time.
+    parameters : (n,) array
+        All numbers that the functions need; copied and read-only.
+    kernel : str
+        Dotted name of the module that holds the functions, compiled with the signatures ``INIT`` and ``STEP`` of
+        ``lostmotion.kernels.steppers``. It is loaded at the first use.
+    state_names : mapping of name → int
+        Where to find what in the state, for those who look into it.
+    exportable : bool
+        Whether ``export`` can write it as C code.
+
+    Raises
+    ------
+    InvalidInput
+        If a name comes twice, dt is not positive, a parameter is not finite.
+    """
+
+    name: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    dt: float
+    parameters: Array
+    kernel: str
+    state_names: Mapping[str, int] = field(default_factory=dict)
+    exportable: bool = False
+
+    def __post_init__(self) -> None:
+        for kind in ("inputs", "outputs"):
+            object.__setattr__(self, kind, tuple(getattr(self, kind)))
+            _check_names(f"{self.name}.{kind}", getattr(self, kind))
+        if not 1 <= len(self.inputs) <= MAX_INPUTS:
+            raise InvalidInput(
+                f"{self.name}.inputs", f"{len(self.inputs)} inputs", f"1 to {MAX_INPUTS}", "Split the law."
+            )
+        dt = float(self.dt)
+        if not (math.isfinite(dt) and dt > 0.0):
+            raise InvalidInput(
+                f"{self.name}.dt", repr(self.dt), "a positive sample time in s", "Check the unit."
+            )
+        object.__setattr__(self, "dt", dt)
+        parameters = np.array(self.parameters, dtype=np.float64)
+        if parameters.ndim != 1 or not np.all(np.isfinite(parameters)):
+            raise InvalidInput(
+                f"{self.name}.parameters", f"shape {parameters.shape}, or not finite", "a row of finite numbers",
+                "Check what it was computed from.",
+            )  # fmt: skip
+        parameters.setflags(write=False)
+        object.__setattr__(self, "parameters", parameters)
+
+    @property
+    def functions(self) -> Any:
+        """The module with ``init`` and ``step``; numba compiles or loads them here."""
+        return import_module(self.kernel)
+
+    def init(self) -> Array:
+        """The state at the start: that of the law, then the last good inputs (zeros)."""
+        own = self.functions.init(self.parameters.copy())
+        return np.concatenate([own, np.zeros(len(self.inputs))])
+
+    def step(self, state: ArrayLike, inputs: ArrayLike) -> tuple[Array, Array, int]:
+        """One sample: the new state, the outputs, and a bit mask of the inputs that were not believed.
+
+        ``state`` as ``init`` gives it is left as it is; ``inputs`` (n_inputs,) in the order of ``inputs``.
+        """
+        from ..kernels.steppers import checked_step
+
+        new = self._state(state)
+        values = np.array(inputs, dtype=np.float64)
+        if values.shape != (len(self.inputs),):
+            raise InvalidInput(
+                f"{self.name}.step", f"shape {values.shape}", f"{len(self.inputs)} inputs", "Check."
+            )
+        outputs = np.empty(len(self.outputs))
+        faults = checked_step(
+            self.functions.step, self.parameters.copy(), new, values, np.empty_like(values), outputs
+        )
+        return new, outputs, int(faults)
+
+    def run(self, data: Recording | Mapping[str, ArrayLike], state: ArrayLike | None = None) -> Recording:
+        """Run the law over recorded inputs.
+
+        Parameters
+        ----------
+        data : Recording, or mapping of input name → (n,) array
+            Must hold every input; a recording's sample time must be the law's within 0.1 %.
+        state : array, optional
+            State at the first row, from ``init`` or from the ``final_state["state"]`` of an earlier run.
+
+        Returns
+        -------
+        Recording
+            The outputs (origin "estimated") and ``input_fault``: 1.0 where an input was not within ±1e30 and was
+            replaced by the last good one, or where the law did not believe it and predicted through it;
+            ``final_state["state"]`` is the state after the last row.
+        """
+        from ..kernels.steppers import run_stepper
+
+        time, inputs = input_columns(self.name, self.inputs, self.dt, data)
+        full = self.init() if state is None else self._state(state)
+        outputs, faults = run_stepper(
+            self.functions.step, self.parameters.copy(), full, inputs, len(self.outputs)
+        )
+        signals = {name: outputs[:, i] for i, name in enumerate(self.outputs)}
+        signals["input_fault"] = (faults != 0).astype(float)
+        return Recording(
+            time=time,
+            signals=signals,
+            origin={**dict.fromkeys(self.outputs, "estimated"), "input_fault": "derived"},
+            final_state={"state": full},
+            meta={"law": self.name},
+        )
+
+    def _state(self, state: ArrayLike) -> Array:
+        copy = np.array(state, dtype=np.float64)
+        expected = self.init().shape
+        if copy.shape != expected or not np.all(np.isfinite(copy)):
+            raise InvalidInput(
+                f"{self.name}: state", f"shape {copy.shape}, or not finite", f"{expected[0]} finite numbers",
+                "Take it from init() or from an earlier run.",
+            )  # fmt: skip
+        return copy

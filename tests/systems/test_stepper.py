@@ -1,0 +1,91 @@
+"""The Stepper type by itself: purity, the input-fault rule, misuse."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lostmotion.errors import InvalidInput
+from lostmotion.recording import Recording
+from lostmotion.systems import Stepper
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "contracts"))
+
+
+@pytest.fixture
+def counting() -> Stepper:
+    return Stepper(
+        name="counting",
+        inputs=("a", "b"),
+        outputs=("count", "integral"),
+        dt=0.5,
+        parameters=np.array([2.0]),
+        kernel="counting_stepper",
+    )
+
+
+def test_runs_over_a_recording(counting):
+    recording = Recording(time=0.5 * np.arange(4), signals={"b": [1.0, 2.0, 3.0, 4.0], "a": np.zeros(4)})
+    result = counting.run(recording)
+    assert result["integral"].tolist() == [0.0, 2.0, 6.0, 12.0]
+    assert result["count"].tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert result.final_state["state"].tolist() == [4.0, 20.0, 0.0, 4.0]
+    assert result.origin["integral"] == "estimated"
+
+
+def test_a_bad_input_is_replaced_by_the_last_good_one_and_flagged(counting):
+    bad = [3.0, np.nan, np.inf, -2e30, 1.0]
+    result = counting.run({"a": np.zeros(5), "b": bad})
+    assert result["integral"].tolist() == [0.0, 6.0, 12.0, 18.0, 24.0]
+    assert result["input_fault"].tolist() == [0.0, 1.0, 1.0, 1.0, 0.0]
+
+
+def test_the_step_may_flag_an_input_that_it_does_not_believe(counting):
+    result = counting.run({"a": [0.0, 200.0, 0.0], "b": np.zeros(3)})
+    assert result["input_fault"].tolist() == [0.0, 1.0, 0.0]
+
+
+def test_a_run_in_pieces_is_the_run(counting):
+    rng = np.random.default_rng(1)
+    data = {"a": rng.normal(size=20), "b": rng.normal(size=20)}
+    data["b"][9:12] = np.nan  # the last good value must cross the border
+    whole = counting.run(data)
+    first = counting.run({n: v[:10] for n, v in data.items()})
+    second = counting.run({n: v[10:] for n, v in data.items()}, state=first.final_state["state"])
+    assert np.array_equal(np.concatenate([first["integral"], second["integral"]]), whole["integral"])
+
+
+def test_a_step_leaves_its_arguments_alone(counting):
+    start = counting.init()
+    new, outputs, faults = counting.step(start, [0.0, 5.0])
+    assert start.tolist() == [0.0] * 4
+    assert (new.tolist(), outputs.tolist(), faults) == ([1.0, 10.0, 0.0, 5.0], [0.0, 0.0], 0)
+    assert counting.step(new, [np.nan, np.inf])[2] == 0b11
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        ({"dt": 0.0}, "dt"),
+        ({"inputs": ("a", "a")}, "inputs"),
+        ({"inputs": ()}, "inputs"),
+        ({"outputs": ("x", "x")}, "outputs"),
+        ({"parameters": np.array([np.nan])}, "parameters"),
+    ],
+)
+def test_misuse_is_refused_at_once(change, where):
+    fields = {"name": "s", "inputs": ("a",), "outputs": ("b",), "dt": 1.0, "parameters": np.zeros(1)}
+    with pytest.raises(InvalidInput, match=where):
+        Stepper(**{**fields, "kernel": "counting_stepper", **change})
+
+
+def test_a_state_of_another_law_is_refused(counting):
+    with pytest.raises(InvalidInput, match="state"):
+        counting.run({"a": np.zeros(3), "b": np.zeros(3)}, state=np.zeros(3))
+    with pytest.raises(InvalidInput, match="state"):
+        counting.step([0.0, np.nan, 0.0, 0.0], [0.0, 0.0])
+    with pytest.raises(InvalidInput, match="inputs"):
+        counting.step(counting.init(), [0.0])
