@@ -32,8 +32,8 @@ LARGEST_GROWTH = 1.5
 #: A parameter is not excited if its 95 % interval reaches further than this factor either way (chosen).
 NOT_EXCITED = 3.0
 
-#: The shaft torque must change its sign at least so often for the backlash (chosen).
-FEWEST_REVERSALS = 4
+#: The shaft torque must change its sign at least so often for the backlash: once each way.
+FEWEST_REVERSALS = 2
 
 #: Fewest rows and shortest time that are accepted (chosen: five periods of a 10 Hz mode).
 MIN_ROWS, MIN_TIME = 2000, 0.5
@@ -59,6 +59,7 @@ class _Stage:
     bandwidth: Bandwidth
     free: list[int]
     iterations: int
+    unexcited: tuple[int, ...] = ()
 
 
 def identify(
@@ -75,11 +76,12 @@ def identify(
     logarithms of the parameters. A grid over motor inertia, stiffness and backlash around the nameplate
     finds the valley; the observer's gain then goes from high to low.
 
-    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + a²). s is the sandwich standard
-    error times Student's factor. The rest stands for what the model leaves out: g is how far a three times
-    higher gain would move the estimate; f is how far it moves if only the faster half of the speed range
-    counts (friction may be no straight line); a allows for the sampling, and for a mode above the torsional
-    one that stands out in the innovations (``uncertainty.model_allowance``).
+    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + n² + a²). s is the sandwich
+    standard error times Student's factor. The rest stands for what the model leaves out: g is how far a
+    three times higher gain would move the estimate; f is how far it moves if only the faster half of the
+    speed range counts (friction may be no straight line); n is how far it moves if the nameplate values
+    that had to be taken for what is not excited are off by a factor of two; a allows for the sampling, and
+    for a mode above the torsional one that stands out in the innovations (``uncertainty.model_allowance``).
 
     Parameters
     ----------
@@ -190,8 +192,11 @@ def _half_widths(predictor: Predictor, stage: _Stage) -> tuple[Array, Array]:
     by_gain = shift(predictor.jacobian(stage.fit.theta, higher, stage.free, residual), residual)
     fast = np.abs(predictor.speed) > 0.5 * np.max(np.abs(predictor.speed))
     by_speed = shift(j[:, fast], stage.fit.residual[fast])
+    # A nameplate value that had to be taken may be off by a factor of two, and moves the others with it.
+    taken = predictor.jacobian(stage.fit.theta, stage.bandwidth, list(stage.unexcited), stage.fit.residual)
+    by_nameplate = [shift(j, np.log(2.0) * moved) for moved in taken]
     statistical = student_factor(len(stage.free)) * np.sqrt(np.diag(covariance))
-    return covariance, np.sqrt(statistical**2 + by_gain**2 + by_speed**2)
+    return covariance, np.sqrt(np.sum(np.square([statistical, by_gain, by_speed, *by_nameplate]), axis=0))
 
 
 def _without_unexcited(predictor: Predictor, stage: _Stage, start: Drivetrain) -> _Stage:
@@ -200,12 +205,12 @@ def _without_unexcited(predictor: Predictor, stage: _Stage, start: Drivetrain) -
         name = _unexcited(predictor, stage)
         if name is None:
             break
-        theta, free = stage.fit.theta.copy(), [i for i in stage.free if NAMES[i] != name]
-        theta[NAMES.index(name)] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[
-            NAMES.index(name)
-        ]
+        dropped = NAMES.index(name)
+        theta, free = stage.fit.theta.copy(), [i for i in stage.free if i != dropped]
+        theta[dropped] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[dropped]
         fit = _fit(predictor, theta, free, stage.bandwidth)
-        stage = _Stage(fit, stage.bandwidth, free, stage.iterations + fit.iterations)
+        done = stage.iterations + fit.iterations
+        stage = _Stage(fit, stage.bandwidth, free, done, (*stage.unexcited, dropped))
     return stage
 
 

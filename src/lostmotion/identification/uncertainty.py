@@ -21,6 +21,10 @@ PEAK_HEIGHT = 0.5
 #: And if its rms is more than this share of the rms of the torsional oscillation of the speed (chosen).
 PEAK_SHARE = 0.005
 
+#: Modes above this multiple of the torsional frequency are not looked for: they would add less than 1 %
+#: (chosen), and an encoder's rounding makes tones there when the speed is steady.
+HIGHEST_MODE = 15.0
+
 #: Relative allowance for the damping if there is an unmodelled mode (chosen: on finer plants the fitted
 #: damping was 20 to 50 % above that of the shaft, because the impacts feed energy into the mode).
 DAMPING_ALLOWANCE = 0.5
@@ -91,16 +95,17 @@ def unmodelled_mode(
     colour = 2.0 * np.sin(np.pi * frequency * dt) ** 2 if count_averaged else np.ones(frequency.size)
     upper = (frequency > 0.25 / dt) & (frequency < 0.45 / dt)
     level = float(np.median(power[upper] / colour[upper]))
-    band = (frequency > 2.5 * pole_frequency) & (frequency < 0.45 / dt)
+    band = (frequency > 2.5 * pole_frequency) & (frequency < min(HIGHEST_MODE * pole_frequency, 0.45 / dt))
     if np.count_nonzero(band) < 20:
         return None
     excess = np.where(band, power - level * colour, 0.0)
     peak = int(np.argmax(excess))
+    if not excess[peak] > PEAK_HEIGHT * level:
+        return None
     around = np.abs(frequency / frequency[peak] - 1.0) < 0.2
     torsional = (frequency > 0.2 * pole_frequency) & (frequency < 2.0 * pole_frequency)
     oscillation = np.sum(welch(speed, fs=1.0 / dt, nperseg=rows)[1][torsional])
-    small = np.sum(excess[around]) < PEAK_SHARE**2 * oscillation
-    return None if small or excess[peak] < PEAK_HEIGHT * level else float(frequency[peak])
+    return float(frequency[peak]) if np.sum(excess[around]) > PEAK_SHARE**2 * oscillation else None
 
 
 def model_allowance(names: tuple[str, ...], drivetrain: Drivetrain, dt: float, mode: float | None) -> Array:
