@@ -108,7 +108,7 @@ def test_recording_without_torque_still_gives_a_report(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     results = json.loads(done.stdout)
-    assert results["identification"] == {"skipped": "no torque_motor in the recording"}
+    assert results["fits"]["prediction error"] == {"skipped": "no torque_motor in the recording"}
     assert results["parameters"]["inertia_motor"]["source"] == "nameplate"
     assert results["parameters"]["backlash"]["value"] is None
     assert (tmp_path / "out" / "report.html").exists()

@@ -210,12 +210,16 @@ def test_measured_rig_ends_in_a_report_without_invented_numbers(measured_data: P
         assert parameters[name] | {"unit": ""} == {
             "value": None, "low": None, "high": None, "unit": "", "source": "not excited",
         }  # fmt: skip
-    assert results["identification"] == {"skipped": "no torque_motor in the recording"}
+    assert results["fits"]["prediction error"] == {"skipped": "no torque_motor in the recording"}
     for part in ("observers", "controllers", "export"):
         assert "not known" in results[part]["skipped"]
     written = {p.name for p in (tmp_path / "out").iterdir()}
     assert "report.html" in written
     assert not written & {"law.json", "c", "drivetrain.toml", "truth.json"}
-    page = (tmp_path / "out" / "report.html").read_text()
+    for name in ("measured shaft", "measured shaft, validation recording"):
+        assert 0.98 * 109 < results["fits"][name]["stiffness"]["value"] < 1.02 * 113
+        assert 0.33e-3 < results["fits"][name]["torque late by"]["value"] < 0.40e-3
+    assert abs(results["fits"]["ring-down"]["frequency"]["value"] / 28.2 - 1.0) < 0.03
+    page = (tmp_path / "out" / "report.html").read_text().replace("\xa0", " ")
     assert "28.3 Hz" in page
     assert "369 µs" in page

@@ -15,7 +15,7 @@ from .stages.code import write_code
 from .stages.design import Design, design
 from .stages.figures import figures
 from .stages.material import Material, from_configuration, from_rig
-from .stages.parameters import PREDICTION, Found, find_parameters
+from .stages.parameters import Found, find_parameters
 from .stages.validation import Validation, validate
 
 
@@ -85,7 +85,7 @@ def run(
             results["timing_s"] = timing
             write_report(
                 folder / "report.html",
-                {**results, **_report_only(material, found)},
+                {**results, **_report_only(material)},
                 figures(material, found, validation, true_parameters),
                 command=_command(configuration, material.seed),
             )
@@ -114,14 +114,15 @@ def _results(
     material: Material, found: Found, laws: Design, validation: Validation, code: Mapping[str, Any]
 ) -> dict[str, Any]:
     problems = (*material.problems, *found.problems, *laws.problems)
+    fits = dict(found.fits)
+    if found.skipped:
+        fits["prediction error"] = {"skipped": found.skipped}
     return {
         "seed": material.seed,
         "version": __version__,
         "inputs": dict(material.inputs),
-        "identification": {"skipped": found.skipped}
-        if found.skipped
-        else {"fit": found.fits.get(PREDICTION, {})},
         "parameters": dict(found.table),
+        "fits": fits,
         "observers": dict(validation.observers),
         "controllers": dict(validation.controllers),
         "export": dict(code),
@@ -129,7 +130,7 @@ def _results(
     }
 
 
-def _report_only(material: Material, found: Found) -> dict[str, Any]:
+def _report_only(material: Material) -> dict[str, Any]:
     recordings = {
         name: {
             "samples": len(r),
@@ -142,7 +143,7 @@ def _report_only(material: Material, found: Found) -> dict[str, Any]:
         }
         for name, r in material.recordings.items()
     }
-    return {"recordings": recordings, "fits": dict(found.fits)}
+    return {"recordings": recordings}
 
 
 def _write_data(folder: Path, material: Material, found: Found, validation: Validation, truth: Any) -> None:

@@ -66,7 +66,10 @@ def summary(results: Mapping[str, Any], out: Path) -> None:
         row = results["controllers"].get(name, {})
         if row.get("overshoot") is not None:
             console.print(f"  {name}: overshoot {row['overshoot']:.1f} % of the step")
-    for part in ("identification", "observers", "controllers", "export"):
+    for name, fit in results["fits"].items():
+        if "skipped" in fit:
+            console.print(f"  {name} skipped: {fit['skipped']}")
+    for part in ("observers", "controllers", "export"):
         if "skipped" in results[part]:
             console.print(f"  {part} skipped: {results[part]['skipped']}")
     warnings = len(results["problems"])

@@ -51,7 +51,8 @@ def minimise(
     iterations : int
         At most so many steps.
     """
-    fit = Fit(theta.copy(), *_evaluate(residual, theta), 0, False)
+    fit = Fit(theta.copy(), *_evaluate(residual, theta), 0, not free)
+    iterations = iterations if free else 0
     damping = 1e-3
     for count in range(1, iterations + 1):
         j = jacobian(fit.theta, fit.residual)

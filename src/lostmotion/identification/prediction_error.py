@@ -134,6 +134,8 @@ def _predictor(
     unknown = sorted(set(fixed) - set(NAMES))
     if unknown:
         raise InvalidInput("identify.fixed", f"{unknown}", f"names out of {NAMES}", "Check the names.")
+    if set(fixed) >= set(NAMES):
+        raise InvalidInput("identify.fixed", "every parameter", "at least one to identify", "Free one.")
     if len(start.inertias) != 2:
         raise InvalidInput(
             "identify.start", f"{len(start.inertias)} inertias", "two masses", "Use Drivetrain.two_mass."

@@ -67,6 +67,8 @@ def shift(jacobian: Array, residual: Array) -> Array:
 
     Zero where the innovations do not tell a parameter at all.
     """
+    if not jacobian.size:
+        return np.zeros(jacobian.shape[0])
     hessian, gradient = normal_equations(jacobian, residual)
     scale = np.sqrt(np.maximum(np.diag(hessian), 1e-300))
     step = np.linalg.lstsq(hessian / np.outer(scale, scale), -gradient / scale, rcond=1e-10)[0]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ..curves import PiecewiseLinear, dead_zone, saturation
 from ..drivetrain import Friction
 from ..systems import DiscreteSystem
+from .gates import with_gates, with_innovation
 from .model import ObserverModel
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ class Assembly:
         self.gamma = gamma
         self.curves: dict[str, PiecewiseLinear] = {}
         self.arguments: dict[str, tuple[Array, float, dict[str, float]]] = {}
+        self.slack_gain: Array | None = None
         self.extra: dict[str, Array] = {}
         self._add_gap()
         self._add_friction()
@@ -39,6 +41,11 @@ class Assembly:
     def add_state(self, name: str, row: Array) -> None:
         """One more state whose next value is a row over the model's states."""
         self.extra[name] = row
+
+    def close_in_gap(self, gain: Array) -> None:
+        """Correct with this gain while the estimate is inside the gap, with the usual one in contact only."""
+        if self.model.drivetrain.shaft.has_backlash:
+            self.slack_gain = gain
 
     def _add_curve(
         self,
@@ -74,8 +81,13 @@ class Assembly:
                 curve = _coulomb_curve(friction, abs(float(self.gamma[i, column])))
                 self._add_curve(place, curve, self.phi[i], float(self.gamma[i, 0]), others)
 
-    def system(self, measured: tuple[str, ...], gain: Array, c: Array) -> DiscreteSystem:
-        """The observer with gain and measurement rows c, both over the model's states and the memory."""
+    def system(
+        self, measured: tuple[str, ...], gain: Array, c: Array, name: str = "kalman", innovation: bool = False
+    ) -> DiscreteSystem:
+        """The observer with gain and measurement rows c, both over the model's states and the memory.
+
+        With ``innovation``, measured minus expected value of each sensor are further outputs.
+        """
         names = tuple(self.curves)
         n, n_w = len(self.model.states), len(names)
         n_known = gain.shape[0]
@@ -88,8 +100,9 @@ class Assembly:
             if name in names:
                 e[:n, names.index(name)] = self.gamma[:, column]
         c_x, c_w = self._measurement(measured, c, names)
-        b = np.hstack([np.pad(self.gamma[:, [0]], ((0, n_known - n), (0, 0))), gain])
-        a, e = phi - gain @ c_x, e - gain @ c_w
+        always = gain if self.slack_gain is None else self.slack_gain
+        b = np.hstack([np.pad(self.gamma[:, [0]], ((0, n_known - n), (0, 0))), always])
+        a, e = phi - always @ c_x, e - always @ c_w
         states = (*self.model.states, *self.extra)
         if "load" in names:
             # The friction of the last sample is a state: taken at once, it would need this sample's torque,
@@ -100,10 +113,14 @@ class Assembly:
             e = np.vstack([e, np.eye(1, n_w, names.index("load"))])
         f, g, h = self._argument_matrices(names, len(states), b.shape[1])
         outputs, c_out, j_out = self._outputs(measured, states, names)
-        return DiscreteSystem(
-            inputs=("torque_motor", *measured), outputs=outputs, states=states, dt=self.dt, name="kalman",
+        law = DiscreteSystem(
+            inputs=("torque_motor", *measured), outputs=outputs, states=states, dt=self.dt, name=name,
             curves=tuple(self.curves.values()), A=a, B=b, E=e, F=f, G=g, H=h, C=c_out, J=j_out,
         )  # fmt: skip
+        residual = np.pad(c_x, ((0, 0), (0, len(states) - n_known))), c_w
+        if self.slack_gain is not None:
+            law = with_gates(law, measured, residual, gain - self.slack_gain, self.model)
+        return with_innovation(law, measured, residual) if innovation else law
 
     def _measurement(
         self, measured: tuple[str, ...], c: Array, names: tuple[str, ...]
@@ -153,6 +170,8 @@ class Assembly:
         }
         if "angle_motor" in measured:
             rows["angle_motor"] = (model.row(angle_motor=1.0), no_curve)
+        if "torque_load" in model.states:
+            rows["torque_load"] = (model.row(torque_load=1.0), no_curve)
         c = np.zeros((len(rows), len(states)))
         c[:, : len(model.states)] = [row for row, _ in rows.values()]
         if "coulomb_load" in states:

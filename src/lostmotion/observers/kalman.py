@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -12,15 +13,19 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
 from .assembly import Assembly
-from .model import ObserverModel, covariance, observer_model
+from .model import ObserverModel, covariance, in_the_gap, observer_model
 
 Array = NDArray[np.float64]
 
-#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. The actuator's
-#: torque counts as known and the angle follows from the speed alone (chosen).
+#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. Chosen: the actuator's
+#: torque counts as known, the angle follows from the speed alone, and an unknown load torque may wander by
+#: 30 Nm in a second beside a motor speed of density 1.
 PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
-    {"twist": 1.0, "speed_motor": 1000.0, "speed_load": 1000.0, "torque_actuator": 0.0, "angle_motor": 0.0}
-)
+    {
+        "twist": 1.0, "speed_motor": 1000.0, "speed_load": 1000.0, "torque_actuator": 0.0, "angle_motor": 0.0,
+        "torque_load": 1000.0,
+    }
+)  # fmt: skip
 
 #: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8.
 #: Chosen: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s.
@@ -30,6 +35,9 @@ MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
 
 #: An error that decays slower than this rate (1/s) counts as one that the sensors cannot see (chosen).
 SLOWEST_RATE = 1e-6
+
+#: Decay given to every state of the slack drivetrain, 1/s, see ``_gain_in_the_gap`` (chosen).
+GAP_DECAY = 0.1
 
 _UNDETECTABLE = (
     "Measure a speed or the motor angle too (torque or twist alone cannot tell how fast the whole drivetrain "
@@ -77,6 +85,8 @@ def kalman(
     process_covariance: Mapping[str, float] | None = None,
     measurement_covariance: Mapping[str, float] | None = None,
     count_averaged: bool = False,
+    load_torque: bool = False,
+    contact_scheduling: bool = False,
 ) -> DiscreteSystem:
     """Kalman observer of a two-mass drivetrain with backlash and Coulomb friction.
 
@@ -104,37 +114,111 @@ def kalman(
         The measured motor speed is a mean over the last sample (a count difference divided by dt): it is
         compared with the mean of the last two estimated speeds, and the gain is that of the system with this
         memory.
+    load_torque : bool
+        Estimate an unknown torque on the load as one more state, ``torque_load`` (Nm, positive in the direction
+        of positive speed): a random walk whose density is ``process_covariance["torque_load"]`` (Nm²/s).
+    contact_scheduling : bool
+        While the estimate is inside the gap, correct by the gain of the slack drivetrain: what the sensors cannot
+        see there is predicted, not corrected. See ``gates``.
 
     Returns
     -------
     DiscreteSystem
         Inputs torque_motor and ``measured``; outputs twist_estimated, twist_elastic_estimated (zero inside
         the gap), speed_motor_estimated, speed_load_estimated, torque_shaft_estimated, friction_load_estimated
-        (Coulomb part of the sample just ended + viscous), and angle_motor_estimated if it is measured.
+        (Coulomb part of the sample just ended + viscous), angle_motor_estimated if it is measured, and
+        torque_load_estimated with ``load_torque``.
 
     Raises
     ------
     InvalidInput
         For unknown or doubled names, negative covariances, and sensors that cannot see the whole state.
     """
+    design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
+    q, r = _covariances(design.model, design.measured, process_covariance, measurement_covariance)
+    gain = predictor_gain(design, design.model.A, q, r)
+    if contact_scheduling:
+        design.assembly.close_in_gap(_gain_in_the_gap(design, q, r))
+    return design.assembly.system(design.measured, gain, design.c)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledModel:
+    """What every fixed-gain observer starts from: the model, its step, the rows that its sensors measure.
+
+    Parameters
+    ----------
+    model : ObserverModel
+    measured : tuple of str
+    dt : float, s
+    c : (n_measured, n) array
+        Measurement rows over the model's states, and the motor speed of the sample before if it is needed.
+    assembly : Assembly
+    """
+
+    model: ObserverModel
+    measured: tuple[str, ...]
+    dt: float
+    c: Array
+    assembly: Assembly
+
+    def step(self, a: Array) -> Array:
+        """Φ of ẋ = A x over one sample, with the memory."""
+        from scipy.linalg import expm
+
+        phi = np.asarray(expm(a * self.dt))
+        if self.c.shape[1] == phi.shape[0]:
+            return phi
+        return np.pad(np.vstack([phi, self.model.row(speed_motor=1.0)]), ((0, 0), (0, 1)))
+
+    def noise(self, a: Array, q: Array) -> Array:
+        """Covariance that a continuous density q adds in one sample, with the memory."""
+        return np.pad(_process_covariance_of_a_sample(a, q, self.dt), (0, self.c.shape[1] - a.shape[0]))
+
+
+def sampled_model(
+    drivetrain: Drivetrain,
+    measured: Sequence[str],
+    dt: float,
+    count_averaged: bool = False,
+    load_torque: bool = False,
+) -> SampledModel:
+    """The model of a fixed-gain observer; parameters as in ``kalman``."""
     measured = tuple(measured)
-    model = observer_model(drivetrain, measured)
+    model = observer_model(drivetrain, measured, load_torque)
     if count_averaged and "speed_motor" not in measured:
         raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
     c = np.array([model.measurement_row(signal) for signal in measured])
-    q, r = _covariances(model, measured, process_covariance, measurement_covariance)
     phi, gamma = zero_order_hold(model.A, np.hstack([model.B, model.E_gap, model.E_motor, model.E_load]), dt)
-    q_d = _process_covariance_of_a_sample(model.A, q, dt)
     assembly = Assembly(model, phi, gamma, dt)
     if count_averaged:
-        memory = np.vstack([phi, model.row(speed_motor=1.0)])
-        phi = np.hstack([memory, np.zeros((memory.shape[0], 1))])
-        q_d = np.pad(q_d, (0, 1))
         c = np.hstack([c, np.zeros((len(measured), 1))])
         c[measured.index("speed_motor"), [1, -1]] = 0.5
         assembly.add_state("speed_motor_previous", model.row(speed_motor=1.0))
-    gain = _predictor_gain(phi, c, q_d, r / dt, measured, dt)
-    return assembly.system(measured, gain, c)
+    return SampledModel(model, measured, dt, c, assembly)
+
+
+def predictor_gain(design: SampledModel, a: Array, q: Array, r: Array) -> Array:
+    """Gain of x⁺ = Φx + … + K(y − ŷ) from the discrete Riccati equation; q, r continuous densities."""
+    return _riccati_gain(design.step(a), design.c, design.noise(a, q), r / design.dt, design.measured, design.dt)
+
+
+def _gain_in_the_gap(design: SampledModel, q: Array, r: Array) -> Array:
+    """The gain of the slack drivetrain.
+
+    What its sensors do not see gets no correction. A slow decay of every state (chosen: 0.1 1/s) makes the
+    equation solvable and changes nothing else.
+    """
+    a = in_the_gap(design.model)
+    c = design.c.copy()
+    for i, signal in enumerate(design.measured):
+        if signal == "torque_shaft":
+            c[i] = 0.0
+            if design.model.drivetrain.contact == "dead_zone":
+                d = design.model.drivetrain.damping
+                c[i, 1:3] = d, -d
+    slack = replace(design, c=c)
+    return predictor_gain(slack, a - GAP_DECAY * np.eye(a.shape[0]), q, r)
 
 
 def _covariances(
@@ -158,10 +242,9 @@ def _process_covariance_of_a_sample(a: Array, q: Array, dt: float) -> Array:
     return np.asarray(0.5 * (q_d + q_d.T))
 
 
-def _predictor_gain(
+def _riccati_gain(
     phi: Array, c: Array, q_d: Array, r_d: Array, measured: tuple[str, ...], dt: float
 ) -> Array:
-    """Gain of x⁺ = Φx + … + K(y − ŷ) from the discrete Riccati equation."""
     from scipy.linalg import solve_discrete_are
 
     try:

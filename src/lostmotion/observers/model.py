@@ -20,8 +20,8 @@ class ObserverModel:
     """ẋ = A x + B·torque_motor + E_gap·β + E_motor·friction_motor + E_load·friction_load; β = twist inside
     the gap.
 
-    Fietzek & Rinderknecht, eq. 3, with viscous friction in A, and with the actuator's lag and the motor angle
-    as further states where they are needed.
+    Fietzek & Rinderknecht, eq. 3, with viscous friction in A, and with the actuator's lag, the motor angle and
+    an unknown load torque as further states where they are needed.
     """
 
     drivetrain: Drivetrain
@@ -53,11 +53,15 @@ class ObserverModel:
         return self.row(twist=k, speed_motor=d, speed_load=-d)
 
 
-def observer_model(drivetrain: Drivetrain, measured: Sequence[str]) -> ObserverModel:
+def observer_model(
+    drivetrain: Drivetrain, measured: Sequence[str], load_torque: bool = False
+) -> ObserverModel:
     """The model for a two-mass drivetrain; states twist, speed_motor, speed_load (torque_actuator,
-    angle_motor).
+    angle_motor, torque_load).
 
-    ``torque_actuator`` is there if the drivetrain has a torque lag, ``angle_motor`` if it is measured.
+    ``torque_actuator`` is there if the drivetrain has a torque lag, ``angle_motor`` if it is measured,
+    ``torque_load`` (positive in the direction of positive speed, constant but for process noise) if an unknown
+    ``load_torque`` is to be estimated.
     """
     if not measured or len(set(measured)) < len(measured) or not set(measured) <= set(SENSORS):
         raise InvalidInput(
@@ -74,10 +78,27 @@ def observer_model(drivetrain: Drivetrain, measured: Sequence[str]) -> ObserverM
         a = np.block([[a, np.zeros((n, 1))], [np.eye(1, n, 1), np.zeros((1, 1))]])
         b = np.vstack([b, [[0.0]]])
         states.append("angle_motor")
+    if load_torque:
+        n = len(states)
+        a = np.pad(a, ((0, 1), (0, 1)))
+        a[2, n] = 1.0 / drivetrain.inertia_load
+        b = np.vstack([b, [[0.0]]])
+        states.append("torque_load")
     k, jm, jl = drivetrain.stiffness, drivetrain.inertia_motor, drivetrain.inertia_load
     one = np.eye(len(states))
     gap = k / jm * one[:, [1]] - k / jl * one[:, [2]]
     return ObserverModel(drivetrain, tuple(states), a, b, gap, -one[:, [1]] / jm, -one[:, [2]] / jl)
+
+
+def in_the_gap(model: ObserverModel) -> NDArray[np.float64]:
+    """A with the shaft's spring slack; the damper of the dead-zone law stays."""
+    shaft, (jm, jl) = model.drivetrain.shaft, model.drivetrain.inertias
+    a = model.A.copy()
+    a[1, 0] = a[2, 0] = 0.0
+    if shaft.contact != "dead_zone":
+        a[1, 1:3] += shaft.damping / jm * np.array([1.0, -1.0])
+        a[2, 1:3] += shaft.damping / jl * np.array([-1.0, 1.0])
+    return a
 
 
 def covariance(

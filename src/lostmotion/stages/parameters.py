@@ -24,7 +24,6 @@ from .material import Material
 NEEDED = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash")
 #: What identification by prediction error reads.
 DRIVEN = ("torque_motor", "speed_motor")
-PREDICTION = "prediction of the motor speed"
 #: What the measurement of a shaft reads.
 SHAFT = ("speed_motor", "speed_load", "torque_shaft")
 
@@ -82,7 +81,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
         problems += found.problems
         for name in found.values:
             table[name] = _entry(name, found.values[name], found.sources[name], found.intervals.get(name))
-        fits[PREDICTION] = {
+        fits["prediction error"] = {
             "residual": {"value": found.prediction.rms, "unit": "rad/s"},
             "fit": found.prediction.fit,
             "iterations": found.prediction.iterations,
