@@ -88,14 +88,23 @@ def is_quantised(speed: NDArray[np.float64]) -> bool:
 def warnings(
     start: Drivetrain,
     found: Drivetrain,
+    total: float,
     sources: Mapping[str, str],
     names: tuple[str, ...],
     covariance: NDArray[np.float64],
     prediction: Prediction,
     converged: bool,
 ) -> tuple[Problem, ...]:
-    """Warnings about the result, each with a remedy."""
+    """Warnings about the result, each with a remedy; ``total`` is the inertia seen at low frequency, kg m2."""
     problems = [_not_excited(name, start) for name, source in sources.items() if source == "not excited"]
+    if not 1.0 / FAR < total / found.inertia_total < FAR:
+        problems.append(
+            Problem(
+                "warning", "torque_motor",
+                f"a low-frequency acceleration as of {total:.3g} kg m2", f"about {found.inertia_total:.3g} kg m2",
+                "Check sign, scale and unit of torque and speed.",
+            )
+        )  # fmt: skip
     problems += [_far(name, start, found) for name in names if _is_far(name, start, found)]
     problems += _correlated(names, covariance)
     if not converged:

@@ -2,64 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
 from . import findings, starts
-from .gauss_newton import Fit, minimise
-from .predictor import NAMES, Bandwidth, Predictor, from_theta, to_theta
+from .intervals import half_widths, higher_mode, without_unexcited
+from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend
+from .predictor import NAMES, Predictor, from_theta
 from .result import Identification, Prediction, Source
-from .uncertainty import model_allowance, sandwich, shift, student_factor, unmodelled_mode
-
-Array = NDArray[np.float64]
-Progress = Callable[[float, str], None]
-
-#: Observer gains, from high to low, as fractions of the angular frequencies of pole (motor) and zero
-#: (load). Chosen on finer plants: the first makes the cost smooth, the last ones let what the model leaves
-#: out (a mode at seven times the pole) bias the fit least.
-LADDER = (Bandwidth(2.5, 0.38), Bandwidth(0.85, 0.11), Bandwidth(0.45, 0.06))
-
-#: A lower gain is kept only while the innovations grow by no more than this factor (chosen). Above it the
-#: observer no longer follows, because of disturbances or of a rugged cost.
-LARGEST_GROWTH = 1.5
-
-#: A parameter is not excited if its 95 % interval reaches further than this factor either way (chosen).
-NOT_EXCITED = 3.0
-
-#: The shaft torque must change its sign at least so often for the backlash: once each way.
-FEWEST_REVERSALS = 2
 
 #: Fewest rows and shortest time that are accepted (chosen: five periods of a 10 Hz mode).
 MIN_ROWS, MIN_TIME = 2000, 0.5
 
 #: Time before the innovations count, s (chosen: a few time constants of the observer).
 SETTLING = 0.1
-
-#: Steps at most for each gain of the ladder (chosen; three are usual).
-ITERATIONS = 15
-
-#: A lag is fitted down to this fraction of a sample (chosen: far below what can be told from none).
-SMALLEST_LAG = 0.05
-
-#: No parameter leaves its start by more than this factor (chosen).
-FARTHEST = 20.0
-
-
-@dataclass(frozen=True, eq=False)
-class _Stage:
-    """A fit over the whole recording with the gain at which it was made."""
-
-    fit: Fit
-    bandwidth: Bandwidth
-    free: list[int]
-    iterations: int
-    unexcited: tuple[int, ...] = ()
 
 
 def identify(
@@ -119,11 +79,12 @@ def identify(
     free = [i for i, name in enumerate(NAMES) if name not in fixed]
     say(0.0, "searching the start")
     theta, total = starts.complete(start, predictor, fixed)
-    theta = starts.search(theta, total, predictor, start, fixed, _bandwidth(start, LADDER[0]))
-    stage = _descend(predictor, theta, free, say)
+    box = Box.around(theta, predictor.dt)
+    theta = starts.search(theta, total, predictor, start, fixed, bandwidth_for(start, LADDER[0]))
+    stage = descend(predictor, theta, free, box, say)
     say(0.8, "computing the intervals")
-    stage = _without_unexcited(predictor, stage, start)
-    found = _result(recording, predictor, stage, start, fixed)
+    stage = without_unexcited(predictor, stage, start, box)
+    found = _result(recording, predictor, stage, start, fixed, total)
     say(1.0, "identified")
     return found
 
@@ -151,93 +112,21 @@ def _predictor(
     )
 
 
-def _bandwidth(drivetrain: Drivetrain, rung: Bandwidth) -> Bandwidth:
-    return Bandwidth(
-        rung.motor * 2.0 * np.pi * drivetrain.pole_frequency,
-        rung.load * 2.0 * np.pi * drivetrain.zero_frequency,
-    )
-
-
-def _fit(predictor: Predictor, theta: Array, free: list[int], bandwidth: Bandwidth) -> Fit:
-    lower, upper = theta - np.log(FARTHEST), theta + np.log(FARTHEST)
-    if NAMES.index("lag") in free:
-        lower[-1] = np.log((1.0 + SMALLEST_LAG) * predictor.dt)
-        theta = np.maximum(theta, lower)
-    return minimise(
-        lambda t: predictor.residual(t, bandwidth),
-        lambda t, r: predictor.jacobian(t, bandwidth, free, r),
-        theta, free, lower, upper, ITERATIONS,
-    )  # fmt: skip
-
-
-def _descend(predictor: Predictor, theta: Array, free: list[int], say: Progress) -> _Stage:
-    """Fit with ever lower gain, each from the result of the one before."""
-    stages: list[_Stage] = []
-    for number, rung in enumerate(LADDER):
-        say(0.2 + 0.2 * number, f"fitting, gain {number + 1} of {len(LADDER)}")
-        bandwidth = _bandwidth(predictor.drivetrain(theta), rung)
-        fit = _fit(predictor, theta, free, bandwidth)
-        if stages and not fit.cost < LARGEST_GROWTH**2 * stages[-1].fit.cost:
-            break
-        done = fit.iterations + (stages[-1].iterations if stages else 0)
-        stages.append(_Stage(fit, bandwidth, free, done))
-        theta = fit.theta
-    return stages[-1]
-
-
-def _half_widths(predictor: Predictor, stage: _Stage) -> tuple[Array, Array]:
-    """Sandwich covariance, and half widths of the 95 % intervals without the allowance for the model."""
-    j = predictor.jacobian(stage.fit.theta, stage.bandwidth, stage.free, stage.fit.residual)
-    covariance = sandwich(j, stage.fit.residual)
-    higher = Bandwidth(3.0 * stage.bandwidth.motor, 3.0 * stage.bandwidth.load)
-    residual = predictor.residual(stage.fit.theta, higher)
-    by_gain = shift(predictor.jacobian(stage.fit.theta, higher, stage.free, residual), residual)
-    fast = np.abs(predictor.speed) > 0.5 * np.max(np.abs(predictor.speed))
-    by_speed = shift(j[:, fast], stage.fit.residual[fast])
-    # A nameplate value that had to be taken may be off by a factor of two, and moves the others with it.
-    taken = predictor.jacobian(stage.fit.theta, stage.bandwidth, list(stage.unexcited), stage.fit.residual)
-    by_nameplate = [shift(j, np.log(2.0) * moved) for moved in taken]
-    statistical = student_factor(len(stage.free)) * np.sqrt(np.diag(covariance))
-    return covariance, np.sqrt(np.sum(np.square([statistical, by_gain, by_speed, *by_nameplate]), axis=0))
-
-
-def _without_unexcited(predictor: Predictor, stage: _Stage, start: Drivetrain) -> _Stage:
-    """Put what the recording does not tell back to the nameplate, one by one, and fit the rest again."""
-    while stage.free:
-        name = _unexcited(predictor, stage)
-        if name is None:
-            break
-        dropped = NAMES.index(name)
-        theta, free = stage.fit.theta.copy(), [i for i in stage.free if i != dropped]
-        theta[dropped] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[dropped]
-        fit = _fit(predictor, theta, free, stage.bandwidth)
-        done = stage.iterations + fit.iterations
-        stage = _Stage(fit, stage.bandwidth, free, done, (*stage.unexcited, dropped))
-    return stage
-
-
-def _unexcited(predictor: Predictor, stage: _Stage) -> str | None:
-    """The free parameter that the recording tells least about, if that is too little."""
-    if 4 in stage.free and predictor.reversals(stage.fit.theta, stage.bandwidth) < FEWEST_REVERSALS:
-        return "backlash"
-    _, half = _half_widths(predictor, stage)
-    worst = int(np.argmax(half))
-    return NAMES[stage.free[worst]] if half[worst] > np.log(NOT_EXCITED) else None
-
-
 def _result(
-    recording: Recording, predictor: Predictor, stage: _Stage, start: Drivetrain, fixed: Collection[str]
+    recording: Recording,
+    predictor: Predictor,
+    stage: Stage,
+    start: Drivetrain,
+    fixed: Collection[str],
+    total: float,
 ) -> Identification:
     theta, residual, names = stage.fit.theta, stage.fit.residual, tuple(NAMES[i] for i in stage.free)
     drivetrain = predictor.drivetrain(theta)
-    rest, speed = residual[predictor.skip :], predictor.speed[predictor.skip :]
-    mode = unmodelled_mode(rest, speed, predictor.dt, predictor.count_averaged, drivetrain.pole_frequency)
-    covariance, half = _half_widths(predictor, stage)
-    half = np.hypot(half, model_allowance(names, drivetrain, predictor.dt, mode))
+    covariance, half = half_widths(predictor, stage)
     full = np.zeros(theta.size)
     full[stage.free] = half
     low, high = (from_theta(theta + sign * full, predictor.dt) for sign in (-1.0, 1.0))
-    rms = float(np.sqrt(np.mean(rest**2)))
+    rms = float(np.sqrt(np.mean(residual[predictor.skip :] ** 2)))
     prediction = Prediction(
         time=recording.time,
         speed_motor=predictor.speed - residual,
@@ -245,7 +134,7 @@ def _result(
         rms=rms,
         fit=1.0 - rms / float(np.std(predictor.speed)),
         iterations=stage.iterations,
-        unmodelled_frequency=mode,
+        unmodelled_frequency=higher_mode(predictor, stage),
     )
     sources: dict[str, Source] = {
         name: "identified" if name in names else "nameplate" if name in fixed else "not excited"
@@ -257,7 +146,7 @@ def _result(
         intervals={NAMES[i]: (float(low[i]), float(high[i])) for i in stage.free},
         sources=sources,
         problems=findings.warnings(
-            start, drivetrain, sources, names, covariance, prediction, stage.fit.converged
+            start, drivetrain, total, sources, names, covariance, prediction, stage.fit.converged
         ),
         prediction=prediction,
         names=names,

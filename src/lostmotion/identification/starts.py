@@ -59,17 +59,21 @@ def complete(start: Drivetrain, predictor: Predictor, fixed: Collection[str]) ->
     force = float(np.std(predictor.torque))
     fastest = float(np.max(np.abs(predictor.speed)))
     guesses = {
-        "coulomb": coulomb if coulomb > 0.0 else values["coulomb"] or 0.01 * force,
-        "viscous": viscous if viscous > 0.0 else values["viscous"] or 0.01 * force / fastest,
+        "coulomb": _near(coulomb, values["coulomb"], 0.01 * force),
+        "viscous": _near(viscous, values["viscous"], 0.01 * force / fastest),
         "damping": values["damping"] or DAMPING_RATIO * start.stiffness / (np.pi * start.pole_frequency),
         "backlash": values["backlash"] or force / start.stiffness,
         "lag": values["lag"] or 2.0 * predictor.dt,
     }
     values.update({name: value for name, value in guesses.items() if name not in fixed})
-    rigid = start.inertia_total
-    return to_theta(
-        [values[n] for n in NAMES], predictor.dt
-    ), inertia if 0.3 < inertia / rigid < 3.0 else rigid
+    return to_theta([values[n] for n in NAMES], predictor.dt), inertia
+
+
+def _near(seen: float, nameplate: float, least: float) -> float:
+    """What the recording shows, if it is within a factor of four of the nameplate (or there is none)."""
+    if nameplate > 0.0:
+        return seen if 0.25 < seen / nameplate < 4.0 else nameplate
+    return max(seen, least)
 
 
 def search(
@@ -86,6 +90,8 @@ def search(
         "stiffness": FACTORS,
         "backlash": FACTORS if start.backlash > 0.0 else BACKLASH_FACTORS,
     }
+    if not 0.3 < total / start.inertia_total < 3.0:
+        total = start.inertia_total
     grid = [(1.0,) if name in fixed else values for name, values in factors.items()]
     points = [theta]
     for motor, stiffness, backlash in product(*grid):

@@ -1,0 +1,70 @@
+"""Intervals of a fit, and what the recording does not tell."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drivetrain import Drivetrain
+from .ladder import Box, Stage, fit
+from .predictor import NAMES, Bandwidth, Predictor, to_theta
+from .uncertainty import model_allowance, sandwich, shift, student_factor, unmodelled_mode
+
+Array = NDArray[np.float64]
+
+#: A parameter is not excited if its 95 % interval reaches further than this factor either way (chosen).
+NOT_EXCITED = 3.0
+
+#: The shaft torque must change its sign at least so often for the backlash: once each way.
+FEWEST_REVERSALS = 2
+
+
+def half_widths(predictor: Predictor, stage: Stage) -> tuple[Array, Array]:
+    """Sandwich covariance, and half widths of the 95 % intervals (see ``identify``), both in the logarithms."""
+    j = predictor.jacobian(stage.fit.theta, stage.bandwidth, stage.free, stage.fit.residual)
+    covariance = sandwich(j, stage.fit.residual)
+    higher = Bandwidth(3.0 * stage.bandwidth.motor, 3.0 * stage.bandwidth.load)
+    residual = predictor.residual(stage.fit.theta, higher)
+    by_gain = shift(predictor.jacobian(stage.fit.theta, higher, stage.free, residual), residual)
+    fast = np.abs(predictor.speed) > 0.5 * np.max(np.abs(predictor.speed))
+    by_speed = shift(j[:, fast], stage.fit.residual[fast])
+    # A nameplate value that had to be taken may be off by a factor of two, and moves the others with it.
+    taken = predictor.jacobian(stage.fit.theta, stage.bandwidth, list(stage.unexcited), stage.fit.residual)
+    by_nameplate = [shift(j, np.log(2.0) * moved) for moved in taken]
+    statistical = student_factor(len(stage.free)) * np.sqrt(np.diag(covariance))
+    names = tuple(NAMES[i] for i in stage.free)
+    mode = higher_mode(predictor, stage)
+    allowance = model_allowance(names, predictor.drivetrain(stage.fit.theta), predictor.dt, mode)
+    parts = [statistical, by_gain, by_speed, *by_nameplate, allowance]
+    return covariance, np.sqrt(np.sum(np.square(parts), axis=0))
+
+
+def higher_mode(predictor: Predictor, stage: Stage) -> float | None:
+    """Frequency (Hz) of a mode that the fit leaves in the innovations, if there is one."""
+    rest, speed = stage.fit.residual[predictor.skip :], predictor.speed[predictor.skip :]
+    pole = predictor.drivetrain(stage.fit.theta).pole_frequency
+    return unmodelled_mode(rest, speed, predictor.dt, predictor.count_averaged, pole)
+
+
+def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box) -> Stage:
+    """Put what the recording does not tell back to the nameplate, one by one, and fit the rest again."""
+    while stage.free:
+        name = _unexcited(predictor, stage)
+        if name is None:
+            break
+        dropped = NAMES.index(name)
+        theta, free = stage.fit.theta.copy(), [i for i in stage.free if i != dropped]
+        theta[dropped] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[dropped]
+        found = fit(predictor, theta, free, box, stage.bandwidth)
+        done = stage.iterations + found.iterations
+        stage = Stage(found, stage.bandwidth, free, done, (*stage.unexcited, dropped))
+    return stage
+
+
+def _unexcited(predictor: Predictor, stage: Stage) -> str | None:
+    """The free parameter that the recording tells least about, if that is too little."""
+    if 4 in stage.free and predictor.reversals(stage.fit.theta, stage.bandwidth) < FEWEST_REVERSALS:
+        return "backlash"
+    _, half = half_widths(predictor, stage)
+    worst = int(np.argmax(half))
+    return NAMES[stage.free[worst]] if half[worst] > np.log(NOT_EXCITED) else None
