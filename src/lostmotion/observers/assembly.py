@@ -96,9 +96,9 @@ class Assembly:
         for i, row in enumerate(self.extra.values()):
             phi[n + i, :n] = row
         e = np.zeros((n_known, n_w))
-        for name, column in (("gap", 1), ("motor", 2), ("load", 3)):
-            if name in names:
-                e[:n, names.index(name)] = self.gamma[:, column]
+        for curve, column in (("gap", 1), ("motor", 2), ("load", 3)):
+            if curve in names:
+                e[:n, names.index(curve)] = self.gamma[:, column]
         c_x, c_w = self._measurement(measured, c, names)
         always = gain if self.slack_gain is None else self.slack_gain
         b = np.hstack([np.pad(self.gamma[:, [0]], ((0, n_known - n), (0, 0))), always])

@@ -200,7 +200,9 @@ def sampled_model(
 
 def predictor_gain(design: SampledModel, a: Array, q: Array, r: Array) -> Array:
     """Gain of x⁺ = Φx + … + K(y − ŷ) from the discrete Riccati equation; q, r continuous densities."""
-    return _riccati_gain(design.step(a), design.c, design.noise(a, q), r / design.dt, design.measured, design.dt)
+    return _riccati_gain(
+        design.step(a), design.c, design.noise(a, q), r / design.dt, design.measured, design.dt
+    )
 
 
 def _gain_in_the_gap(design: SampledModel, q: Array, r: Array) -> Array:
@@ -214,9 +216,6 @@ def _gain_in_the_gap(design: SampledModel, q: Array, r: Array) -> Array:
     for i, signal in enumerate(design.measured):
         if signal == "torque_shaft":
             c[i] = 0.0
-            if design.model.drivetrain.contact == "dead_zone":
-                d = design.model.drivetrain.damping
-                c[i, 1:3] = d, -d
     slack = replace(design, c=c)
     return predictor_gain(slack, a - GAP_DECAY * np.eye(a.shape[0]), q, r)
 

@@ -91,13 +91,12 @@ def observer_model(
 
 
 def in_the_gap(model: ObserverModel) -> NDArray[np.float64]:
-    """A with the shaft's spring slack; the damper of the dead-zone law stays."""
+    """A without the shaft: what is left of the dynamics inside the gap."""
     shaft, (jm, jl) = model.drivetrain.shaft, model.drivetrain.inertias
+    pull = model.row(twist=shaft.stiffness, speed_motor=shaft.damping, speed_load=-shaft.damping)
     a = model.A.copy()
-    a[1, 0] = a[2, 0] = 0.0
-    if shaft.contact != "dead_zone":
-        a[1, 1:3] += shaft.damping / jm * np.array([1.0, -1.0])
-        a[2, 1:3] += shaft.damping / jl * np.array([-1.0, 1.0])
+    a[1] += pull / jm
+    a[2] -= pull / jl
     return a
 
 
