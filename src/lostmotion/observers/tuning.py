@@ -1,0 +1,117 @@
+"""Parameters of the observers that are steppers: the model, and a tuning in physical terms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+from ..systems import zero_order_hold
+from .model import observer_model
+
+Array = NDArray[np.float64]
+
+#: Sensors of the steppers, in the order of their kinds in ``kernels.steppers_model``.
+STEPPER_SENSORS = ("speed_motor", "speed_load", "twist", "torque_shaft")
+
+#: Standard deviation of one sample. Speeds: a 20-bit encoder differenced at 0.1 ms has 0.025 rad/s; torque: a drive's
+#: test-rig sensor; twist: 20 bit (chosen).
+SENSOR_NOISE: Mapping[str, float] = MappingProxyType(
+    {"speed_motor": 0.03, "speed_load": 0.03, "twist": 1e-5, "torque_shaft": 0.3}
+)
+
+#: Torque that the model does not know, as the root of its density, Nm·√s: 0.02 is 0.63 Nm held for 1 ms each (chosen).
+UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.02, "load": 0.02})
+
+#: A jump is an innovation beyond this many of its own standard deviations; a sensor is frozen if the model has moved by
+#: this many deviations of the sensor (both chosen).
+GATE, FREEZE = 12.0, 8.0
+#: After this time of rejected samples the signal is right and the estimate wrong, s (chosen).
+HOLD = 5e-3
+
+
+def measured_sensors(measured: Sequence[str]) -> tuple[str, ...]:
+    """The sensors of a stepper, checked."""
+    measured = tuple(measured)
+    if not measured or len(set(measured)) < len(measured) or not set(measured) <= set(STEPPER_SENSORS):
+        raise InvalidInput(
+            "measured", repr(measured), f"names out of {STEPPER_SENSORS}, each once", "Check the names."
+        )
+    return measured
+
+
+def positive(where: str, value: float, zero: bool = False) -> float:
+    """A finite number above zero (or zero, where that is allowed)."""
+    value = float(value)
+    if not math.isfinite(value) or value < 0.0 or (value == 0.0 and not zero):
+        raise InvalidInput(where, repr(value), "zero or more" if zero else "a positive number", "Check the unit.")
+    return value
+
+
+def chosen(where: str, default: Mapping[str, float], given: Mapping[str, float] | None, zero: bool) -> dict[str, float]:
+    """The defaults, changed by what the user gave."""
+    unknown = sorted(set(given or {}) - set(default))
+    if unknown:
+        raise InvalidInput(where, f"{unknown}", f"names out of {tuple(default)}", "Check the names.")
+    return {name: positive(f"{where}[{name!r}]", v, zero) for name, v in {**default, **(given or {})}.items()}
+
+
+def step_matrix(drivetrain: Drivetrain, dt: float) -> Array:
+    """(4, 8): twist, speeds and actuator torque after a sample, from those before and torque, gap and frictions held."""
+    model = observer_model(drivetrain, ("speed_motor",))
+    b = np.hstack([model.B, model.E_gap, model.E_motor, model.E_load])
+    phi, gamma = zero_order_hold(model.A, b, dt)
+    rows = np.zeros((4, 8))
+    n = phi.shape[0]
+    rows[:n, :n], rows[:n, 4:] = phi, gamma
+    return rows
+
+
+def model_parameters(
+    drivetrain: Drivetrain,
+    measured: tuple[str, ...],
+    dt: float,
+    sensor_noise: Mapping[str, float] | None,
+    count_averaged: bool,
+) -> Array:
+    """The part of the parameter array that ``kernels.steppers_model`` reads; the rest is zero."""
+    from ..kernels import steppers_model as at
+
+    if count_averaged and "speed_motor" not in measured:
+        raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
+    shaft, friction = drivetrain.shaft, drivetrain.frictions[1]
+    noise = chosen("sensor_noise", SENSOR_NOISE, sensor_noise, zero=False)
+    rows = step_matrix(drivetrain, dt)
+    lead = 0.0 if shaft.contact == "dead_zone" else shaft.damping / shaft.stiffness
+    level = drivetrain.coulomb
+    limit = drivetrain.actuator.torque_limit
+    p = np.zeros(at.OWN)
+    p[at.STEP_MATRIX : at.STEP_MATRIX + 32] = rows.ravel()
+    p[at.LEAD_MIDDLE], p[at.LEAD] = lead + 0.5 * dt, lead
+    p[at.STIFFNESS], p[at.DAMPING], p[at.VISCOUS] = shaft.stiffness, shaft.damping, drivetrain.viscous
+    p[at.COULOMB_MOTOR] = drivetrain.coulomb_motor
+    p[at.RATIO_PLUS] = friction.coulomb_plus / level if level > 0.0 else 1.0
+    p[at.RATIO_MINUS] = friction.coulomb_minus / level if level > 0.0 else 1.0
+    p[at.REST_MOTOR], p[at.REST_LOAD] = 1.0 / abs(rows[1, 6]), 1.0 / abs(rows[2, 7])
+    p[at.MEAN_NOW], p[at.MEAN_BEFORE] = (0.5, 0.5) if count_averaged else (1.0, 0.0)
+    p[at.TORQUE_BOUND] = 2.0 * limit if math.isfinite(limit) else 1e30
+    p[at.GATE], p[at.FREEZE], p[at.HOLD] = GATE, FREEZE, max(1.0, round(HOLD / dt))
+    for i, name in enumerate(measured):
+        p[at.KIND + i] = STEPPER_SENSORS.index(name)
+        p[at.VARIANCE + i] = noise[name] ** 2
+    p[at.N_SENSORS], p[at.DT] = len(measured), dt
+    return p
+
+
+def process_of_torque(drivetrain: Drivetrain, unknown_torque: Mapping[str, float] | None, dt: float) -> tuple[float, float]:
+    """Variance that the unknown torque adds to the speeds of motor and load in one sample, (rad/s)²."""
+    torque = chosen("unknown_torque", UNKNOWN_TORQUE, unknown_torque, zero=True)
+    return (
+        (torque["motor"] / drivetrain.inertia_motor) ** 2 * dt,
+        (torque["load"] / drivetrain.inertia_load) ** 2 * dt,
+    )
