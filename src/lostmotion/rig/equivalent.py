@@ -36,17 +36,20 @@ def _frequencies(drivetrain: Drivetrain, locked_motor: bool) -> NDArray[np.float
 def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64]) -> dict[str, float]:
     """Parameters of the equivalent two-mass drivetrain, by name, SI.
 
-    Inertias: the sums on each side of the gap. Stiffness: from the first pole with the gap closed and those
-    inertias. Damping: from the series of the shafts. Coulomb and viscous: least-squares line through the true friction
-    curve at the recorded load speeds (n,), rad/s.
+    Inertias: the sums on each side of the gap, or of the softest shaft where there is no gap. Stiffness: from
+    the first pole with the gap closed and those inertias. Damping: from the series of the shafts. Coulomb and
+    viscous: least-squares line through the true friction curve at the recorded load speeds (n,), rad/s.
     """
     gaps = [i for i, shaft in enumerate(drivetrain.shafts) if shaft.has_backlash]
-    if len(gaps) != 1:
+    if len(gaps) > 1:
         raise InvalidInput(
-            "two_mass_equivalent", f"{len(gaps)} backlashes", "exactly one", "Close the others."
+            "two_mass_equivalent", f"{len(gaps)} backlashes", "at most one", "Close the others."
         )
-    motor = math.fsum(drivetrain.inertias[: gaps[0] + 1])
-    load = math.fsum(drivetrain.inertias[gaps[0] + 1 :])
+    joint = (
+        gaps[0] if gaps else min(range(len(drivetrain.shafts)), key=lambda i: drivetrain.shafts[i].stiffness)
+    )
+    motor = math.fsum(drivetrain.inertias[: joint + 1])
+    load = math.fsum(drivetrain.inertias[joint + 1 :])
     pole = 2.0 * math.pi * float(modes(drivetrain)[1])
     stiffness = pole**2 / (1.0 / motor + 1.0 / load)
     # In series the compliances add, and in slow motion each shaft dissipates d·(share of the twist)².
@@ -64,7 +67,7 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
         "inertia_load": load,
         "stiffness": stiffness,
         "damping": damping,
-        "backlash": drivetrain.shafts[gaps[0]].backlash,
+        "backlash": drivetrain.shafts[joint].backlash,
         "coulomb": float(coulomb),
         "viscous": float(viscous),
         "lag": drivetrain.actuator.lag,

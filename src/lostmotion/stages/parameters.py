@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..drivetrain import PARAMETER_UNITS, Drivetrain
-from ..errors import InvalidInput, Problem
+from ..errors import Problem
 from ..identification import (
     Identification,
     RingDown,
@@ -69,7 +69,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
     table = {name: _entry(name, value, "nameplate") for name, value in material.nameplate.items()}
     recording = material.identify
     if recording is None:
-        return _finished(table, skipped="no recording with use = 'identify'")
+        return _finished(material.nameplate, table, skipped="no recording with use = 'identify'")
     problems: list[Problem] = []
     fits: dict[str, Any] = {}
     shaft: ShaftStiffness | None = None
@@ -86,7 +86,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
             "fit": found.prediction.fit,
             "iterations": found.prediction.iterations,
         }
-        return _finished(table, found, fits=fits, problems=tuple(problems))
+        return _finished(material.nameplate, table, found, fits=fits, problems=tuple(problems))
     # Without a motor torque, speeds on both ends and the torque of a shaft still tell its stiffness.
     if all(name in recording for name in SHAFT):
         shaft, ringing = shaft_stiffness(recording), ring_down(recording, seed=material.seed)
@@ -99,7 +99,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
             fits["measured shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
         if shaft.stiffness is not None:
             table["stiffness"] = _entry("stiffness", shaft.stiffness, "identified", shaft.interval)
-    return _finished(table, None, shaft, ringing, reason, fits, tuple(problems))
+    return _finished(material.nameplate, table, None, shaft, ringing, reason, fits, tuple(problems))
 
 
 def two_mass(values: Mapping[str, Any]) -> Drivetrain:
@@ -149,6 +149,7 @@ def _entry(
 
 
 def _finished(
+    nameplate: Mapping[str, float],
     table: dict[str, dict[str, Any]],
     found: Identification | None = None,
     shaft: ShaftStiffness | None = None,
@@ -157,21 +158,16 @@ def _finished(
     fits: Mapping[str, Any] | None = None,
     problems: tuple[Problem, ...] = (),
 ) -> Found:
+    """What is designed with: identified values, else the user's; never the start value of something unknown."""
     for name in NEEDED:
         table.setdefault(name, _entry(name, None, "not excited"))
     ordered = {name: table[name] for name in PARAMETER_UNITS if name in table}
-    missing = [name for name in NEEDED if ordered[name]["value"] is None]
+    values = {**nameplate, **{n: e["value"] for n, e in ordered.items() if e["value"] is not None}}
+    missing = [name for name in NEEDED if name not in values]
     drivetrain: Drivetrain | None = None
-    if found is not None:
-        drivetrain, missing = found.drivetrain, []
-    elif not missing:
-        try:
-            drivetrain = two_mass({n: e["value"] for n, e in ordered.items()})
-        except InvalidInput as error:
-            missing = [str(error)]
-    reason = (
-        f"{', '.join(missing)} not known: identify from a motor torque, or give [nameplate]"
-        if missing
-        else ""
-    )
+    reason = ""
+    if missing:
+        reason = f"{', '.join(missing)} not known: identify from a motor torque, or give [nameplate]"
+    else:
+        drivetrain = found.drivetrain if found is not None else two_mass(values)
     return Found(ordered, drivetrain, reason, found, shaft, ringing, skipped, fits or {}, problems)

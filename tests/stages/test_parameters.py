@@ -1,0 +1,75 @@
+"""Stage 2: what counts as known, and that nothing is designed with what is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.stages.design import design
+from lostmotion.stages.material import Material, Settings, from_rig
+from lostmotion.stages.parameters import find_parameters
+
+
+@pytest.fixture(scope="module")
+def material() -> Material:
+    return from_rig(1)[0]
+
+
+def test_swapped_sign_of_the_torque_designs_nothing(material: Material) -> None:
+    """A recording that contradicts the model must not lead to a law made of start values."""
+    assert material.identify is not None
+    swapped = material.identify.with_signals("measured", torque_motor=-material.identify["torque_motor"])
+    nameplate = {"inertia_motor": 0.02, "inertia_load": 0.11, "stiffness": 6000.0}
+    found = find_parameters(replace(material, identify=swapped, nameplate=nameplate))
+    assert found.drivetrain is None
+    laws = design(material, found)
+    assert laws.law is None
+    assert "not known" in laws.skipped
+
+
+def shaft_recording(speed_load: bool) -> lm.Recording:
+    n = 4000
+    time = np.arange(n) * 1e-3
+    rng = np.random.default_rng(1)
+    signals = {"speed_motor": 100.0 + rng.standard_normal(n), "torque_shaft": 5.0 + rng.standard_normal(n)}
+    if speed_load:
+        signals["speed_load"] = 100.0 + rng.standard_normal(n)
+    return lm.Recording(time=time, signals=signals)
+
+
+@pytest.mark.parametrize("speed_load", [False, True])
+def test_without_motor_torque_nothing_is_invented(speed_load: bool) -> None:
+    recording = shaft_recording(speed_load)
+    found = find_parameters(
+        Material(
+            {"stiffness": 100.0}, Settings(), 1, False, recording, None, {"r": recording}, {"r": "identify"}
+        )
+    )
+    assert found.skipped == "no torque_motor in the recording"
+    assert found.drivetrain is None
+    assert found.table["backlash"]["value"] is None
+    assert found.table["stiffness"]["value"] == 100.0
+    assert found.table["stiffness"]["source"] == "nameplate"
+    assert "inertia_motor, inertia_load, damping, backlash not known" in found.missing
+
+
+def test_a_complete_nameplate_is_enough_for_a_design() -> None:
+    recording = shaft_recording(False)
+    nameplate = {
+        "inertia_motor": 0.02, "inertia_load": 0.1, "stiffness": 6000.0, "damping": 0.4, "backlash": 0.01,
+    }  # fmt: skip
+    material = Material(
+        nameplate, Settings(sample_time=1e-4), 1, False, recording, None, {"r": recording}, {"r": "identify"}
+    )
+    found = find_parameters(material)
+    assert found.drivetrain is not None
+    assert found.drivetrain.backlash == 0.01
+    assert design(material, found).law is not None
+
+
+def test_missing_start_values_are_named(material: Material) -> None:
+    found = find_parameters(replace(material, nameplate={"stiffness": 6000.0}))
+    assert found.skipped == "no start value for inertia_motor, inertia_load: add it to [nameplate]"

@@ -1,0 +1,88 @@
+"""Stage 4: withheld signals stay withheld, and controllers meet a plant they were not designed with."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.stages.design import design, observer
+from lostmotion.stages.material import from_rig
+from lostmotion.stages.parameters import find_parameters
+from lostmotion.stages.validation import validate_controllers, validate_observers
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    material, truth = from_rig(1)
+    return material, find_parameters(material), truth
+
+
+def test_withheld_signals_change_no_estimate(prepared) -> None:
+    material, found, _ = prepared
+    falsified = material.validate.with_signals(
+        "measured",
+        speed_load=np.full(len(material.validate), 7.0),
+        twist=np.full(len(material.validate), 1.0),
+    )
+    _, honest = validate_observers(material, found)
+    _, blind = validate_observers(replace(material, validate=falsified), found)
+    for name in ("observer_1", "observer_2"):
+        for signal in honest[name]:
+            assert np.array_equal(honest[name][signal], blind[name][signal]), (name, signal)
+
+
+def test_missing_signals_are_skipped_with_a_reason(prepared) -> None:
+    material, found, _ = prepared
+    poor = replace(material, validate=material.validate.only("torque_motor", "speed_motor"))
+    table, estimates = validate_observers(poor, found)
+    assert set(estimates) == {"observer_1"}
+    assert table["observer_2"] == {"skipped": "no torque_shaft in the recording"}
+    assert table["observer_1"]["speed_load"] == {"skipped": "no speed_load in the recording"}
+    without = replace(material, validate=material.validate.only("speed_motor"))
+    assert validate_observers(without, found)[0] == {"skipped": "no torque_motor in the recording"}
+
+
+def test_user_plant_is_finer_than_the_model_and_within_the_intervals(prepared) -> None:
+    material, found, _ = prepared
+    plants = [lm.rig.finer_rig(found.drivetrain, found.intervals, seed).drivetrain for seed in range(20)]
+    for plant in plants:
+        assert len(plant.inertias) == 4
+        assert plant.shafts[2].contact == "physical"
+        low, high = found.intervals["backlash"]
+        assert low <= plant.shafts[2].backlash <= high
+        low, high = found.intervals["inertia_load"]
+        assert low <= plant.inertias[3] <= high
+    assert len({plant.shafts[1].stiffness for plant in plants}) == 20
+    table, _ = validate_controllers(replace(material, virtual=False), found, design(material, found))
+    assert "simulated" in table["plant"]
+    assert table["pole_placement"]["overshoot"] < 3.0
+
+
+def test_no_gap_and_no_friction_validate_as_well(prepared) -> None:
+    material, found, _ = prepared
+    plain = replace(found, drivetrain=found.drivetrain.with_parameters(backlash=0.0, coulomb=0.0), table={})
+    table, _ = validate_controllers(replace(material, virtual=False), plain, design(material, plain))
+    assert table["pi"]["steady_error"] < 0.01
+
+
+def test_torque_of_the_rig_reaches_the_observer_in_time(prepared) -> None:
+    """The recorded torque is the set-point that acts in its row: one sample off would show in the estimate."""
+    material, _, truth = prepared
+    model = lm.Drivetrain.two_mass(**truth.parameters)
+    recording = material.validate
+    estimate = observer(model, "observer_1", recording.dt, True).run(
+        recording.only("torque_motor", "speed_motor")
+    )
+    errors = []
+    for shift in (-2, 0, 2):
+        moved = recording.with_signals("measured", torque_motor=np.roll(recording["torque_motor"], shift))
+        estimate = observer(model, "observer_1", recording.dt, True).run(
+            moved.only("torque_motor", "speed_motor")
+        )
+        errors.append(
+            np.sqrt(np.mean((estimate["speed_load_estimated"] - recording["speed_load"])[3000:] ** 2))
+        )
+    assert errors[1] < min(errors[0], errors[2])
