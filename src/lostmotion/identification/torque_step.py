@@ -18,6 +18,8 @@ TURNING = 0.02
 AVERAGING = 0.1
 #: Fewest averages (chosen: three in each of the blocks that the intervals come from).
 MIN_AVERAGES = 60
+#: A torque is constant if it departs from one level in each direction by less than this part of it (chosen).
+CONSTANT = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,13 @@ def torque_step(
         return replace(result, problems=(*problems, _does_not_turn(speed, y.size, float(np.abs(w).max()))))
     if inertia is not None:
         names, x, y = names[1:], x[1:], y - inertia * x[0]
+    elif _constant_torque(names, x, y):
+        return replace(
+            result,
+            values=dict.fromkeys(names),
+            sources=dict.fromkeys(names, "not excited"),
+            problems=(*problems, _scale_not_told(used)),
+        )
     fit = linear_fit(x, y)
     values, intervals, sources, more = told(names, fit.values, fit.margins, inertia, "torque_step")
     result = replace(
@@ -170,6 +179,24 @@ def _averages(
         rows.append(np.stack([by_name.get(name, 0.0 * one) for name in names]))
         torques.append(np.convolve(s.torque, weight, "valid")[::half])
     return np.concatenate(rows, axis=1), np.concatenate(torques)
+
+
+def _constant_torque(names: tuple[str, ...], x: Floats, y: Floats) -> bool:
+    """Whether Coulomb friction and offset alone explain the torque: then nothing gives the other values a scale."""
+    constant = np.array([name.startswith("coulomb") or name == "offset" for name in names])
+    level = np.linalg.lstsq(x[constant].T, y, rcond=None)[0]
+    return bool(np.linalg.norm(y - level @ x[constant]) < CONSTANT * np.linalg.norm(y))
+
+
+def _scale_not_told(torque: str) -> Problem:
+    return Problem(
+        "warning",
+        f"torque_step: {torque}",
+        "one constant torque while the drive turns, and no inertia",
+        "the inertia, or torques that differ",
+        "Give the inertia, or record two levels of torque or the coasting down as well: one level tells "
+        "friction per inertia only.",
+    )
 
 
 def _solved(s: _Stretch, found: FrictionFit, half: int, dt: float) -> Floats:
