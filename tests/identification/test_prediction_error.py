@@ -212,6 +212,30 @@ def test_closed_loop_with_dither():
         assert error(found, truth.parameters, name) < most, name
 
 
+def test_closed_loop_without_dither_still_finds_most():
+    """Set-point ramps alone: the damping is not excited, all else is found, by two dozen reversals."""
+    levels = np.repeat([10.0, 25.0, -10.0, -25.0, 15.0, -15.0], 16667)[:100000]
+    reference = np.convolve(np.r_[np.zeros(5000), levels], np.ones(5000) / 5000.0, "valid")[:100000]
+    law = lm.controllers.pi(kp=10.0, ki=20.0, dt=DT, torque_limit=73.5)
+    recording, truth = lm.rig.record(1, law=law, speed_reference=reference)
+    found = lm.identify(recording, start=off_by_two(truth.parameters, 5))
+    assert found.sources["damping"] == "not excited"
+    low, high = found.intervals["stiffness"]
+    assert low < truth.parameters["stiffness"] < high
+    assert high - low > 0.04 * truth.parameters["stiffness"], "the nameplate's damping must widen it"
+    for name in ("inertia_motor", "inertia_load", "backlash", "coulomb"):
+        assert error(found, truth.parameters, name) < 0.02, name
+
+
+def test_torque_of_the_wrong_sign_is_told():
+    recording = counted(simulated(1, 2.5))
+    wrong = recording.with_signals("measured", torque_motor=-recording["torque_motor"])
+    found = lm.identify(wrong, start=PLANT)
+    (problem,) = [p for p in found.problems if p.where == "torque_motor"]
+    assert "sign" in problem.remedy
+    assert not [p for p in found_from_counts().problems if p.where == "torque_motor"]
+
+
 def test_progress_runs_from_zero_to_one():
     calls: list[tuple[float, str]] = []
     lm.identify(counted(simulated(1, 2.5)), start=PLANT, progress=lambda f, text: calls.append((f, text)))
@@ -232,6 +256,10 @@ def test_misuse_is_told_at_once():
         lm.identify(broken(speed_motor=spoilt), start=PLANT)
     with pytest.raises(lm.InvalidInput, match="a moving signal"):
         lm.identify(broken(torque_motor=np.ones(len(good))), start=PLANT)
+    with pytest.raises(lm.InvalidInput, match="Check the unit"):
+        lm.identify(broken(speed_motor=1e9 * good["speed_motor"]), start=PLANT)
+    with pytest.raises(lm.InvalidInput, match="every parameter"):
+        lm.identify(good, start=PLANT, fixed=NAMES)
     with pytest.raises(lm.InvalidInput, match="at least 2000 rows"):
         lm.identify(good.window(0.0, 0.1), start=PLANT)
     with pytest.raises(lm.InvalidInput, match="torque_motor"):

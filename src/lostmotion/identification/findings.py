@@ -15,6 +15,9 @@ from .result import Prediction
 #: Largest deviation of a time step from the mean step.
 RASTER = 0.05
 
+#: Largest torque (Nm) and speed (rad/s) that are taken for real (chosen: a thousand times those of big drives).
+LARGEST_VALUE = 1e8
+
 #: Correlation above which two parameters can hardly be told apart (chosen).
 CORRELATED = 0.98
 
@@ -46,6 +49,11 @@ def check_recording(recording: Recording, min_rows: int, min_time: float) -> Non
                 f"{values[row]} in row {row}",
                 "finite numbers",
                 "Cut it out or repair it.",
+            )
+        largest = float(np.max(np.abs(values)))
+        if largest > LARGEST_VALUE:
+            raise InvalidInput(
+                f"recording {name}", f"{largest:.3g}", f"SI values below {LARGEST_VALUE:g}", "Check the unit."
             )
         if np.ptp(values) == 0.0:
             raise InvalidInput(
