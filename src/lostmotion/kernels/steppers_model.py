@@ -55,7 +55,9 @@ def advance(p, x0, x1, x2, x3, load_torque, coulomb, gap, torque):
     """
     n0 = p[0] * x0 + p[1] * x1 + p[2] * x2 + p[3] * x3 + p[4] * torque + p[5] * gap - p[7] * load_torque
     n1 = p[8] * x0 + p[9] * x1 + p[10] * x2 + p[11] * x3 + p[12] * torque + p[13] * gap - p[15] * load_torque
-    n2 = p[16] * x0 + p[17] * x1 + p[18] * x2 + p[19] * x3 + p[20] * torque + p[21] * gap - p[23] * load_torque
+    n2 = (
+        p[16] * x0 + p[17] * x1 + p[18] * x2 + p[19] * x3 + p[20] * torque + p[21] * gap - p[23] * load_torque
+    )
     n3 = p[27] * x3 + p[28] * torque
     motor = clip(n1 * p[REST_MOTOR], -p[COULOMB_MOTOR], p[COULOMB_MOTOR])
     n2 += p[22] * motor

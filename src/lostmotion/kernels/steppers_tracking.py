@@ -1,0 +1,203 @@
+"""What the filters that track backlash, load torque and Coulomb level share: start, correction, outputs.
+
+States: those of ``steppers_model``, then torque_load, backlash, coulomb. See there for numba's cache.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .steppers_model import (
+    DAMPING,
+    KIND,
+    LEAD,
+    LOST,
+    MEAN_BEFORE,
+    MEAN_NOW,
+    MEMORY,
+    N_SENSORS,
+    SPEED_LOAD,
+    SPEED_MOTOR,
+    START,
+    START_VARIANCE,
+    STIFFNESS,
+    TORQUE_SHAFT,
+    TWIST,
+    VARIANCE,
+    clip,
+    mean_gap,
+    sensor_believed,
+    torque_believed,
+    write_estimates,
+)  # fmt: skip
+
+N = 8
+ACTUATOR, PREVIOUS, LOAD_TORQUE, BACKLASH, COULOMB = 3, 4, 5, 6, 7
+
+# Places in the state.
+COVARIANCE = N
+STARTED = N + N * N
+TORQUE = STARTED + 1
+FRICTION = STARTED + 2
+BEFORE = STARTED + 3  # the four moving states before the last prediction: what the model alone has moved
+SENSOR_MEMORY = STARTED + 7
+SIZE = SENSOR_MEMORY + 4 * MEMORY
+
+
+@njit(cache=True)
+def restart(p, s, speed, count):
+    """Both inertias at ``speed``; of the rest, the first ``count`` states as known beforehand."""
+    for i in range(count):
+        s[i] = p[START + i]
+        for j in range(N):
+            s[COVARIANCE + i * N + j] = s[COVARIANCE + j * N + i] = 0.0
+        s[COVARIANCE + i * N + i] = p[START_VARIANCE + i]
+    s[1] = s[2] = s[PREVIOUS] = speed
+    s[ACTUATOR] = s[TORQUE]
+    for i in range(4):
+        s[BEFORE + i] = s[i]
+    s[FRICTION] = 0.0
+    s[STARTED] = 1.0
+
+
+@njit(cache=True)
+def new_state(p):
+    state = np.zeros(SIZE)
+    restart(p, state, 0.0, N)
+    state[STARTED] = 0.0
+    return state
+
+
+@njit(cache=True)
+def spread(s, lead):
+    """Standard deviation of twist + lead·rate against the edge of the gap."""
+    c = COVARIANCE
+    p00, p01, p02 = s[c], s[c + 1], s[c + 2]
+    p11, p12, p22 = s[c + N + 1], s[c + N + 2], s[c + 2 * N + 2]
+    variance = p00 + 2.0 * lead * (p01 - p02) + lead * lead * (p11 - 2.0 * p12 + p22)
+    variance += 0.25 * s[c + BACKLASH * N + BACKLASH]
+    return math.sqrt(max(variance, 0.0))
+
+
+@njit(cache=True)
+def row(p, s, kind, h):
+    """Predicted sensor value; its row over the states goes to h."""
+    for i in range(N):
+        h[i] = 0.0
+    if kind == SPEED_MOTOR:
+        h[1], h[PREVIOUS] = p[MEAN_NOW], p[MEAN_BEFORE]
+        return p[MEAN_NOW] * s[1] + p[MEAN_BEFORE] * s[PREVIOUS]
+    if kind == SPEED_LOAD:
+        h[2] = 1.0
+        return s[2]
+    if kind == TWIST:
+        h[0] = 1.0
+        return s[0]
+    k, d, lead = p[STIFFNESS], p[DAMPING], p[LEAD]
+    gap, above, below = mean_gap(s[0] + lead * (s[1] - s[2]), 0.5 * s[BACKLASH], spread(s, lead))
+    inside = 1.0 - above - below
+    h[0] = k * (1.0 - inside)
+    h[1] = d - k * lead * inside
+    h[2] = -h[1]
+    h[BACKLASH] = -0.5 * k * (above - below)
+    return k * (s[0] - gap) + d * (s[1] - s[2])
+
+
+@njit(cache=True)
+def correct(s, h, innovation, variance, gain):
+    """Scalar update; ``gain`` holds P·hᵀ on entry."""
+    for i in range(N):
+        s[i] += gain[i] / variance * innovation
+    for i in range(N):
+        for j in range(i, N):
+            value = s[COVARIANCE + i * N + j] - gain[i] * gain[j] / variance
+            s[COVARIANCE + i * N + j] = value
+            s[COVARIANCE + j * N + i] = value
+
+
+@njit(cache=True)
+def moved(p, s, kind):
+    """Change of a predicted signal over the last sample by the model alone."""
+    if kind == SPEED_MOTOR:
+        return s[1] - s[BEFORE + 1]
+    if kind == SPEED_LOAD:
+        return s[2] - s[BEFORE + 2]
+    twist = s[0] - s[BEFORE]
+    return twist if kind == TWIST else p[STIFFNESS] * twist
+
+
+@njit(cache=True)
+def lost(s):
+    for i in range(N):  # noqa: SIM110 — numba knows no any()
+        if not abs(s[i]) < LOST or not s[COVARIANCE + i * (N + 1)] < LOST * LOST:
+            return True
+    return False
+
+
+@njit(cache=True)
+def write(p, s, h, outputs):
+    """All outputs; ``h`` is scratch."""
+    c = COVARIANCE
+    row(p, s, TORQUE_SHAFT, h)
+    variance = 0.0
+    for j in range(N):
+        for k in range(N):
+            variance += h[j] * s[c + j * N + k] * h[k]
+    outputs[12] = math.sqrt(max(variance, 0.0))
+    write_estimates(p, s[0], s[1], s[2], 0.5 * s[BACKLASH], s[FRICTION], outputs)
+    outputs[6], outputs[7], outputs[8] = s[LOAD_TORQUE], s[BACKLASH], s[COULOMB]
+    outputs[9] = math.sqrt(max(s[c], 0.0))
+    outputs[10] = math.sqrt(max(s[c + N + 1], 0.0))
+    outputs[11] = math.sqrt(max(s[c + 2 * N + 2], 0.0))
+    for i in range(3):
+        outputs[13 + i] = math.sqrt(max(s[c + (5 + i) * (N + 1)], 0.0))
+
+
+@njit(cache=True)
+def correct_all(p, s, inputs, torque_faults, work):
+    """Every sensor in turn: believed ones correct the estimate; returns the faults."""
+    h, gain = work[0], work[1]
+    faults = torque_faults
+    for i in range(int(p[N_SENSORS])):
+        kind = int(p[KIND + i])
+        innovation = inputs[1 + i] - row(p, s, kind, h)
+        variance = p[VARIANCE + i]
+        for j in range(N):
+            gain[j] = 0.0
+            for k in range(N):
+                gain[j] += s[COVARIANCE + j * N + k] * h[k]
+        for j in range(N):
+            variance += h[j] * gain[j]
+        verdict = sensor_believed(
+            p, s, SENSOR_MEMORY + MEMORY * i, inputs[1 + i], torque_faults & (2 << i) != 0, moved(p, s, kind),
+            innovation, variance, math.sqrt(p[VARIANCE + i]),
+        )  # fmt: skip
+        if verdict == 0:
+            correct(s, h, innovation, variance, gain)
+            s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
+            s[COULOMB] = max(s[COULOMB], 0.0)
+        else:
+            faults |= 2 << i
+        if verdict == 2:
+            restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
+    return faults
+
+
+@njit(cache=True)
+def begin(p, s, inputs, faults):
+    """The torque to use and the faults; a first sample starts the filter."""
+    torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
+    if s[STARTED] == 0.0:
+        restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
+    return torque, faults
+
+
+@njit(cache=True)
+def recover(p, s):
+    """Start again if the estimate is lost."""
+    if lost(s):
+        restart(p, s, 0.0, N)
+        s[STARTED] = 0.0
