@@ -176,9 +176,12 @@ def test_friction_of_the_motor_stays_as_given():
     assert error(unknown, TABLE_I, "viscous") > 0.3, "left out, it must show up at the load"
 
 
-def test_a_torque_that_never_reverses_does_not_tell_the_backlash():
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_torque_that_never_reverses_does_not_tell_the_backlash(exact: bool):
+    """With an exact speed, the first transient of the observer alone would seem to tell it."""
     torque = 4.0 + lm.signals.noise(5.0, 120.0, 0.6, 5.0, DT, seed=3)
-    recording = counted(lm.simulate(PLANT, torque_motor=torque, dt=DT, state=(0.0066, 10.0, 10.0)))
+    run = lm.simulate(PLANT, torque_motor=torque, dt=DT, state=(0.0066, 10.0, 10.0))
+    recording = run if exact else counted(run)
     start = PLANT.with_parameters(backlash=0.02, stiffness=4000.0)
     found = lm.identify(recording, start=start)
     assert found.sources["backlash"] == "not excited"
@@ -188,9 +191,8 @@ def test_a_torque_that_never_reverses_does_not_tell_the_backlash():
     assert error(found, TABLE_I, "stiffness") < 0.03
     (problem,) = [p for p in found.problems if p.where == "backlash"]
     assert problem.severity == "warning" and "reversals" in problem.remedy and "0.02 rad" in problem.remedy
-    assert any("correlations" in p.got for p in found.problems), (
-        "constant acceleration: friction against inertia"
-    )
+    # Nearly constant acceleration: with the noise of counts, friction and inertia are hard to tell apart.
+    assert any("correlations" in p.got for p in found.problems) != exact
 
 
 def test_closed_loop_with_dither():
