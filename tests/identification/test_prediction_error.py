@@ -178,7 +178,7 @@ def test_friction_of_the_motor_stays_as_given():
 
 @pytest.mark.parametrize("exact", [True, False])
 def test_a_torque_that_never_reverses_does_not_tell_the_backlash(exact: bool):
-    """With an exact speed, the first transient of the observer alone would seem to tell it."""
+    """Not even with an exact speed, where the first transient of the observer might seem to tell it."""
     torque = 4.0 + lm.signals.noise(5.0, 120.0, 0.6, 5.0, DT, seed=3)
     run = lm.simulate(PLANT, torque_motor=torque, dt=DT, state=(0.0066, 10.0, 10.0))
     recording = run if exact else counted(run)

@@ -70,16 +70,3 @@ def test_two_threads_give_the_same_rows():
 def test_theta_and_back():
     values = [0.02, 0.1, 6000.0, 0.4, 0.01, 0.0, 0.02, 0.0]
     assert from_theta(to_theta(values, DT), DT) == pytest.approx(values, rel=1e-12, abs=1e-15)
-
-
-def test_reversals_of_the_shaft_torque():
-    n = 20000
-    torque = 10.0 * np.sign(np.sin(2.0 * np.pi * 2.5 * (np.arange(n) + 0.5) * DT))
-    plant = BASE.with_parameters(coulomb_motor=0.0, damping=8.0)
-    speed = lm.simulate(plant, torque_motor=torque, dt=DT)["speed_motor"]
-    predictor = Predictor(torque, speed, DT, False, plant, skip=100)
-    theta = to_theta([getattr(plant, n) for n in NAMES], DT)
-    reversals = predictor.reversals(theta, Bandwidth(550.0, 27.0))
-    assert 9 <= reversals < 60
-    steady = Predictor(np.full(n, 10.0), np.linspace(1.0, 140.0, n), DT, False, plant, skip=2000)
-    assert steady.reversals(theta, Bandwidth(550.0, 27.0)) == 0

@@ -12,11 +12,9 @@ from .uncertainty import model_allowance, sandwich, shift, student_factor, unmod
 
 Array = NDArray[np.float64]
 
-#: A parameter is not excited if its 95 % interval reaches further than this factor either way (chosen).
+#: A parameter is not excited if its 95 % interval reaches further than this factor either way (chosen). A
+#: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
-
-#: The shaft torque must change its sign at least so often for the backlash: once each way.
-FEWEST_REVERSALS = 2
 
 
 def half_widths(predictor: Predictor, stage: Stage) -> tuple[Array, Array]:
@@ -63,8 +61,6 @@ def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box
 
 def _unexcited(predictor: Predictor, stage: Stage) -> str | None:
     """The free parameter that the recording tells least about, if that is too little."""
-    if 4 in stage.free and predictor.reversals(stage.fit.theta, stage.bandwidth) < FEWEST_REVERSALS:
-        return "backlash"
     _, half = half_widths(predictor, stage)
     worst = int(np.argmax(half))
     return NAMES[stage.free[worst]] if half[worst] > np.log(NOT_EXCITED) else None

@@ -100,12 +100,6 @@ class Predictor:
         residual[:, : self.skip] = 0.0
         return np.asarray(residual)
 
-    def reversals(self, theta: Array, bandwidth: Bandwidth) -> int:
-        """How often the estimated shaft torque changes its sign."""
-        run = self.observer(theta, bandwidth).run({"torque_motor": self.torque, "speed_motor": self.speed})
-        side = np.sign(run["torque_shaft_estimated"][self.skip :])
-        return int(np.count_nonzero(np.diff(side[side != 0.0])))
-
     def jacobian(self, theta: Array, bandwidth: Bandwidth, free: list[int], residual: Array) -> Array:
         """(len(free), n) forward differences of the innovations.
 
