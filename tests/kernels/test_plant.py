@@ -19,7 +19,10 @@ def polynomial(*coefficients: float) -> np.ndarray:
 
 
 def first(p: np.ndarray, sign: float, bound: float, until: float = 1.0) -> float:
-    return _first_crossing(p, MAX_ORDER, sign, bound, until)
+    k = np.arange(p.size)
+    size = np.abs(p)
+    spread, bend, third = size[1:].sum(), (k * size)[2:].sum(), (k * (k - 1) * (k - 2) * size).sum()
+    return _first_crossing(p, 0, MAX_ORDER, sign, bound, until, spread, bend, third)
 
 
 def test_crossing_of_a_line():

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, uint64
 
 from .law import law_step
-from .plant import DONE, NEED_MODE, Array, Indices, _quiet, finish_sample, mode_number
+from .plant import DONE, NEED_MODE, Array, Indices, _quiet, block_size, finish_sample, mode_number
 
 
 class SensorTables(NamedTuple):
@@ -73,7 +73,16 @@ def run_closed_loop(
     M = torque.shape[1]
     C = s.size
     N = C - M - 1
-    table, row, radix, change = tb.table, tb.row, tb.radix, work.change
+    flat, row, radix, change = tb.flat, tb.row, tb.radix, work.change
+    kind, stick, speed_row, reset_row, reset_slot = (
+        tb.kind,
+        tb.stick,
+        tb.speed_row,
+        tb.reset_row,
+        tb.reset_slot,
+    )
+    order, idle, series = tb.order, tb.idle, work.series
+    size = block_size(N, C, E, tb.order)
     values = np.empty(measured.shape[1])
     made = np.empty(outputs.shape[1])
     k = int(cursor[0])
@@ -103,12 +112,15 @@ def run_closed_loop(
                     value = min(max(value, -limit), limit)
                 torque[k, j] = value
                 s[N + j] = value
-            quiet = _quiet(table, m, s, change, N, C, E)
+            quiet = _quiet(flat, uint64(m * size), s, change, N, C, E)
         if quiet:
             for i in range(N):
                 s[i] += change[i]
         else:
-            status, start, count = finish_sample(tb, s, digits, start, dt, k, work, events, count, N, C, E)
+            status, start, count = finish_sample(
+                flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+                s, digits, start, k, events, count, N, C, E,
+            )  # fmt: skip
             if status != DONE:
                 break
             start = 0.0

@@ -4,81 +4,93 @@ The plant is a set of *modes*, each a linear system with constant inputs and a c
 s = [x, v, 1] (N states, M held inputs, one; C numbers in all), a mode gives
 
 - delta @ s        the change of x over one whole sample (exact),
-- rate @ s         dx/dt,
 
 and for each element e (a shaft with backlash, or a friction)
 
 - guard @ s        its guard function, which must stay within [lower, upper] while the mode lasts,
 - guard_rate @ s   T · d(guard)/dt,
 - swing @ |s|      T²/2 · max |second derivative of guard| over the sample,
-- remainder @ |s|  T⁴/384 · max |fourth derivative of guard|, the error of the cubic Hermite interpolation.
+- remainder @ |s|  T⁴/384 · max |fourth derivative of guard|, the error of the cubic Hermite interpolation,
 
-One block of numbers holds all this for one mode: ``table[row]`` has N rows of delta, N of rate, then for each
-element the rows guard, guard_rate, swing, remainder and [lower, upper, 0 …], then one row [longest piece, order of
-the Taylor series, 0 …].
+and the Taylor series of all guards and of the state over one *piece*, a time that is short against the mode's fastest
+pole. ``flat`` holds one block of numbers per mode, which Plant in ``simulation.tables`` fills:
+
+    N rows of delta                                                 (C numbers each)
+    for each element guard, guard_rate, swing, remainder            (C numbers each)
+    for each element lower, upper
+    length of a piece in samples
+    for each column of s: E guards' coefficients of order 0 … O, then the state's of order 1 … O, N for each order
 
 Every element has one *digit*; its order is along the axis of its guard, so that leaving by the lower bound lowers the
 digit by one and leaving by the upper bound raises it by one (shaft: −, gap, +; friction: negative segments, stick,
 positive segments). The mode is the number made of all digits.
 
-A sample in which the enclosure excludes every crossing is one matrix product. Otherwise the state is expanded
-in its Taylor series (converged to rounding on a piece that is short against the fastest pole), the first crossing
-is found on that polynomial by steps that can be shown never to jump over a root, and the rest of the sample goes on
-from there in the next mode.
+A sample in which the enclosure excludes every crossing is one matrix product. Otherwise the guards are expanded
+in their Taylor series (converged to rounding), the first crossing is found on that polynomial by steps that can be
+shown never to jump over a root, and the rest of the sample goes on from there in the next mode.
+
+Two habits make it fast: arrays are taken out of their tuples once per run, since numba counts references each time;
+and table entries are addressed by unsigned numbers, which cannot be negative and need no test for it.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, uint64
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 DONE, NEED_MODE, NEED_EVENT_SPACE, CHATTERING = 0, 1, 2, 3
-SHAFT, FRICTION = 0, 1
+SHAFT, FRICTION, BRANCH = 0, 1, 2
 #: Events within one sample beyond which the run is given up as chattering (chosen).
 MAX_EVENTS_PER_SAMPLE = 10_000
 #: Smallest step of the root search as a fraction of a piece: a few units of rounding of the time itself.
 SMALLEST_STEP = 2.0**-50
+#: An event's row: time in samples, element, old digit, new digit, speed at the element, new mode; then the state.
+EVENT_COLUMNS = 6
 #: Highest order of the Taylor series that the tables may ask for.
 MAX_ORDER = 24
-EVENT_COLUMNS = 5  # time in samples, element, old digit, new digit, speed at the element
-
-
-#: Rows of `table` for each element, see the module's description.
-GUARD, GUARD_RATE, SWING, REMAINDER, BOUNDS, ELEMENT_ROWS = 0, 1, 2, 3, 4, 5
+#: Rows of each element in a mode's block.
+ELEMENT_ROWS = 4
 
 
 class PlantTables(NamedTuple):
     """All modes of a plant, see the module's description."""
 
-    table: Array  # (rows, 2 N + 5 E + 1, C)
+    flat: Array  # one block for each row
     row: Indices  # (modes,): row of each mode, −1 while it was never entered
     radix: Indices  # (E,): weight of each element's digit in the mode's number
-    kind: Indices  # (E,): SHAFT or FRICTION
-    stick: Indices  # (E,): digit of rest, −1 for shafts
+    kind: Indices  # (E,): SHAFT, FRICTION, or BRANCH of a contact law
+    stick: Indices  # (E,): digit of rest, −1 for all but frictions
     speed_row: Array  # (E, N): the speed that is reported with an event
     reset_row: Array  # (E, 3, N + 1): for a shaft's digit 0, 1, 2: the value set on entering, see reset_slot
     reset_slot: Indices  # (E,): state that is set on entering a mode (rest: speed; physical law: shaft angle)
+    order: int  # O, of the Taylor series
+    idle: int  # column of s that no rate and no guard depends on: the motor angle
 
 
 class Work(NamedTuple):
-    """Scratch of the kernels: change of the state, Taylor coefficients of the state and of one guard."""
+    """Scratch of the kernels: change of the state, Taylor coefficients."""
 
     change: Array  # (N,)
-    series: Array  # (MAX_ORDER + 1, N)
-    polynomial: Array  # (MAX_ORDER + 1,)
+    series: Array  # (E (O + 1) + O N,)
 
 
-def new_work(states: int) -> Work:
-    return Work(np.zeros(states), np.zeros((MAX_ORDER + 1, states)), np.zeros(MAX_ORDER + 1))
+def new_work(states: int, elements: int) -> Work:
+    return Work(np.zeros(states), np.zeros(elements * (MAX_ORDER + 1) + MAX_ORDER * states))
 
 
-_PLANT = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
+_PLANT: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+
+@njit(inline="always", **_PLANT)
+def block_size(N, C, E, order):
+    """Numbers in one mode's block."""
+    return (N + ELEMENT_ROWS * E) * C + 2 * E + 1 + C * (E * (order + 1) + order * N)
 
 
 @njit(inline="always", **_PLANT)
@@ -90,34 +102,42 @@ def mode_number(radix, digits, E):
 
 
 @njit(inline="always", **_PLANT)
-def _quiet(table, m, s, change, N, C, E):
+def _dot(flat, at, s, C):
+    total = 0.0
+    for j in range(C):
+        total += flat[at + uint64(j)] * s[j]
+    return total
+
+
+@njit(inline="always", **_PLANT)
+def _quiet(flat, at, s, change, N, C, E):
     """True if no guard can leave its bounds in the whole sample; `change` becomes the state's change over it."""
     for i in range(N):
-        total = 0.0
-        for j in range(C):
-            total += table[m, i, j] * s[j]
-        change[i] = total
+        change[i] = _dot(flat, at + uint64(i * C), s, C)
+    bounds = at + uint64((N + ELEMENT_ROWS * E) * C)
     for e in range(E):
-        at = 2 * N + ELEMENT_ROWS * e
-        low, high = table[m, at + BOUNDS, 0], table[m, at + BOUNDS, 1]
+        guard = at + uint64((N + ELEMENT_ROWS * e) * C)
+        rate, swings = guard + uint64(C), guard + uint64(2 * C)
+        low, high = flat[bounds + uint64(2 * e)], flat[bounds + uint64(2 * e + 1)]
         g0 = 0.0
         d0 = 0.0
         swing = 0.0
         for j in range(C):
-            g0 += table[m, at + GUARD, j] * s[j]
-            d0 += table[m, at + GUARD_RATE, j] * s[j]
-            swing += table[m, at + SWING, j] * abs(s[j])
+            g0 += flat[guard + uint64(j)] * s[j]
+            d0 += flat[rate + uint64(j)] * s[j]
+            swing += flat[swings + uint64(j)] * abs(s[j])
         if g0 + min(d0, 0.0) - swing > low and g0 + max(d0, 0.0) + swing < high:
             continue
         # Cubic Hermite through both ends: it lies between its Bernstein points; the remainder bounds its error.
         g1 = g0
         d1 = d0
+        for j in range(N):
+            g1 += flat[guard + uint64(j)] * change[j]
+            d1 += flat[rate + uint64(j)] * change[j]
+        remainders = guard + uint64(3 * C)
         remainder = 0.0
         for j in range(C):
-            remainder += table[m, at + REMAINDER, j] * abs(s[j])
-        for j in range(N):
-            g1 += table[m, at + GUARD, j] * change[j]
-            d1 += table[m, at + GUARD_RATE, j] * change[j]
+            remainder += flat[remainders + uint64(j)] * abs(s[j])
         b1 = g0 + d0 / 3.0
         b2 = g1 - d1 / 3.0
         if not (
@@ -128,32 +148,84 @@ def _quiet(table, m, s, change, N, C, E):
     return True
 
 
+@njit(inline="always", **_PLANT)
+def _dot_two_mass(flat, at, x0, x1, x2, v):
+    """A row of the two-mass plant without its motor angle; in this order the sum waits least for the state."""
+    rest = flat[at + uint64(5)] + flat[at + uint64(4)] * v
+    return (rest + flat[at] * x0) + (flat[at + uint64(1)] * x1 + flat[at + uint64(2)] * x2)
+
+
+@njit(inline="always", **_PLANT)
+def _far_two_mass(flat, guard, bounds, x0, x1, x2, v, a0, a1, a2, a):
+    """The enclosure's first test for one guard of the two-mass plant; a…: absolute values."""
+    g0 = _dot_two_mass(flat, guard, x0, x1, x2, v)
+    d0 = _dot_two_mass(flat, guard + uint64(6), x0, x1, x2, v)
+    swing = _dot_two_mass(flat, guard + uint64(12), a0, a1, a2, a)
+    return (g0 + min(d0, 0.0) - swing > flat[bounds]) & (g0 + max(d0, 0.0) + swing < flat[bounds + uint64(1)])
+
+
+@njit(inline="always", **_PLANT)
+def _evaluate(p, c, top, t):
+    """Polynomial of order `top` with coefficients p[c:] at t: value, first derivative, half the second."""
+    q = p[c + uint64(top)]
+    q1 = 0.0
+    q2 = 0.0
+    for k in range(top - 1, -1, -1):
+        q2 = q2 * t + q1
+        q1 = q1 * t + q
+        q = q * t + p[c + uint64(k)]
+    return q, q1, q2
+
+
+@njit(inline="always", **_PLANT)
+def _step(q, q1, q2):
+    """Nearest root of q + q1·t + q2·t², of the tangent if there is none."""
+    root = q1 * q1 - 4.0 * q2 * q
+    return 2.0 * q / (-q1 + np.sqrt(root)) if root > 0.0 else -q / q1
+
+
 @njit(**_PLANT)
-def _first_crossing(p, order, sign, bound, until):
+def _only_crossing(p, c, order, sign, bound, until, third, tolerance):
+    """Root of a falling polynomial that crosses its bound: steps on quadratics, until the cubic term is rounding."""
+    t = min(max(_step(sign * (p[c] - bound), sign * p[c + uint64(1)], sign * p[c + uint64(2)]), 0.0), until)
+    top = 3
+    for _ in range(40):
+        q, q1, q2 = _evaluate(p, c, top, t)
+        q = sign * (q - bound)
+        if top == order and abs(q) <= tolerance:
+            break
+        step = _step(q, sign * q1, sign * q2)
+        t = min(max(t + step, 0.0), until)
+        if top == order and third * abs(step * step * step) <= tolerance:
+            break
+        top = order
+    return t
+
+
+@njit(**_PLANT)
+def _first_crossing(p, start, order, sign, bound, until, spread, bend, third):
     """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
 
-    p holds polynomial coefficients on the normalised piece [0, 1]. Each step ends before the first root of a
-    quadratic that lies below q, so that no root is jumped over; near a root it converges faster than Newton.
+    p holds polynomial coefficients from `start` on, on the normalised piece [0, 1]; spread, bend, third: sums of
+    |p[k]| from k = 1, k·|p[k]| from k = 2, k (k − 1) (k − 2)·|p[k]| from k = 3. A monotone q has one root at most.
+    Otherwise each step ends before the first root of a quadratic that lies below q, so that no root is jumped over.
     """
-    spread = 0.0
-    third = 0.0
-    for k in range(1, order + 1):
-        spread += abs(p[k])
-        third += k * (k - 1) * (k - 2) * abs(p[k])
-    q0 = sign * (p[0] - bound)
+    c = uint64(start)
+    q0 = sign * (p[c] - bound)
     tolerance = 4.5e-16 * spread + 2.3e-16 * abs(bound)
-    if q0 > spread + tolerance:
-        return 2.0
+    if q0 >= -tolerance:
+        slope = sign * p[c + uint64(1)]
+        if slope > bend * until:
+            return 2.0
+        if -slope > bend * until:
+            q, _, _ = _evaluate(p, c, order, until)
+            if sign * (q - bound) >= -tolerance:
+                return 2.0
+            return _only_crossing(p, c, order, sign, bound, until, third, tolerance)
     t = 0.0
     smallest = SMALLEST_STEP
     while True:
-        q = p[order]
-        q1 = 0.0
-        q2 = 0.0
-        for k in range(order - 1, -1, -1):
-            q2 = q2 * t + q1
-            q1 = q1 * t + q
-            q = q * t + p[k]
+        q, q1, q2 = _evaluate(p, c, order, t)
         q = sign * (q - bound)
         q1 *= sign
         q2 *= 2.0 * sign
@@ -182,111 +254,176 @@ def _first_crossing(p, order, sign, bound, until):
         t += step
 
 
-@njit(**_PLANT)
-def finish_sample(tb, s, digits, start, dt, k, work, events, count, N, C, E):
-    """The rest of sample k from time `start` (s), event by event; returns status, time reached, event count."""
+@njit(inline="always", **_PLANT)
+def _expand(flat, at, first, stop, width, s, C, idle, series):
+    """Taylor coefficients number `first` to `stop` out of the mode's table, which holds `width` for each column."""
+    column = at + uint64((C - 1) * width)  # of the constant one
+    for v in range(first, stop):
+        series[v] = flat[column + uint64(v)]
+    j = 0
+    while j + 2 < C - 1:
+        a, b = s[j], s[j + 1] if j + 1 != idle else 0.0
+        if j == idle:
+            a = 0.0
+        c = s[j + 2] if j + 2 != idle else 0.0
+        at_a = at + uint64(j * width)
+        at_b = at_a + uint64(width)
+        at_c = at_b + uint64(width)
+        for v in range(first, stop):
+            n = uint64(v)
+            series[v] += flat[at_a + n] * a + flat[at_b + n] * b + flat[at_c + n] * c
+        j += 3
+    while j < C - 1:
+        if j != idle:
+            a = s[j]
+            at_a = at + uint64(j * width)
+            for v in range(first, stop):
+                series[v] += flat[at_a + uint64(v)] * a
+        j += 1
+
+
+@njit(inline="always", **_PLANT)
+def _enter(which, direction, s, digits, kind, stick, speed_row, reset_row, reset_slot, N):
+    """Changes the digit of an element and sets what the new mode sets; returns old digit, new digit, speed."""
+    old = digits[which]
+    new = old + direction
+    digits[which] = new
+    speed = 0.0
+    for j in range(N):
+        speed += speed_row[which, j] * s[j]
+    slot = reset_slot[which]
+    if kind[which] == FRICTION:
+        if new == stick[which]:
+            s[slot] = 0.0
+    elif slot >= 0 and new != 1:
+        total = reset_row[which, new, N]
+        for j in range(N):
+            total += reset_row[which, new, j] * s[j]
+        s[slot] = total
+    return old, new, speed
+
+
+@njit(inline="always", **_PLANT)
+def _next_event(flat, bounds, series, order, until, E):
+    """First crossing of any guard within `until`: its time, element (−1: none), direction."""
+    first = until
+    which = -1
+    direction = 0
+    for e in range(E):
+        c = uint64(e * (order + 1))
+        spread = 0.0
+        bend = 0.0
+        third = 0.0
+        for n in range(1, order + 1):
+            size = abs(series[c + uint64(n)])
+            spread += size
+            if n > 1:
+                bend += n * size
+                third += n * (n - 1) * (n - 2) * size
+        start = series[c]
+        reach = spread * first
+        lower, upper = flat[bounds + uint64(2 * e)], flat[bounds + uint64(2 * e + 1)]
+        if start - reach <= lower + 4.5e-16 * spread + 2.3e-16 * abs(lower):
+            found = _first_crossing(series, c, order, 1.0, lower, first, spread, bend, third)
+            if found <= first:
+                first, which, direction = found, e, -1
+        if start + reach >= upper - 4.5e-16 * spread - 2.3e-16 * abs(upper):
+            found = _first_crossing(series, c, order, -1.0, upper, first, spread, bend, third)
+            if found <= first:
+                first, which, direction = found, e, 1
+    return first, which, direction
+
+
+@njit(inline="always", **_PLANT)
+def finish_sample(
+    flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+    s, digits, start, k, events, count, N, C, E,
+):  # fmt: skip
+    """The rest of sample k from time `start` (in samples), event by event; returns status, time reached, event count.
+
+    The arrays of the tables come one by one: taking them out of a tuple here would cost as much as an event.
+    """
     t = start
     in_sample = 0
-    # Taken out of the tuples once: numba counts references each time, which took longer than the arithmetic.
-    table, row, radix, kind, stick = tb.table, tb.row, tb.radix, tb.kind, tb.stick
-    speed_row, reset_row, reset_slot = tb.speed_row, tb.reset_row, tb.reset_slot
-    series, p = work.series, work.polynomial
-    last = table.shape[1] - 1
+    guards = E * (order + 1)
+    width = guards + order * N
+    size = block_size(N, C, E, order)
+    status = NEED_MODE
     while True:
         m = row[mode_number(radix, digits, E)]
         if m < 0:
-            return NEED_MODE, t, count
-        if dt - t <= 1e-15 * dt:
-            return DONE, dt, count
-        length = min(dt - t, table[m, last, 0])
-        order = int(table[m, last, 1])
-        for i in range(N):
-            total = 0.0
-            for j in range(C):
-                total += table[m, N + i, j] * s[j]
-            series[0, i] = s[i]
-            series[1, i] = total * length
-        for n in range(1, order):
-            factor = length / (n + 1)
-            for i in range(N):
-                total = 0.0
-                for j in range(N):
-                    total += table[m, N + i, j] * series[n, j]
-                series[n + 1, i] = total * factor
-
-        first = 1.0
-        which = -1
-        direction = 0
-        for e in range(E):
-            guard = 2 * N + ELEMENT_ROWS * e + GUARD
-            for n in range(order + 1):
-                total = 0.0
-                for j in range(N):
-                    total += table[m, guard, j] * series[n, j]
-                p[n] = total
-            for j in range(N, C):
-                p[0] += table[m, guard, j] * s[j]
-            lower, upper = table[m, guard + BOUNDS, 0], table[m, guard + BOUNDS, 1]
-            if lower > -np.inf:
-                at = _first_crossing(p, order, 1.0, lower, first)
-                if at <= first:
-                    first, which, direction = at, e, -1
-            if upper < np.inf:
-                at = _first_crossing(p, order, -1.0, upper, first)
-                if at <= first:
-                    first, which, direction = at, e, 1
-
+            break
+        if t >= 1.0:
+            status = DONE
+            break
+        bounds = uint64(m * size + (N + ELEMENT_ROWS * E) * C)
+        taylor = bounds + uint64(2 * E + 1)
+        length = flat[bounds + uint64(2 * E)]
+        whole = 1.0 - t <= length
+        until = (1.0 - t) / length if whole else 1.0
+        _expand(flat, taylor, 0, guards, width, s, C, idle, series)
+        first, which, direction = _next_event(flat, bounds, series, order, until, E)
         if which >= 0 and count == events.shape[0]:
-            return NEED_EVENT_SPACE, t, count
+            status = NEED_EVENT_SPACE
+            break
         if first > 0.0:
+            _expand(flat, taylor, guards, width, width, s, C, idle, series)
             for i in range(N):
-                total = series[order, i]
-                for n in range(order - 1, -1, -1):
-                    total = total * first + series[n, i]
-                s[i] = total
-        t += first * length
+                total = series[width - N + i]
+                for n in range(order - 2, -1, -1):
+                    total = total * first + series[guards + n * N + i]
+                s[i] += total * first
         if which < 0:
+            t = 1.0 if whole else t + length
             continue
+        t += first * length
         in_sample += 1
         if in_sample > MAX_EVENTS_PER_SAMPLE:
-            return CHATTERING, t, count
-        old = digits[which]
-        new = old + direction
-        digits[which] = new
-        speed = 0.0
-        for j in range(N):
-            speed += speed_row[which, j] * s[j]
-        slot = reset_slot[which]
-        if kind[which] == FRICTION:
-            if new == stick[which]:
-                s[slot] = 0.0
-        elif slot >= 0 and new != 1:
-            total = reset_row[which, new, N]
-            for j in range(N):
-                total += reset_row[which, new, j] * s[j]
-            s[slot] = total
-        at = k + t / dt
-        if (
-            old == stick[which]
-            and count > 0
-            and events[count - 1, 0] == at
-            and events[count - 1, 1] == which
-            and events[count - 1, 3] == old
-        ):
-            count -= 1  # passed through rest without staying: neither stick nor slip
-            continue
-        events[count, 0] = at
+            status = CHATTERING
+            break
+        old, new, speed = _enter(
+            which, direction, s, digits, kind, stick, speed_row, reset_row, reset_slot, N
+        )
+        events[count, 0] = k + t
         events[count, 1] = which
         events[count, 2] = old
         events[count, 3] = new
         events[count, 4] = speed
+        events[count, 5] = mode_number(radix, digits, E)
+        for i in range(N):
+            events[count, EVENT_COLUMNS + i] = s[i]
         count += 1
+    return status, t, count
 
 
-@njit(inline="always", **_PLANT)
-def _open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor, N, M, E):
-    C = N + M + 1
-    table, row, radix, change = tb.table, tb.row, tb.radix, work.change
+@njit(**_PLANT)
+def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
+    """Any plant with torques given: fills states (n + 1, N) and modes (n + 1,); returns a status.
+
+    Parameters
+    ----------
+    s : (C,) array
+        [x, v, 1], changed in place.  digits : (E,) int64, changed in place.
+    inputs : (n, M) array
+    work : Work
+    events : (space, EVENT_COLUMNS + N) array
+    cursor : (3,) array
+        Sample, time within it (in samples), events so far: where to go on after NEED_MODE or NEED_EVENT_SPACE.
+    """
+    E = digits.size
+    M = inputs.shape[1]
+    C = s.size
+    N = C - M - 1
+    flat, row, radix, change = tb.flat, tb.row, tb.radix, work.change
+    kind, stick, speed_row, reset_row, reset_slot = (
+        tb.kind,
+        tb.stick,
+        tb.speed_row,
+        tb.reset_row,
+        tb.reset_slot,
+    )
+    order, idle, series = tb.order, tb.idle, work.series
+    size = block_size(N, C, E, tb.order)
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
@@ -304,19 +441,20 @@ def _open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor, N
             for i in range(N):
                 states[k, i] = s[i]
             modes[k] = mode
-            quiet = _quiet(table, m, s, change, N, C, E)
+            quiet = _quiet(flat, uint64(m * size), s, change, N, C, E)
         if quiet:
             for i in range(N):
                 s[i] += change[i]
         else:
-            status, start, count = finish_sample(tb, s, digits, start, dt, k, work, events, count, N, C, E)
+            status, start, count = finish_sample(
+                flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+                s, digits, start, k, events, count, N, C, E,
+            )  # fmt: skip
             if status != DONE:
                 break
             start = 0.0
         k += 1
-    cursor[0] = k
-    cursor[1] = start
-    cursor[2] = count
+    cursor[0], cursor[1], cursor[2] = k, start, count
     if status == DONE:
         for i in range(N):
             states[k, i] = s[i]
@@ -325,25 +463,69 @@ def _open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor, N
 
 
 @njit(**_PLANT)
-def run_open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor):
-    """Any plant with torques given: fills states (n + 1, N) and modes (n + 1,); returns a status.
-
-    Parameters
-    ----------
-    s : (C,) array
-        [x, v, 1], changed in place.  digits : (E,) int64, changed in place.
-    inputs : (n, M) array
-    work : Work
-    events : (space, EVENT_COLUMNS) array
-    cursor : (3,) array
-        Sample, time within it (s), events so far: where to go on after NEED_MODE or NEED_EVENT_SPACE.
-    """
-    E = digits.size
-    M = inputs.shape[1]
-    return _open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor, s.size - M - 1, M, E)
-
-
-@njit(**_PLANT)
-def run_open_loop_two_mass(tb, s, digits, inputs, dt, work, states, modes, events, cursor):
-    """`run_open_loop` with the sizes of the usual two-mass plant known to the compiler (a quarter of the time)."""
-    return _open_loop(tb, s, digits, inputs, dt, work, states, modes, events, cursor, 4, 1, 2)
+def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, cursor):
+    """`run_open_loop` for four states, one input, two elements, with the state in registers (a third of the time)."""
+    flat, row, radix, change = tb.flat, tb.row, tb.radix, work.change
+    kind, stick, speed_row, reset_row, reset_slot = (
+        tb.kind,
+        tb.stick,
+        tb.speed_row,
+        tb.reset_row,
+        tb.reset_slot,
+    )
+    order, idle, series = tb.order, tb.idle, work.series
+    size = block_size(4, 6, 2, tb.order)
+    k = int(cursor[0])
+    start = cursor[1]
+    count = int(cursor[2])
+    status = DONE
+    mode = mode_number(radix, digits, 2)
+    m = row[mode]
+    x0, x1, x2, x3 = s[0], s[1], s[2], s[3]
+    while k < inputs.shape[0]:
+        v = inputs[k, 0]
+        if m >= 0 and start == 0.0:
+            states[k, 0] = x0
+            states[k, 1] = x1
+            states[k, 2] = x2
+            states[k, 3] = x3
+            modes[k] = mode
+            a0, a1, a2, a = abs(x0), abs(x1), abs(x2), abs(v)
+            at = uint64(m * size)
+            bounds = at + uint64(72)
+            if _far_two_mass(flat, at + uint64(24), bounds, x0, x1, x2, v, a0, a1, a2, a) & _far_two_mass(
+                flat, at + uint64(48), bounds + uint64(2), x0, x1, x2, v, a0, a1, a2, a
+            ):
+                d0 = _dot_two_mass(flat, at, x0, x1, x2, v)
+                d1 = _dot_two_mass(flat, at + uint64(6), x0, x1, x2, v)
+                d2 = _dot_two_mass(flat, at + uint64(12), x0, x1, x2, v)
+                d3 = _dot_two_mass(flat, at + uint64(18), x0, x1, x2, v)
+                x0 += d0
+                x1 += d1
+                x2 += d2
+                x3 += d3
+                k += 1
+                continue
+        s[0], s[1], s[2], s[3], s[4] = x0, x1, x2, x3, v
+        if m >= 0 and start == 0.0 and _quiet(flat, uint64(m * size), s, change, 4, 6, 2):
+            for i in range(4):
+                s[i] += change[i]
+        else:
+            status, start, count = finish_sample(
+                flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+                s, digits, start, k, events, count, 4, 6, 2,
+            )  # fmt: skip
+            mode = mode_number(radix, digits, 2)
+            m = row[mode]
+            if status != DONE:
+                break
+            start = 0.0
+        x0, x1, x2, x3 = s[0], s[1], s[2], s[3]
+        k += 1
+    cursor[0], cursor[1], cursor[2] = k, start, count
+    if status == DONE:
+        s[0], s[1], s[2], s[3] = x0, x1, x2, x3
+        for i in range(4):
+            states[k, i] = s[i]
+        modes[k] = mode
+    return status

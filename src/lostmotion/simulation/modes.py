@@ -15,8 +15,10 @@ Long = np.longdouble
 
 #: Digits of a shaft with backlash, ordered along the twist.
 MINUS, GAP, PLUS = 0, 1, 2
-#: Largest ‖A‖·(length of a Taylor piece), norm of the balanced matrix (chosen: 17 terms reach 1e-20).
+#: Largest ‖A‖·(length of a Taylor piece), norm of the balanced matrix (chosen: 14 terms reach the next number).
 _PIECE_NORM = 0.5
+#: The Taylor series ends where its terms fall below this part of the state (chosen: a hundredth of rounding).
+_LAST_TERM = 1e-18
 #: Grid cells per sample on which the largest derivative of a guard is looked for (chosen).
 _CELLS = 32
 
@@ -125,7 +127,11 @@ def friction_segment(friction: Friction, digit: int, rest: int) -> tuple[float, 
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """One mode's tables, see ``kernels.plant``; shaft_torques: (n − 1, C) rows, Nm."""
+    """One mode's tables, see ``kernels.plant``.
+
+    piece: length in s; guard_series: (O + 1, E, C) and state_series: (O, N, C), Taylor coefficients over a piece;
+    rate: (N, C) dx/dt; shaft_torques: (n − 1, C) rows, Nm.
+    """
 
     delta: NDArray[np.float64]
     rate: NDArray[np.float64]
@@ -135,7 +141,9 @@ class Mode:
     upper: NDArray[np.float64]
     swing: NDArray[np.float64]
     remainder: NDArray[np.float64]
-    piece: tuple[float, int]
+    piece: float
+    guard_series: NDArray[np.float64]
+    state_series: NDArray[np.float64]
     shaft_torques: NDArray[np.float64]
 
 
@@ -288,8 +296,11 @@ def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ..
     cell = (np.eye(columns, dtype=Long) + delta_exponential(full, dt / _CELLS, norm)).astype(float)
     length = min(dt, _PIECE_NORM / norm) if norm > 0.0 else dt
     order = next(
-        n for n in range(4, 25) if (norm * length) ** (n + 1) / math.factorial(n + 1) < 1e-20 or n == 24
+        n for n in range(4, 25) if (norm * length) ** (n + 1) / math.factorial(n + 1) < _LAST_TERM or n == 24
     )
+    terms = [np.eye(columns, dtype=Long)]
+    for n in range(1, order + 1):
+        terms.append(terms[-1] @ full * (Long(length) / n))
     return Mode(
         delta=delta[:states].astype(float),
         rate=full[:states].astype(float),
@@ -299,7 +310,9 @@ def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ..
         upper=np.array([g[2] for g in guards], dtype=float),
         swing=0.5 * dt**2 * _largest(second, second @ full, cell, dt),
         remainder=dt**4 / 384.0 * _largest(fourth, fourth @ full, cell, dt),
-        piece=(length, order),
+        piece=length,
+        guard_series=np.array([guard @ term for term in terms], dtype=float),
+        state_series=np.array([term[:states] for term in terms[1:]], dtype=float),
         shaft_torques=np.array(rows.shaft_torques, dtype=float).reshape(layout.n - 1, columns),
     )
 

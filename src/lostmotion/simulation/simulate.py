@@ -94,7 +94,7 @@ def simulate(
     kernel = run_open_loop_two_mass if usual else run_open_loop
     run.finish(
         lambda tables: kernel(
-            tables, run.s, run.digits, inputs, dt, run.work, run.states, run.modes, run.events, run.cursor
+            tables, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events, run.cursor
         )
     )
     return run.recording({name: inputs[:, j] for j, name in enumerate(names)})
@@ -154,10 +154,10 @@ class PlantRun:
         self.s[-1] = 1.0
         self.digits = self._start(state)
         self.plant.enter(self.digits)
-        self.work = new_work(layout.states)
+        self.work = new_work(layout.states, len(self.plant.elements))
         self.states = np.zeros((length + 1, layout.states))
         self.modes = np.zeros(length + 1, dtype=np.int64)
-        self.events = np.zeros((1024, EVENT_COLUMNS))
+        self.events = np.zeros((1024, EVENT_COLUMNS + layout.states))
         self.cursor = np.zeros(3)
 
     def _start(self, state: Sequence[float] | Mapping[str, Any] | None) -> NDArray[np.int64]:
@@ -222,8 +222,11 @@ class PlantRun:
 
     def event_list(self) -> tuple[Event, ...]:
         found = []
-        for time, element, old, new, speed in self.events[: int(self.cursor[2])]:
+        rows = self.events[: int(self.cursor[2]), :5]
+        for (time, element, old, new, speed), skip in zip(rows, _passing(rows), strict=True):
             part = self.plant.elements[int(element)]
+            if skip:
+                continue
             if part.kind == "shaft":
                 kind = "impact" if int(new) != GAP else "separation"
             elif int(new) == part.rest:
@@ -242,7 +245,7 @@ class PlantRun:
         plant_signals = {name: values[:-1] for name, values in self.signals().items()}
         signals = {**made, **plant_signals}
         return Recording(
-            time=np.arange(self.length) * self.plant.dt,
+            time=np.arange(self.length, dtype=float) * self.plant.dt,
             signals=signals,
             origin={name: "simulated" for name in signals},
             events=self.event_list(),
@@ -253,3 +256,12 @@ class PlantRun:
                 **final,
             },
         )
+
+
+def _passing(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Pairs of events that enter and leave one digit at once: a speed that passes through rest does not stick."""
+    again = (rows[1:, :2] == rows[:-1, :2]).all(axis=1) & (rows[1:, 2] == rows[:-1, 3])
+    passing = np.zeros(len(rows), dtype=bool)
+    passing[1:] |= again
+    passing[:-1] |= again
+    return passing

@@ -41,7 +41,7 @@ class Plant:
     def digits_of(self, mode: int) -> tuple[int, ...]:
         return tuple((mode // int(r)) % e.digits for r, e in zip(self.radix, self.elements, strict=True))
 
-    def enter(self, digits: Sequence[int]) -> None:
+    def enter(self, digits: Sequence[int] | NDArray[np.int64]) -> None:
         """Builds the mode of these digits if it does not stand yet."""
         mode = int(np.dot(self.radix, np.asarray(digits, dtype=np.int64))) if len(digits) else 0
         if self.row_of_mode[mode] < 0:
@@ -72,18 +72,17 @@ class Plant:
             x[layout.shaft_angle(i)] = reach - inside
         return PLUS if reach > half else MINUS if reach < -half else GAP
 
-    def _block(self, mode: Mode) -> NDArray[np.float64]:
+    def _block(self, mode: Mode, order: int) -> NDArray[np.float64]:
         """One mode's numbers in the order that the kernel reads, see ``kernels.plant``."""
-        n, e = self.layout.states, len(self.elements)
-        block = np.zeros((2 * n + 5 * e + 1, self.layout.columns))
-        block[:n] = mode.delta
-        block[n : 2 * n] = mode.rate
-        for j, rows in enumerate((mode.guard, mode.guard_rate, mode.swing, mode.remainder)):
-            block[2 * n + j : 2 * n + 5 * e : 5] = rows
-        block[2 * n + 4 : 2 * n + 5 * e : 5, 0] = mode.lower
-        block[2 * n + 4 : 2 * n + 5 * e : 5, 1] = mode.upper
-        block[-1, :2] = mode.piece
-        return block
+        n, e, columns = self.layout.states, len(self.elements), self.layout.columns
+        rows = np.stack([mode.guard, mode.guard_rate, mode.swing, mode.remainder], axis=1)
+        missing = order - len(mode.state_series)
+        guards = np.concatenate([mode.guard_series, np.zeros((missing, e, columns))])
+        states = np.concatenate([mode.state_series, np.zeros((missing, n, columns))])
+        series = np.concatenate([guards.transpose(1, 0, 2).reshape(-1, columns), states.reshape(-1, columns)])
+        bounds = np.column_stack([mode.lower, mode.upper])
+        piece = [mode.piece / self.dt]
+        return np.concatenate([mode.delta.ravel(), rows.ravel(), bounds.ravel(), piece, series.T.ravel()])
 
     def tables(self) -> Any:
         """The kernel's view of the modes built so far."""
@@ -106,8 +105,9 @@ class Plant:
                 for digit in (MINUS, PLUS):
                     reset_row[j, digit, layout.twist(i)] = 1.0
                     reset_row[j, digit, n] = -(digit - GAP) * 0.5 * self.drivetrain.shafts[i].backlash
+        order = max(len(mode.state_series) for mode in self.modes)
         return PlantTables(
-            table=np.array([self._block(mode) for mode in self.modes]),
+            flat=np.concatenate([self._block(mode, order) for mode in self.modes]),
             row=self.row_of_mode.copy(),
             radix=self.radix,
             kind=np.array([SHAFT if x.kind == "shaft" else FRICTION for x in self.elements], dtype=np.int64),
@@ -115,6 +115,8 @@ class Plant:
             speed_row=speed_row,
             reset_row=reset_row,
             reset_slot=reset_slot,
+            order=order,
+            idle=layout.angle_motor,
         )
 
     def signal_names(self) -> tuple[str, ...]:

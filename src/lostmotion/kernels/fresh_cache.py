@@ -1,0 +1,62 @@
+"""Drops compiled kernels whose sources changed: numba looks at a kernel's own file only, not at what it imports.
+
+For every module of this folder a hash over its source and those of the kernels that it imports is kept beside
+numba's files. Where it differs, that module's compiled files go. Processes that do this at the same time do no harm:
+numba writes its files whole, and compiles again where one is missing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+from pathlib import Path
+
+_IMPORT = re.compile(r"^\s*from\s+\.(\w+)\s+import\b|^\s*from\s+\.\s+import\s+(.+)$", re.MULTILINE)
+
+
+def source_hashes(folder: Path) -> dict[str, str]:
+    """Module name → hash of its source and of all kernels that it imports, near and far."""
+    sources = {path.stem: path.read_bytes() for path in sorted(folder.glob("*.py"))}
+    imports: dict[str, set[str]] = {}
+    for name, source in sources.items():
+        found = _IMPORT.findall(source.decode())
+        names = {n for one, many in found for n in (one, *re.findall(r"\w+", many))}
+        imports[name] = names & set(sources)
+    hashes = {}
+    for name in sources:
+        reached, new = {name}, {name}
+        while new:
+            new = set().union(*(imports[n] for n in new)) - reached
+            reached |= new
+        digest = hashlib.sha256()
+        for part in sorted(reached):
+            digest.update(part.encode() + b"\0" + sources[part] + b"\0")
+        hashes[name] = digest.hexdigest()
+    return hashes
+
+
+def drop_stale(folder: Path) -> list[str]:
+    """Removes what numba compiled from other sources; returns the modules. Does nothing where it cannot write."""
+    cache = folder / "__pycache__"
+    record = cache / "kernel-sources.json"
+    hashes = source_hashes(folder)
+    try:
+        known = json.loads(record.read_text())
+    except (OSError, ValueError):
+        known = {}
+    stale = [name for name, value in hashes.items() if known.get(name) != value]
+    if not stale:
+        return []
+    with contextlib.suppress(OSError):
+        cache.mkdir(exist_ok=True)
+        for name in stale:
+            for compiled in (*cache.glob(f"{name}.*.nbi"), *cache.glob(f"{name}.*.nbc")):
+                compiled.unlink(missing_ok=True)
+        # Last, and whole: a process that ends before leaves the old record, and the next one starts over.
+        part = record.with_suffix(f".{os.getpid()}")
+        part.write_text(json.dumps(hashes))
+        part.replace(record)
+    return stale
