@@ -47,7 +47,7 @@ def clip(value, low, high):
     return min(max(value, low), high)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def advance(p, x0, x1, x2, x3, load_torque, coulomb, gap, torque):
     """The four moving states after a sample, with the gap term given; then the friction torques.
 
@@ -68,7 +68,7 @@ def advance(p, x0, x1, x2, x3, load_torque, coulomb, gap, torque):
     return n0, n1, n2, n3, motor, load
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def mean_gap(z, half, deviation):
     """Mean of clip(z, ±half) if z is spread by ``deviation``, and the chances of contact at +half and at −half."""
     if deviation * 6.0 < min(abs(z - half), abs(z + half)) or deviation <= 0.0:
@@ -86,13 +86,13 @@ def mean_gap(z, half, deviation):
     return z - excess + lack, chance_above, chance_below
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def torque_of(p, x0, x1, x2, gap):
     """Shaft torque, with gap = clip(twist + lead·rate, ±half)."""
     return p[STIFFNESS] * (x0 - gap) + p[DAMPING] * (x1 - x2)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def write_estimates(p, x0, x1, x2, half, coulomb_torque, outputs):
     """The six outputs that every observer has."""
     z = x0 + p[LEAD] * (x1 - x2)
@@ -104,7 +104,7 @@ def write_estimates(p, x0, x1, x2, half, coulomb_torque, outputs):
     outputs[5] = coulomb_torque + p[VISCOUS] * x2
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def torque_believed(p, state, at, inputs, faults):
     """The motor torque to use and the faults: beyond the bound the last believed one, kept at ``state[at]``."""
     torque = inputs[0]
@@ -115,7 +115,7 @@ def torque_believed(p, state, at, inputs, faults):
     return state[at], faults
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def sensor_believed(p, state, at, value, missing, moved, innovation, variance, deviation):
     """Whether a sample of a sensor is used; keeps the sensor's memory at ``state[at]``.
 

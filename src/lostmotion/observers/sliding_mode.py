@@ -1,0 +1,76 @@
+"""Sliding-mode observer: the motor speed is forced onto its measurement, and the force tells the twist."""
+
+from __future__ import annotations
+
+from ..drivetrain import Drivetrain
+from ..systems import Stepper
+from .speed_only import ESTIMATES, default_bandwidth, load_corrections, speed_only_parameters
+from .tuning import positive
+
+
+def sliding_mode(
+    drivetrain: Drivetrain,
+    *,
+    dt: float,
+    unknown_torque: float = 10.0,
+    layer: float | None = None,
+    bandwidth: float | None = None,
+    damping_ratio: float = 0.7,
+    sensor_noise: float = 0.03,
+    count_averaged: bool = False,
+) -> Stepper:
+    """Sliding-mode observer from motor torque and motor speed.
+
+    ::
+
+        x⁺ = model(x, torque) + (l_twist, 1, l_load)·ν,   ν = dt·(unknown_torque/J_m)·sat((y − ŷ)/layer)
+
+    The corrections of twist and load speed act only in contact, and not on a load that sticks.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Two masses.
+    dt : float, s
+    unknown_torque : float, Nm
+        Largest torque on the motor that the model may miss and the correction still overcomes.
+    layer : float, rad/s, optional
+        Innovation at which the whole correction acts, linear below; default: four times the sensor noise, and at
+        least what one sample of the correction moves.
+    bandwidth : float, 1/s, optional
+        How fast errors of twist and load speed die out in contact; default √(k/J_l).
+    damping_ratio : float
+        Of those errors.
+    sensor_noise : float, rad/s
+        Standard deviation of one sample of the motor speed.
+    count_averaged : bool
+        The measured motor speed is a mean over the last sample.
+
+    Returns
+    -------
+    Stepper
+        Inputs torque_motor, speed_motor; outputs ``speed_only.ESTIMATES``.
+
+    Notes
+    -----
+    Merzouki & Cadiou 2005, Control Engineering Practice 13, 973–983: there the sliding correction is the estimate of
+    the backlash's disturbing torque; here it corrects the model that contains the backlash. Defaults chosen.
+    """
+    from ..kernels import steppers_sliding_mode as kernel
+
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 4)
+    reach = positive("unknown_torque", unknown_torque) / drivetrain.inertia_motor * dt
+    width = max(4.0 * sensor_noise, 2.0 * reach) if layer is None else positive("layer", layer)
+    rate = default_bandwidth(drivetrain) if bandwidth is None else positive("bandwidth", bandwidth)
+    p[kernel.REACH], p[kernel.LAYER] = reach, width
+    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(
+        drivetrain, rate, positive("damping_ratio", damping_ratio)
+    )
+    return Stepper(
+        name="sliding_mode",
+        inputs=("torque_motor", "speed_motor"),
+        outputs=ESTIMATES,
+        dt=dt,
+        parameters=p,
+        kernel="lostmotion.kernels.steppers_sliding_mode",
+    )
