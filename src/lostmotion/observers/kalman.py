@@ -18,12 +18,12 @@ from .model import ObserverModel, covariance, in_the_gap, observer_model
 Array = NDArray[np.float64]
 
 #: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. Chosen: the actuator's
-#: torque counts as known, the angle follows from the speed alone, and an unknown load torque may wander by
-#: 30 Nm in a second beside a motor speed of density 1.
+#: torque counts as known, the angle follows from the speed alone, and an unknown load torque is followed at about
+#: 20 1/s, the rate of the observer's own slow pole.
 PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {
         "twist": 1.0, "speed_motor": 1000.0, "speed_load": 1000.0, "torque_actuator": 0.0, "angle_motor": 0.0,
-        "torque_load": 1000.0,
+        "torque_load": 10000.0,
     }
 )  # fmt: skip
 

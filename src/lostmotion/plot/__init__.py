@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .control_step import control_step
 from .identified_parameters import identified_parameters
+from .leaderboard import leaderboard
 from .observer_step import observer_step
 from .prediction_fit import prediction_fit
 from .recording_overview import recording_overview
@@ -13,6 +14,7 @@ from .stiffness_fit import stiffness_fit
 __all__ = [
     "control_step",
     "identified_parameters",
+    "leaderboard",
     "observer_step",
     "prediction_fit",
     "recording_overview",

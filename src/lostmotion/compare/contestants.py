@@ -1,0 +1,118 @@
+"""The observers on trial: one list, each entry made from a drivetrain and the data sheets of the sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from .. import observers
+from ..drivetrain import Drivetrain
+from ..observers.extended_kalman import extended_kalman
+from ..observers.interacting_models import interacting_models
+from ..observers.unscented_kalman import unscented_kalman
+from ..recording import Recording
+
+
+class Runs(Protocol):
+    """What every observer is here: DiscreteSystem and Stepper alike."""
+
+    @property
+    def inputs(self) -> tuple[str, ...]: ...
+
+    def run(self, data: Recording) -> Recording: ...
+
+
+@dataclass(frozen=True)
+class Sensing:
+    """What an observer is told of the sensors.
+
+    Parameters
+    ----------
+    dt : float, s
+    averaged : bool
+        The motor speed is a mean over the last sample.
+    speed_noise : float, rad/s
+        Standard deviation of one sample of the motor speed, from the encoder's resolution.
+    torque_noise : float, Nm
+        The same of the shaft's torque sensor.
+    """
+
+    dt: float
+    averaged: bool
+    speed_noise: float
+    torque_noise: float
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """One row of the leaderboard.
+
+    Parameters
+    ----------
+    name : str
+        Unique; key of the tables.
+    kind : str
+        "naive", "fixed gain" or "stepper".
+    make : callable (drivetrain, sensing) → observer
+    slow : bool
+        Far above 2 µs per sample: tried on the quick cases and the first seeds alone.
+    """
+
+    name: str
+    kind: str
+    make: Callable[[Drivetrain, Sensing], Runs]
+    slow: bool = False
+
+
+class MotorSpeed:
+    """The motor speed taken for the load's: what a drive without an observer has."""
+
+    inputs = ("torque_motor", "speed_motor")
+
+    def run(self, data: Recording) -> Recording:
+        speed = data["speed_motor"]
+        good = np.isfinite(speed)
+        held = speed[np.maximum.accumulate(np.where(good, np.arange(speed.size), 0))]
+        return Recording(
+            time=data.time,
+            signals={"speed_load_estimated": held, "speed_motor_estimated": held},
+            origin=dict.fromkeys(("speed_load_estimated", "speed_motor_estimated"), "estimated"),
+        )
+
+
+def _kalman(d: Drivetrain, s: Sensing, measured: tuple[str, ...] = ("speed_motor",), **options: Any) -> Runs:
+    return observers.kalman(d, measured=measured, dt=s.dt, count_averaged=s.averaged, **options)
+
+
+def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain, Sensing], Runs]:
+    """A filter that takes the noise of its sensor from the data sheet."""
+    return lambda d, s: make(
+        d, dt=s.dt, count_averaged=s.averaged, sensor_noise={"speed_motor": s.speed_noise}, **options
+    )
+
+
+#: Row that all others are compared with.
+REFERENCE = "Observer 1"
+
+CONTESTANTS: tuple[Contestant, ...] = (
+    Contestant("motor speed", "naive", lambda d, s: MotorSpeed()),
+    Contestant("without backlash", "naive", lambda d, s: _kalman(d.with_parameters(backlash=0.0), s)),
+    Contestant(
+        "without friction", "naive", lambda d, s: _kalman(d.with_parameters(coulomb=0.0, viscous=0.0), s)
+    ),
+    Contestant(REFERENCE, "fixed gain", _kalman),
+    Contestant("Observer 2", "fixed gain", lambda d, s: _kalman(d, s, ("torque_shaft", "speed_motor"))),
+    Contestant("load torque", "fixed gain", lambda d, s: _kalman(d, s, load_torque=True)),
+    Contestant("scheduled", "fixed gain", lambda d, s: _kalman(d, s, contact_scheduling=True)),
+    Contestant(
+        "load torque, scheduled",
+        "fixed gain",
+        lambda d, s: _kalman(d, s, load_torque=True, contact_scheduling=True),
+    ),
+    Contestant("extended Kalman", "stepper", _stepper(extended_kalman)),
+    Contestant("unscented Kalman", "stepper", _stepper(unscented_kalman)),
+    Contestant("interacting models", "stepper", _stepper(interacting_models)),
+)

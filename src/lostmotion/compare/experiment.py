@@ -1,0 +1,185 @@
+"""One case as a recording of the virtual rig, with the truth beside it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import controllers, rig, signals
+from ..drivetrain import Drivetrain
+from ..identification import identify
+from ..recording import Recording
+from ..rig.nominal import COULOMB, INERTIAS, VISCOUS
+from ..simulation import Sensor, measure, simulate
+from .cases import Case
+from .contestants import Sensing
+
+Array = NDArray[np.float64]
+
+#: Speeds (rad/s) and ramp (s) of the reversing experiment, and rms (Nm) of its noise (chosen: the shaft torque reverses
+#: more than a hundred times a second, the load is in the gap for nearly half of the time).
+LEVELS, RAMP, NOISE = (4.0, 10.0, -4.0, -10.0, 6.0, -6.0), 0.1, 7.0
+#: Torque noise (Nm) and square wave (Nm, Hz) under which the load sticks most of the time (chosen).
+STICKING_NOISE, STICKING_WAVE, STICKING_RATE = 1.2, 1.0, 5.0
+#: Set-points under control change every so often, s, within ± rad/s (chosen).
+HOLD, SPEED = 0.1, 4.0
+#: Length of a lost stretch of samples, s (chosen).
+BURST = 2e-3
+#: Time before the estimates count, s. After a wrong start they count at once, for so long.
+SETTLING, AFTER_WRONG_START = 0.3, 0.5
+#: Motor torque that holds the joint closed with the load at rest, Nm (chosen: below Coulomb friction).
+PRELOAD = 1.2
+#: Identified parameters come from a recording of this length, s, with start values off by this factor.
+IDENTIFY_DURATION, START_OFF = 10.0, 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """What the observers get, and what they are judged by.
+
+    Parameters
+    ----------
+    recording : Recording
+        torque_motor, speed_motor, torque_shaft.
+    truth : mapping of signal → (n,) array
+        speed_load, torque_shaft, twist_elastic; ``gap``: 1.0 where the joint is open.
+    backlash : float, rad
+    drivetrain : Drivetrain
+        What the observers are told.
+    sensing : Sensing
+    judged : slice
+        Rows that count.
+    """
+
+    recording: Recording
+    truth: dict[str, Array]
+    backlash: float
+    drivetrain: Drivetrain
+    sensing: Sensing
+    judged: slice
+
+
+def experiment(case: Case, seed: int, duration: float) -> Experiment:
+    """The case on the rig of the seed; ``duration`` in s."""
+    resolution = 2.0 * math.pi / 2**case.encoder_bits
+    plant = _rig(case, seed, resolution)
+    recording, true = _record(plant, case, seed, duration)
+    parameters = rig.two_mass_equivalent(plant.drivetrain, np.linspace(-LEVELS[1], LEVELS[1], 2000))
+    shown = _disturbed(recording, true, plant, case, seed)
+    truth = _truth(plant, true)
+    told = _identified(seed, parameters) if case.parameters == "identified" else parameters
+    told = {name: value * case.told.get(name, 1.0) for name, value in told.items()}
+    first, last = round(SETTLING / case.dt), len(shown)
+    if case.wrong_start:
+        # The plant rests on one side of the gap; the observer sees the mirrored signals and believes in the other.
+        mirror = np.where(np.arange(last) < first, -1.0, 1.0)
+        shown = shown.with_signals("measured", **{name: mirror * shown[name] for name in shown})
+        last = first + round(AFTER_WRONG_START / case.dt)
+    sensing = Sensing(case.dt, True, max(resolution / case.dt / math.sqrt(6.0), 1e-3), case.torque_noise)
+    return Experiment(
+        recording=shown,
+        truth=truth,
+        backlash=parameters["backlash"],
+        drivetrain=Drivetrain.two_mass(**told),  # type: ignore[arg-type]
+        sensing=sensing,
+        judged=slice(first, last),
+    )
+
+
+def _rig(case: Case, seed: int, resolution: float) -> rig.Rig:
+    plant = rig.varied_rig(seed)
+    sensors = {
+        "speed_motor": Sensor("angle_motor", resolution, difference=True),
+        "torque_shaft": Sensor("torque_shaft", noise=case.torque_noise),
+    }
+    return replace(plant, sensors=sensors)
+
+
+def _record(plant: rig.Rig, case: Case, seed: int, duration: float) -> tuple[Recording, Recording]:
+    """What the sensors show, and the true signals."""
+    channels, dt = ("speed_motor", "torque_shaft"), case.dt
+    n = round(duration / dt)
+    rng = np.random.default_rng([seed, 41])
+    if case.work == "control":
+        reference = np.repeat(rng.uniform(-SPEED, SPEED, math.ceil(duration / HOLD)), round(HOLD / dt))[:n]
+        law = controllers.pi(dt=dt, torque_limit=rig.TORQUE_LIMIT)
+        recording, truth = rig.record(plant, law=law, speed_reference=reference, dt=dt, channels=channels)
+        return recording, truth.signals
+    torque = _torque(case, seed, duration)
+    acting = torque + case.ripple * rng.standard_normal(n)
+    level = np.repeat(rng.choice([-1.0, 1.0], math.ceil(duration / 0.5)), round(0.5 / dt))[:n]
+    load = case.load_torque * level if case.load_torque else None
+    true = simulate(plant.drivetrain, dt=dt, torque_motor=acting, torque_load=load)
+    shown = measure(plant.sensors, true.signals, dt, seed)
+    return Recording(time=true.time, signals={"torque_motor": torque, **shown}), true
+
+
+def _torque(case: Case, seed: int, duration: float) -> Array:
+    dt = case.dt
+    if case.work == "sticking":
+        time = dt * np.arange(round(duration / dt))
+        noise = signals.noise(2.0, 140.0, STICKING_NOISE, duration, dt, seed=seed)
+        return noise + STICKING_WAVE * np.sign(np.sin(2.0 * math.pi * STICKING_RATE * time))
+    work = signals.excitation(
+        duration, dt, seed=seed, inertia=sum(INERTIAS), coulomb=COULOMB, viscous=VISCOUS, levels=LEVELS, ramp=RAMP,
+        noise_rms=NOISE,
+    )  # fmt: skip
+    if case.wrong_start:
+        first = round(SETTLING / dt)
+        work = np.concatenate([np.full(first, PRELOAD), work[: work.size - first]])
+    return work
+
+
+def _disturbed(recording: Recording, true: Recording, plant: rig.Rig, case: Case, seed: int) -> Recording:
+    """Sensors that are late or lose samples."""
+    if case.delay:
+        late = {"angle_motor": _late(true["angle_motor"], true["speed_motor"], case)}
+        late["torque_shaft"] = np.interp(true.time - case.delay * case.dt, true.time, true["torque_shaft"])
+        recording = recording.with_signals("measured", **measure(plant.sensors, late, case.dt, seed))
+    if case.dropouts:
+        rng = np.random.default_rng([seed, 42])
+        burst = max(1, round(BURST / case.dt))
+        lost = rng.random(len(recording)) < case.dropouts / burst
+        lost = np.convolve(lost, np.ones(burst))[: len(recording)] > 0.5
+        lost[:burst] = False
+        recording = recording.with_signals(
+            "measured", speed_motor=np.where(lost, np.nan, recording["speed_motor"])
+        )
+    return recording
+
+
+def _late(angle: Array, speed: Array, case: Case) -> Array:
+    """The angle ``case.delay`` samples ago, by the cubic through angle and speed of both neighbours."""
+    whole = math.floor(case.delay)
+    s = 1.0 - (case.delay - whole)
+    a0, a1, v0, v1 = angle[:-1], angle[1:], speed[:-1] * case.dt, speed[1:] * case.dt
+    between = (
+        (2 * s**3 - 3 * s**2 + 1) * a0 + (s**3 - 2 * s**2 + s) * v0
+        + (3 * s**2 - 2 * s**3) * a1 + (s**3 - s**2) * v1
+    )  # fmt: skip
+    shifted = np.concatenate([angle[:1], between])
+    return np.concatenate([np.full(whole, angle[0]), shifted])[: angle.size]
+
+
+def _truth(plant: rig.Rig, true: Recording) -> dict[str, Array]:
+    joint = next(i for i, shaft in enumerate(plant.drivetrain.shafts) if shaft.has_backlash)
+    half = 0.5 * plant.drivetrain.shafts[joint].backlash
+    free = np.clip(true[f"twist_{joint + 1}"], -half, half)
+    return {
+        "speed_load": true["speed_load"],
+        "torque_shaft": true["torque_shaft"],
+        "twist_elastic": true["twist"] - free,
+        "gap": (true[f"torque_shaft_{joint + 1}"] == 0.0).astype(float),
+    }
+
+
+def _identified(seed: int, truth: dict[str, float]) -> dict[str, float]:
+    """Parameters from a recording of their own, from start values that are off by START_OFF, up or down."""
+    recording, _ = rig.record(seed, noise_seed=7)
+    signs = np.random.default_rng([seed, 43]).choice([-1.0, 1.0], len(truth))
+    start = {n: v * START_OFF**s for (n, v), s in zip(truth.items(), signs, strict=True)}
+    found = identify(recording, start=Drivetrain.two_mass(**start)).drivetrain
+    return {name: value for name, value in found.parameters().items() if name in truth}

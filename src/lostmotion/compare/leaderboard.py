@@ -1,0 +1,215 @@
+"""The leaderboard: scores by case, seed and observer, and the tables made of them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..io.whole_files import write_bytes
+from .cases import Case
+from .contestants import REFERENCE
+from .scores import METRICS, Score
+from .statistics import Estimate, median, overall, ratio, verdict
+
+#: What the ranking and the wins are about.
+RANKED_BY = "speed_load"
+_PERCENT = ("speed_load", "torque_shaft", "twist_elastic", "backlash_error")
+
+
+@dataclass(frozen=True, eq=False)
+class Leaderboard:
+    """Scores of all observers over all cases and seeds.
+
+    Parameters
+    ----------
+    observers : mapping of name → kind
+        In the order of the list of contestants.
+    cases : tuple of Case
+    seeds : tuple of int
+    scores : mapping case → seed → observer → score
+    settings : mapping
+        Duration and what else was chosen.
+    """
+
+    observers: Mapping[str, str]
+    cases: tuple[Case, ...]
+    seeds: tuple[int, ...]
+    scores: Mapping[str, Mapping[int, Mapping[str, Score]]]
+    settings: Mapping[str, Any]
+
+    def values(self, observer: str, case: str, metric: str) -> dict[int, float]:
+        """The metric by seed, where the observer has it."""
+        found = {}
+        for seed, row in self.scores[case].items():
+            value = row.get(observer, {}).get(metric)
+            if value is not None and math.isfinite(value):
+                found[seed] = float(value)
+        return found
+
+    def median(self, observer: str, case: str, metric: str) -> Estimate | None:
+        """Median over seeds with its 95 % interval; None where the observer has no such estimate."""
+        values = self.values(observer, case, metric)
+        return median(list(values.values())) if values else None
+
+    def against_reference(self, observer: str, case: str, metric: str = RANKED_BY) -> Estimate | None:
+        """Error divided by that of Observer 1 on the same recordings: median over seeds."""
+        return ratio(self.values(observer, case, metric), self.values(REFERENCE, case, metric))
+
+    def overall(self, observer: str, metric: str = RANKED_BY) -> Estimate | None:
+        """Geometric mean of that ratio over all cases in which the observer took part."""
+        table = {}
+        for case in self.cases:
+            own, reference = (self.values(o, case.name, metric) for o in (observer, REFERENCE))
+            common = set(own) & set(reference)
+            if common:
+                table[case.name] = {
+                    s: math.log(max(own[s], 1e-12) / max(reference[s], 1e-12)) for s in common
+                }
+        return overall(table)
+
+    def wins(self, observer: str, metric: str = RANKED_BY) -> dict[str, int]:
+        """Number of cases won, tied and lost against Observer 1."""
+        counts = {"win": 0, "tie": 0, "loss": 0}
+        for case in self.cases:
+            seeds = set(self.values(observer, case.name, metric)) & set(
+                self.values(REFERENCE, case.name, metric)
+            )
+            outcome = verdict(self.against_reference(observer, case.name, metric), len(seeds))
+            if outcome in counts:
+                counts[outcome] += 1
+        return counts
+
+    def time_per_sample(self, observer: str) -> float | None:
+        """Smallest processor time of a sample over all runs, s: the least disturbed."""
+        times = [
+            t for case in self.cases for t in self.values(observer, case.name, "time_per_sample").values()
+        ]
+        return min(times) if times else None
+
+    def ranking(self) -> list[str]:
+        """Observers from the best to the worst by ``overall``."""
+        places = {name: self.overall(name) for name in self.observers}
+        return sorted(self.observers, key=lambda n: places[n].value if places[n] is not None else math.inf)  # type: ignore[union-attr]
+
+    def groups(self) -> tuple[str, ...]:
+        """Groups of cases, in their order."""
+        return tuple(dict.fromkeys(case.group for case in self.cases))
+
+    def worst_of_group(self, observer: str, group: str, metric: str) -> float | None:
+        """The largest median of the group's cases (for F1 the smallest)."""
+        found = [self.median(observer, c.name, metric) for c in self.cases if c.group == group]
+        medians = [f.value for f in found if f is not None]
+        if not medians:
+            return None
+        return min(medians) if metric in ("f1_gap", "impacts_found") else max(medians)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, for JSON."""
+        return {
+            "schema": 1,
+            "settings": dict(self.settings),
+            "seeds": list(self.seeds),
+            "reference": REFERENCE,
+            "observers": [
+                {
+                    "name": name,
+                    "kind": self.observers[name],
+                    "overall_ratio": _plain(self.overall(name)),
+                    "wins": self.wins(name),
+                    "wins_torque_shaft": self.wins(name, "torque_shaft"),
+                    "time_per_sample": self.time_per_sample(name),
+                }
+                for name in self.ranking()
+            ],
+            "cases": [
+                {
+                    "name": case.name,
+                    "group": case.group,
+                    "observers": {
+                        name: {
+                            "ratio_to_reference": _plain(self.against_reference(name, case.name)),
+                            **{m: _plain(self.median(name, case.name, m)) for m in METRICS},
+                        }
+                        for name in self.observers
+                    },
+                }
+                for case in self.cases
+            ],
+        }
+
+    def to_csv(self) -> str:
+        """One line for each case, seed and observer."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["case", "group", "seed", "observer", *METRICS])
+        for case in self.cases:
+            for seed, row in sorted(self.scores[case.name].items()):
+                for name in self.observers:
+                    if name in row:
+                        cells = ["" if (v := row[name].get(m)) is None else repr(v) for m in METRICS]
+                        writer.writerow([case.name, case.group, seed, name, *cells])
+        return text.getvalue()
+
+    def to_markdown(self) -> str:
+        """Ranking, then a table of the load speed by group of cases, then what the nominal case says."""
+        return "\n\n".join([self._ranking_table(), self._group_table(), self._nominal_table()]) + "\n"
+
+    def _ranking_table(self) -> str:
+        lines = [
+            "| observer | kind | load-speed error / Observer 1's (95 %) | wins – ties – losses | µs per sample |",
+            "|---|---|---|---|---|",
+        ]
+        for name in self.ranking():
+            found, wins, time = self.overall(name), self.wins(name), self.time_per_sample(name)
+            place = "–" if found is None else f"{found.value:.2f} ({found.low:.2f} to {found.high:.2f})"
+            count = "–" if name == REFERENCE else f"{wins['win']} – {wins['tie']} – {wins['loss']}"
+            spent = "–" if time is None else f"{1e6 * time:.2f}"
+            lines.append(f"| {name} | {self.observers[name]} | {place} | {count} | {spent} |")
+        return "\n".join(lines)
+
+    def _group_table(self) -> str:
+        groups = self.groups()
+        lines = ["| load speed, RMSE in % of range, worst of the group | " + " | ".join(groups) + " |"]
+        lines.append("|---" * (len(groups) + 1) + "|")
+        for name in self.ranking():
+            cells = [_percent(self.worst_of_group(name, group, RANKED_BY)) for group in groups]
+            lines.append(f"| {name} | " + " | ".join(cells) + " |")
+        return "\n".join(lines)
+
+    def _nominal_table(self) -> str:
+        case = self.cases[0].name
+        heads = {
+            "speed_load": "load speed %", "torque_shaft": "shaft torque %", "twist_elastic": "elastic twist %",
+            "f1_gap": "F1 of the gap", "impact_delay": "impact off by ms", "impacts_found": "impacts found",
+            "backlash_error": "backlash %",
+        }  # fmt: skip
+        lines = [f"| {case} | " + " | ".join(heads.values()) + " |", "|---" * (len(heads) + 1) + "|"]
+        for name in self.ranking():
+            cells = []
+            for metric in heads:
+                found = self.median(name, case, metric)
+                scale = 100.0 if metric in _PERCENT else 1e3 if metric == "impact_delay" else 1.0
+                cells.append("–" if found is None else f"{scale * found.value:.3g}")
+            lines.append(f"| {name} | " + " | ".join(cells) + " |")
+        return "\n".join(lines)
+
+    def write(self, folder: Path) -> None:
+        """leaderboard.json, leaderboard.csv and leaderboard.md."""
+        content = json.dumps(self.to_dict(), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+        texts = {"json": content, "csv": self.to_csv(), "md": self.to_markdown()}
+        for ending, text in texts.items():
+            write_bytes(folder / f"leaderboard.{ending}", text.encode())
+
+
+def _plain(found: Estimate | None) -> list[float] | None:
+    return None if found is None else [found.value, found.low, found.high]
+
+
+def _percent(value: float | None) -> str:
+    return "–" if value is None else f"{100.0 * value:.2g}"

@@ -1,0 +1,71 @@
+"""Medians over seeds, wins and losses against the reference row, with bootstrap intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Resamples of the bootstrap, and its seed (chosen).
+RESAMPLES, SEED = 2000, 0
+#: Fewest seeds for a verdict: five on one side by chance alone have 6 %.
+FEWEST_SEEDS = 5
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its 95 % bootstrap interval over seeds."""
+
+    value: float
+    low: float
+    high: float
+
+
+def _indices(n: int) -> NDArray[np.int64]:
+    return np.random.default_rng(SEED).integers(0, n, (RESAMPLES, n))
+
+
+def median(values: Sequence[float]) -> Estimate:
+    """Median over seeds; the interval by resampling the seeds (Efron 1979, percentiles)."""
+    array = np.asarray(values, dtype=float)
+    resampled = np.median(array[_indices(array.size)], axis=1)
+    low, high = np.percentile(resampled, [2.5, 97.5])
+    return Estimate(float(np.median(array)), float(low), float(high))
+
+
+def ratio(own: Mapping[int, float], reference: Mapping[int, float]) -> Estimate | None:
+    """Median over the common seeds of own error / reference error; None without a common seed."""
+    seeds = sorted(set(own) & set(reference))
+    logs = [float(np.log(max(own[s], 1e-12) / max(reference[s], 1e-12))) for s in seeds]
+    if not logs:
+        return None
+    found = median(logs)
+    return Estimate(*(float(np.exp(v)) for v in (found.value, found.low, found.high)))
+
+
+def overall(table: Mapping[str, Mapping[int, float]]) -> Estimate | None:
+    """Geometric mean over cases of the ratio to the reference, per seed; seeds are resampled as a whole.
+
+    ``table``: case → seed → log of the ratio. Only seeds that every case has count.
+    """
+    if not table:
+        return None
+    seeds = sorted(set.intersection(*(set(row) for row in table.values())))
+    if not seeds:
+        return None
+    logs = np.array([[row[s] for s in seeds] for row in table.values()]).mean(axis=0)
+    low, high = np.percentile(logs[_indices(logs.size)].mean(axis=1), [2.5, 97.5])
+    return Estimate(*(float(np.exp(v)) for v in (logs.mean(), low, high)))
+
+
+def verdict(found: Estimate | None, seeds: int) -> str:
+    """Win, loss or tie of one case: a win has its whole interval below 1; few seeds prove nothing."""
+    if found is None or seeds < FEWEST_SEEDS:
+        return "–"
+    if found.high < 1.0:
+        return "win"
+    return "loss" if found.low > 1.0 else "tie"

@@ -1,0 +1,254 @@
+"""The leaderboard: experiments, scores, statistics, tables, and that it goes on where it was stopped."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lostmotion.compare import CASES, CONTESTANTS, compare_observers
+from lostmotion.compare.experiment import experiment
+from lostmotion.compare.scores import METRICS, score
+from lostmotion.compare.statistics import median, overall, ratio, verdict
+from lostmotion.errors import InvalidInput
+from lostmotion.recording import Recording
+
+CASE = {case.name: case for case in CASES}
+CHOSEN = ("motor speed", "without backlash", "Observer 1")
+
+
+@pytest.fixture(scope="module")
+def nominal():
+    return experiment(CASE["nominal"], 1, 1.0)
+
+
+# Experiments.
+
+
+def test_names_are_unique_and_the_reference_takes_part():
+    assert len({c.name for c in CASES}) == len(CASES)
+    names = [entry.name for entry in CONTESTANTS]
+    assert len(set(names)) == len(names)
+    assert names.count("Observer 1") == 1
+    assert [e.kind for e in CONTESTANTS].count("naive") == 3
+
+
+def test_observers_see_nothing_of_the_truth(nominal):
+    assert set(nominal.recording.names) == {"torque_motor", "speed_motor", "torque_shaft"}
+    assert 0.2 < nominal.truth["gap"].mean() < 0.7
+    # The joint is open where the truth says so: the side shaft then carries the joint piece alone.
+    torque = np.abs(nominal.truth["torque_shaft"])
+    assert np.median(torque[nominal.truth["gap"] > 0.5]) < 0.1 * np.median(torque[nominal.truth["gap"] < 0.5])
+
+
+def test_the_same_seed_gives_the_same_bytes(nominal):
+    again = experiment(CASE["nominal"], 1, 1.0)
+    for name in nominal.recording:
+        np.testing.assert_array_equal(again.recording[name], nominal.recording[name])
+    assert not np.array_equal(
+        experiment(CASE["nominal"], 2, 1.0).truth["speed_load"], nominal.truth["speed_load"]
+    )
+
+
+@pytest.mark.parametrize("name, late", [("delay 0.4 samples", 0.4), ("delay 1 sample", 1.0)])
+def test_a_late_sensor_shows_the_past(nominal, name, late):
+    data = experiment(CASE[name], 1, 1.0)
+    np.testing.assert_array_equal(data.truth["speed_load"], nominal.truth["speed_load"])
+    shown = np.cumsum(data.recording["speed_motor"]) * 1e-4
+    prompt = np.cumsum(nominal.recording["speed_motor"]) * 1e-4
+    row = np.arange(shown.size)
+    wanted = np.interp(row - late, row, prompt)
+    # Two counts of 6 µrad each, and the curvature between two samples.
+    np.testing.assert_allclose(shown[10:], wanted[10:], atol=1.5e-5)
+    assert np.max(np.abs(prompt - wanted)) > 1e-4
+
+
+def test_what_nobody_tells_the_observers(nominal):
+    lost = np.isnan(experiment(CASE["drop-outs 2 %"], 1, 4.0).recording["speed_motor"])
+    assert 0.005 < lost.mean() < 0.04
+    loaded = experiment(CASE["load torque 3 Nm"], 1, 1.0)
+    np.testing.assert_array_equal(loaded.recording["torque_motor"], nominal.recording["torque_motor"])
+    assert np.ptp(loaded.truth["speed_load"] - nominal.truth["speed_load"]) > 1.0
+    told = experiment(CASE["stiffness +20 %"], 1, 1.0).drivetrain
+    assert told.stiffness == pytest.approx(1.2 * nominal.drivetrain.stiffness)
+    assert told.backlash == nominal.drivetrain.backlash == nominal.backlash
+
+
+def test_a_wrong_start_shows_the_other_side_first():
+    data = experiment(CASE["wrong start"], 1, 1.0)
+    first = data.judged.start
+    assert np.all(data.recording["torque_motor"][:first] < 0.0)
+    assert np.mean(data.truth["torque_shaft"][first - 200 : first]) == pytest.approx(1.2, rel=0.02)
+    assert np.mean(data.recording["torque_shaft"][first - 200 : first]) == pytest.approx(-1.2, abs=0.1)
+
+
+def test_sticking_sticks():
+    data = experiment(CASE["sticking"], 1, 1.0)
+    assert np.mean(data.truth["speed_load"] == 0.0) > 0.4
+
+
+# Scores.
+
+
+class Told:
+    """An observer that knows the truth, ``late`` samples ago."""
+
+    inputs = ("torque_motor",)
+
+    def __init__(self, data, late=0):
+        self.signals = {f"{n}_estimated": np.roll(v, late) for n, v in data.truth.items() if n != "gap"}
+        # The side shaft rings in the open joint; what the joint transmits is zero there.
+        self.signals["torque_shaft_estimated"] = np.roll(
+            np.where(data.truth["gap"] > 0.5, 0.0, data.truth["torque_shaft"] + 1e-9), late
+        )
+        self.signals["backlash_estimated"] = np.full(len(data.recording), 1.1 * data.backlash)
+
+    def run(self, data):
+        return Recording(time=data.time, signals=self.signals)
+
+
+def test_who_knows_the_truth_makes_no_error(nominal):
+    found = score(Told(nominal), nominal)
+    assert set(found) == set(METRICS)
+    assert found["speed_load"] == found["twist_elastic"] == 0.0
+    assert found["f1_gap"] > 0.98
+    assert found["impact_delay"] == 0.0 and found["impacts_found"] == 1.0
+    assert found["backlash_error"] == pytest.approx(0.1)
+
+
+def test_who_is_late_finds_the_impacts_late(nominal):
+    found = score(Told(nominal, late=4), nominal)
+    assert found["impact_delay"] == pytest.approx(4e-4)
+    assert found["f1_gap"] < score(Told(nominal), nominal)["f1_gap"] - 0.03
+
+
+def test_an_observer_that_fails_has_a_large_error_not_nan(nominal):
+    broken = Told(nominal)
+    broken.signals["speed_load_estimated"] = np.full(len(nominal.recording), np.nan)
+    broken.signals["torque_shaft_estimated"] = np.full(len(nominal.recording), np.inf)
+    found = score(broken, nominal)
+    assert 0.0 < found["speed_load"] < np.inf
+    assert found["torque_shaft"] > 1e3
+    assert found["f1_gap"] == 0.0 and found["impact_delay"] is None
+
+
+# Statistics.
+
+
+def test_bootstrap():
+    values = np.random.default_rng(0).normal(3.0, 1.0, 100)
+    found = median(values)
+    assert found.low < found.value < found.high
+    assert found.high - found.low == pytest.approx(2 * 1.96 * 1.2533 / 10.0, rel=0.5)
+    own, reference = {1: 2.0, 2: 2.0, 3: 8.0, 9: 1.0}, {1: 1.0, 2: 1.0, 3: 4.0, 4: 1.0}
+    assert ratio(own, reference) == (same := ratio(own, {1: 1.0, 2: 1.0, 3: 4.0}))
+    assert same is not None and same.value == pytest.approx(2.0) == same.high
+    assert ratio({1: 1.0}, {2: 1.0}) is None
+    both = overall({"a": {1: np.log(4.0), 2: np.log(4.0)}, "b": {1: 0.0, 2: 0.0, 3: 5.0}})
+    assert both is not None and both.value == pytest.approx(2.0)
+
+
+def test_verdict_needs_an_interval_on_one_side_and_seeds():
+    better, unclear = median([0.5] * 6), median([0.5, 0.5, 0.5, 2.0, 2.0, 2.0])
+    worse = replace(better, value=2.0, low=1.5, high=3.0)
+    assert [verdict(v, 6) for v in (better, unclear, worse, None)] == ["win", "tie", "loss", "–"]
+    assert verdict(better, 4) == "–"
+
+
+# The whole comparison.
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("leaderboard")
+    calls = []
+    board = compare_observers(
+        folder, seeds=2, cases=("nominal", "stiffness +20 %"), observers=CHOSEN, duration=1.0, workers=1,
+        progress=lambda fraction, text: calls.append((fraction, text)),
+    )  # fmt: skip
+    return folder, board, calls
+
+
+def test_tables(small):
+    folder, board, calls = small
+    assert [fraction for fraction, _ in calls] == [0.25, 0.5, 0.75, 1.0]
+    assert board.ranking() == ["Observer 1", "without backlash", "motor speed"]
+    data = json.loads((folder / "leaderboard.json").read_text())
+    assert data == json.loads(json.dumps(board.to_dict()))
+    assert data["observers"][0]["overall_ratio"] == [1.0, 1.0, 1.0]
+    cell = data["cases"][0]["observers"]["motor speed"]
+    assert 0.1 < cell["speed_load"][0] < 0.25 and cell["torque_shaft"] is None
+    rows = list(csv.DictReader((folder / "leaderboard.csv").open()))
+    assert len(rows) == 2 * 2 * 3
+    assert {row["observer"] for row in rows} == set(CHOSEN)
+    text = (folder / "leaderboard.md").read_text()
+    assert text.index("| Observer 1 |") < text.index("| motor speed |")
+    assert (folder / "leaderboard.svg").stat().st_size > 5000
+
+
+def test_it_goes_on_where_it_was_stopped(small):
+    folder, board, _ = small
+    scores = sorted((folder / "scores").iterdir())
+    assert len(scores) == 4
+    scores[0].unlink()
+    scores[1].write_text(scores[1].read_text()[:100])
+    calls = []
+    again = compare_observers(
+        folder, seeds=2, cases=("nominal", "stiffness +20 %"), observers=CHOSEN, duration=1.0, workers=2,
+        progress=lambda fraction, text: calls.append(text),
+    )  # fmt: skip
+    assert len(calls) == 2
+    for case in board.scores:
+        for seed in board.seeds:
+            for name in CHOSEN:
+                a, b = (dict(x.scores[case][seed][name], time_per_sample=0.0) for x in (board, again))
+                assert a == b
+
+
+def test_other_settings_do_not_use_old_scores(small):
+    folder, _, _ = small
+    calls = []
+    compare_observers(
+        folder, seeds=[1], cases=["nominal"], observers=["motor speed"], duration=1.2, workers=1,
+        progress=lambda fraction, text: calls.append(text),
+    )  # fmt: skip
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize(
+    "arguments, complaint",
+    [
+        ({"cases": ["nominal", "wild"]}, "wild"),
+        ({"observers": ["nobody"]}, "nobody"),
+        ({"seeds": 0}, "seeds"),
+        ({"seeds": [1, 1]}, "seeds"),
+        ({"duration": 0.5}, "duration"),
+        ({"duration": float("nan")}, "duration"),
+    ],
+)
+def test_misuse(arguments, complaint):
+    with pytest.raises(InvalidInput, match=complaint):
+        compare_observers(**arguments)
+
+
+def test_a_folder_that_is_a_file(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InvalidInput, match="file"):
+        compare_observers(tmp_path / "file", quick=True)
+
+
+def test_figure(small):
+    from lostmotion.plot import leaderboard
+
+    _, board, _ = small
+    figure = leaderboard(board.to_dict())
+    axis = figure.axes[0]
+    shown = [text.get_text() for text in axis.texts]
+    worst = board.worst_of_group("motor speed", "nominal", "speed_load")
+    assert shown[-2] == f"{100.0 * worst:.0f}"
+    assert axis.get_yticklabels()[0].get_text().startswith("Observer 1")
+    with pytest.raises(InvalidInput, match="no backlash_error"):
+        leaderboard(board.to_dict(), metric="backlash_error")
