@@ -3,11 +3,12 @@
 from .elements import Coupling, Disc, Gear, ShaftSegment
 from .from_frequencies import chain_from_frequencies, two_mass_from_frequencies
 from .modes import Modes, modes, zeros
-from .powertrain import paper_powertrain
+from .powertrain import GAP, paper_powertrain
 from .reduction import ChainReduction, reduce_to_chain
 from .torsional_model import TorsionalModel, assemble, from_drivetrain
 
 __all__ = [
+    "GAP",
     "ChainReduction",
     "Coupling",
     "Disc",

@@ -1,0 +1,93 @@
+"""Magnitude and phase of frequency responses over each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .style import SERIES, panels, title_and_legend
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def bode(
+    responses: Mapping[str, tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, ArrayLike]],
+    *,
+    unit: str = "rad/(Nm)",
+    title: str = "Frequency response",
+    marks: Mapping[str, float] | None = None,
+    axes: Sequence[Axes] | None = None,
+) -> Figure:
+    """Bode diagram, at most four responses; a shaded 95 % band where a margin is given.
+
+    Parameters
+    ----------
+    responses : mapping of label → (frequency, response) or (frequency, response, margin)
+        (m,) arrays: Hz, complex, and the half width of the 95 % interval in the response's unit.
+    unit : str
+        Of the response; the magnitude is shown in dB of it.
+    title : str
+    marks : mapping of label → frequency (Hz), optional
+        Vertical lines, as for zero and pole.
+    axes : sequence of two Axes, optional
+
+    Returns
+    -------
+    Figure
+    """
+    figure, (upper, lower) = panels(axes, 2, size=(8.0, 6.4), sharex=True)
+    for (label, values), style in zip(responses.items(), SERIES, strict=False):
+        frequency, response = np.asarray(values[0], dtype=float), np.asarray(values[1])
+        upper.plot(frequency, _db(np.abs(response)), label=label, **style)
+        lower.plot(frequency, _phase(response), **style)
+        if len(values) == 3:
+            _bands(upper, lower, frequency, response, np.asarray(values[2], dtype=float), style)
+    for name, place in (marks or {}).items():
+        for axis in (upper, lower):
+            axis.axvline(place, color="#777777", linewidth=0.9, linestyle=(0, (1, 2)), zorder=0.5)
+        upper.annotate(name, (place, 1.0), (2, -2), xycoords=("data", "axes fraction"), textcoords="offset points",
+                       va="top", fontsize=8, color="#444444")  # fmt: skip
+    upper.set(xscale="log", ylabel=f"magnitude (dB of 1 {unit})")
+    lower.set(xscale="log", xlabel="frequency (Hz)", ylabel="phase (°)", ylim=(-370.0, 10.0))
+    lower.set_yticks(np.arange(-360.0, 1.0, 90.0))
+    _plain_ticks(lower)
+    title_and_legend(figure, [upper], title)
+    return figure
+
+
+def _db(magnitude: Any) -> Any:
+    return 20.0 * np.log10(np.maximum(magnitude, 1e-300))
+
+
+def _phase(response: Any) -> Any:
+    """Degrees from −360 up to 0, broken where it wraps so that no line crosses the panel."""
+    degrees = np.rad2deg(np.angle(response))
+    degrees = np.where(degrees > 5.0, degrees - 360.0, degrees)
+    jumps = np.abs(np.diff(degrees, prepend=degrees[:1])) > 300.0
+    return np.where(jumps, np.nan, degrees)
+
+
+def _bands(
+    upper: Axes, lower: Axes, frequency: Any, response: Any, margin: Any, style: Mapping[str, Any]
+) -> None:
+    size = np.abs(response)
+    shade = {"color": style["color"], "alpha": 0.25, "linewidth": 0.0}
+    low = _db(np.maximum(size - margin, 1e-2 * size))
+    upper.fill_between(frequency, low, _db(size + margin), **shade)
+    half = np.rad2deg(np.arcsin(np.minimum(margin / np.maximum(size, 1e-300), 1.0)))
+    phase = _phase(response)
+    lower.fill_between(frequency, phase - half, phase + half, **shade)
+
+
+def _plain_ticks(axis: Axes) -> None:
+    """Frequencies as 10, 20, 50 instead of powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.xaxis.set_minor_formatter(NullFormatter())

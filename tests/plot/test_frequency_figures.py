@@ -1,0 +1,73 @@
+"""Bode diagram, coherence and mode shapes: labels with units, the lines they should have, no global setting touched."""
+
+from __future__ import annotations
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from lostmotion.plot.bode import bode
+from lostmotion.plot.coherence import coherence
+from lostmotion.plot.mode_shapes import mode_shapes
+
+FREQUENCY = np.geomspace(1.0, 200.0, 300)
+RESPONSE = 1.0 / (100.0 - FREQUENCY**2 + 2j * FREQUENCY)
+
+
+def draw_bode(**more):
+    curves = {"measured": (FREQUENCY, RESPONSE, 0.1 * np.abs(RESPONSE)), "model": (FREQUENCY, 1.1 * RESPONSE)}
+    return bode(curves, marks={"pole": 10.0}, **more)
+
+
+def draw_coherence(**more):
+    return coherence({"measured": (FREQUENCY, np.exp(-FREQUENCY / 50.0))}, by_chance=0.1, **more)
+
+
+def draw_modes(**more):
+    names = ["motor", "shaft.1", "load"]
+    return mode_shapes([0.0, 100.0], np.array([[1.0, 4.0], [1.0, 2.0], [1.0, -1.0]]), names, **more)
+
+
+@pytest.mark.parametrize("make", [draw_bode, draw_coherence, draw_modes])
+def test_figure(make):
+    before = dict(matplotlib.rcParams)
+    figure = make()
+    figure.canvas.draw()
+    assert dict(matplotlib.rcParams) == before
+    assert figure.get_suptitle()
+    assert figure.axes[-1].get_xlabel().endswith(")")
+    assert all(axis.get_ylabel().endswith(")") for axis in figure.axes)
+
+
+def test_bode_shows_decibels_degrees_bands_and_marks():
+    upper, lower = draw_bode().axes
+    line = upper.lines[0]
+    np.testing.assert_allclose(line.get_ydata(), 20.0 * np.log10(np.abs(RESPONSE)))
+    assert lower.lines[0].get_ydata()[-1] == pytest.approx(np.rad2deg(np.angle(RESPONSE[-1])), abs=1e-9)
+    assert [len(upper.collections), len(lower.collections)] == [1, 1]
+    assert [text.get_text() for text in upper.texts] == ["pole"]
+    assert len(upper.lines) == 3
+
+
+def test_phase_does_not_jump_across_the_panel():
+    phase = np.linspace(0.0, -4.0 * np.pi, 500)
+    lower = bode({"late": (np.arange(1, 501), np.exp(1j * phase))}).axes[1]
+    shown = lower.lines[0].get_ydata()
+    steps = np.abs(np.diff(shown))
+    assert np.nanmax(steps) < 90.0
+    assert np.isnan(shown).sum() in (1, 2)
+
+
+def test_modes_are_scaled_to_one_and_name_the_discs_alone():
+    first, second = draw_modes().axes
+    np.testing.assert_allclose(second.lines[1].get_ydata(), [1.0, 0.5, -0.25])
+    assert [label.get_text() for label in second.get_xticklabels()] == ["motor", "load"]
+    assert "rigid" in first.get_title(loc="left")
+
+
+def test_given_axes_are_used():
+    figure = Figure()
+    axis = figure.add_subplot()
+    assert draw_coherence(axes=axis) is figure
+    assert len(axis.lines) == 2
