@@ -34,9 +34,17 @@ def counted(recording: Recording, phase: float = 0.0) -> Recording:
     return recording.only("torque_motor").with_signals("measured", speed_motor=speed)
 
 
+def excitation(duration: float, seed: int, viscous: float) -> np.ndarray:
+    """Strong noise at modest speeds: the shaft's parameters count more than viscous friction."""
+    return lm.signals.excitation(
+        duration, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=viscous,
+        levels=(10.0, 25.0, -10.0, -25.0, 15.0, -15.0), ramp=0.5, noise_rms=7.0,
+    )  # fmt: skip
+
+
 @cache
 def simulated(seed: int = 1, duration: float = 10.0) -> Recording:
-    torque = lm.signals.excitation(duration, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    torque = excitation(duration, seed=seed, viscous=0.0175)
     return lm.simulate(PLANT, torque_motor=torque, dt=DT)
 
 
@@ -167,7 +175,7 @@ def test_fixed_values_stay():
 
 def test_friction_of_the_motor_stays_as_given():
     plant = PLANT.with_parameters(viscous_motor=0.01)
-    torque = lm.signals.excitation(5.0, DT, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0275)
+    torque = excitation(5.0, seed=3, viscous=0.0275)
     recording = counted(lm.simulate(plant, torque_motor=torque, dt=DT))
     known = lm.identify(recording, start=plant.with_parameters(stiffness=4000.0))
     unknown = lm.identify(recording, start=PLANT)
