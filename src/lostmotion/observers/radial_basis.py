@@ -1,0 +1,98 @@
+"""Intelligent observer: networks of radial basis functions learn the friction and the gap curve while it runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..drivetrain import Drivetrain
+from ..systems import Stepper
+from .kalman import kalman
+from .speed_only import ESTIMATES, speed_only_parameters
+from .tuning import Array, positive
+
+OUTPUTS = (*ESTIMATES, "backlash_estimated")
+
+#: Standard deviation of the innovation that the learning expects, rad/s (chosen: Observer 1's on the virtual rig).
+INNOVATION = 0.1
+
+
+def radial_basis(
+    drivetrain: Drivetrain,
+    *,
+    dt: float,
+    friction_error: float = 1.0,
+    gap_error: float | None = None,
+    learning_time: float = 3.0,
+    speed_range: float = 30.0,
+    twist_range: float | None = None,
+    sensor_noise: float = 0.03,
+    count_averaged: bool = False,
+) -> Stepper:
+    """Observer 1 with two networks: one adds to the friction over the load speed, one to the gap curve over the twist.
+
+    ::
+
+        friction = model + Σ θᵢ φᵢ(speed_load),   gap = clip(z, ±backlash/2) + Σ βⱼ ψⱼ(z)
+        θ⁺ = θ + η χ e / (r + Σ η χ²),   χ = H(z)·φ: the basis, filtered by the observer's own dynamics
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Two masses; its friction and backlash are the start, what they miss is learned.
+    dt : float, s
+    friction_error, gap_error : float, Nm and rad
+        How far the start may be off; default of ``gap_error``: half of the backlash (at least 1 mrad).
+    learning_time : float, s
+        Time in which an error of that size is learned where the drivetrain dwells.
+    speed_range, twist_range : float, rad/s and rad
+        The networks cover ± these (default of the twist: 1.5 backlashes, at least 8 mrad), denser at low speeds;
+        beyond, the curves go on as constants.
+    sensor_noise, count_averaged
+        As in ``sliding_mode``.
+
+    Returns
+    -------
+    Stepper
+        Inputs torque_motor, speed_motor; outputs ``OUTPUTS``. ``backlash_estimated`` is the total height of the learned
+        gap curve.
+
+    Notes
+    -----
+    Schröder (ed.) 2000, Intelligent Observer and Control Design for Nonlinear Systems, chapters 3 to 5: separable
+    nonlinearities at known places, error transfer function, normalised radial basis (GRNN). Gain: that of ``kalman``.
+    """
+    from ..kernels import steppers_radial_basis as kernel
+
+    own = kernel.END_BASIS - kernel.FREE + kernel.N_GAP
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, own)
+    reach = (
+        max(1.5 * drivetrain.backlash, 0.008) if twist_range is None else positive("twist_range", twist_range)
+    )
+    gap = max(0.5 * drivetrain.backlash, 1e-3) if gap_error is None else positive("gap_error", gap_error)
+    friction = positive("friction_error", friction_error)
+    share = dt / positive("learning_time", learning_time)
+    p[kernel.GAIN : kernel.GAIN + 5] = _gain(drivetrain, dt, count_averaged)
+    p[kernel.TWIST_RANGE], p[kernel.SPEED_RANGE] = reach, positive("speed_range", speed_range)
+    p[kernel.STEP_GAP], p[kernel.STEP_FRICTION] = gap**2 * share, friction**2 * share
+    p[kernel.INNOVATION] = INNOVATION**2
+    p[kernel.BOUND_GAP], p[kernel.BOUND_FRICTION] = 5.0 * gap, 5.0 * friction
+    ends = np.empty(kernel.GAP_CENTRES)
+    kernel.basis(1.0, kernel.GAP_CENTRES, ends)
+    p[kernel.END_BASIS :] = ends[kernel.N_GAP + 1 :] - ends[: kernel.N_GAP][::-1]
+    return Stepper(
+        name="radial_basis",
+        inputs=("torque_motor", "speed_motor"),
+        outputs=OUTPUTS,
+        dt=dt,
+        parameters=p,
+        kernel="lostmotion.kernels.steppers_radial_basis",
+    )
+
+
+def _gain(drivetrain: Drivetrain, dt: float, count_averaged: bool) -> Array:
+    """Observer 1's gain on twist, speed_motor, speed_load, torque_actuator, speed_motor_previous."""
+    observer = kalman(drivetrain, dt=dt, count_averaged=count_averaged)
+    column = observer.B[:, observer.inputs.index("speed_motor")]
+    order = ("twist", "speed_motor", "speed_load", "torque_actuator", "speed_motor_previous")
+    at = {name: float(column[i]) for i, name in enumerate(observer.states)}
+    return np.array([at.get(name, 0.0) for name in order])
