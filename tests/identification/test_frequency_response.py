@@ -130,6 +130,27 @@ def test_closed_loop_needs_the_reference():
     assert joint.method == "joint"
 
 
+def test_speed_control_under_load_torque():
+    """A PI loop passes the load's torque on to the motor: directly the zero seems far too high, jointly right."""
+    dt, duration = 5e-4, 40.0
+    signals = lm.simulate(
+        PLANT,
+        dt=dt,
+        law=lm.controllers.pi(kp=5.0, ki=20.0, dt=dt, torque_limit=200.0),
+        speed_reference=lm.signals.noise(0.5, 200.0, 2.0, duration, dt, seed=1),
+        torque_load=lm.signals.noise(0.5, 200.0, 30.0, duration, dt, seed=2),
+    )
+    direct = two_mass_fit(frequency_response(signals, segment=2.5, band=(3.0, 180.0)))
+    found = frequency_response(signals, segment=2.5, band=(3.0, 180.0), reference="speed_reference")
+    joint, error = two_mass_fit(found), found.response - truth(found)
+    assert 0.90 < np.mean(np.abs([error.real, error.imag]) < found.margin) < 0.98
+    assert direct.values["zero"] > 45.0
+    for name in ("zero", "pole"):
+        low, high = joint.intervals[name]
+        assert low < getattr(PLANT, f"{name}_frequency") < high
+        assert high / low < 1.25
+
+
 def test_coherence_is_low_at_the_zero():
     found = frequency_response(recording(noise=2.0), segment=5.0)
     at_zero = found.coherence[found.band(37.5, 38.3)]
