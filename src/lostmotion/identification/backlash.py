@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,7 +78,9 @@ class LockedBacklash:
     def fitted(self, torque: Floats, direction: float, side: float) -> Floats:
         """Angle (rad, from the middle of the gap) under a torque (Nm) in contact at a side; for plots."""
         if self.backlash is None or self.stiffness is None or self.coulomb_motor is None:
-            raise InvalidInput("LockedBacklash.fitted", "no backlash", "an identified one", "See its problems.")
+            raise InvalidInput(
+                "LockedBacklash.fitted", "no backlash", "an identified one", "See its problems."
+            )
         wind_up = (np.asarray(torque, dtype=float) - direction * self.coulomb_motor) / self.stiffness
         return np.asarray(wind_up + 0.5 * side * self.backlash)
 
@@ -121,7 +123,18 @@ def locked_backlash(
     direction, ramp = _ramps(m)
     middle = 0.5 * (float(theta.max()) + float(theta.min()))
     nothing = LockedBacklash(
-        None, None, None, {}, problems, count, int(ramp.max()) + 1, recording.time, m, theta - middle, direction, 0.0 * m
+        backlash=None,
+        stiffness=None,
+        coulomb_motor=None,
+        intervals={},
+        problems=problems,
+        resolution=count,
+        ramps=int(ramp.max()) + 1,
+        time=recording.time,
+        torque=m,
+        angle=theta - middle,
+        direction=direction,
+        side=0.0 * m,
     )
     found = _not_excited(m, theta, count, used)
     if found is None:
@@ -129,14 +142,8 @@ def locked_backlash(
         if min(np.count_nonzero(side == 1.0), np.count_nonzero(side == -1.0)) < MIN_ROWS:
             found = _no_rows(used, settling)
     if found is not None:
-        return _with(nothing, problems=(*problems, found))
+        return replace(nothing, problems=(*problems, found))
     return _fit(nothing, theta, ramp, side)
-
-
-def _with(result: LockedBacklash, **changes: object) -> LockedBacklash:
-    from dataclasses import replace
-
-    return replace(result, **changes)  # type: ignore[arg-type]
 
 
 def _resolution(theta: Floats) -> float:
@@ -239,7 +246,7 @@ def _fit(result: LockedBacklash, theta: Floats, ramp: NDArray[np.int64], side: F
         problems.append(_none_found(intervals["backlash"][1]))
     # The readings are drawn in the middle of their counts.
     level = float(values[0]) - 0.5 * result.resolution
-    return _with(
+    return replace(
         result,
         backlash=backlash,
         stiffness=stiffness,
@@ -255,18 +262,21 @@ def _fit(result: LockedBacklash, theta: Floats, ramp: NDArray[np.int64], side: F
 def _estimate(
     columns: Floats, theta: Floats, resolution: float, ramp: NDArray[np.int64]
 ) -> tuple[Floats, Floats, Floats, bool]:
-    """Values of (middle, compliance, backlash, half hysteresis), ends of their intervals, whether counts leave them open.
+    """Values of (middle, compliance, backlash, half hysteresis), ends of their intervals, and whether counts leave them
+    open.
 
     With one edge of a count on each flank, every compliance is compatible up to the limit at which a second edge would
-    have shown. Edges seen at a given torque on two flanks are the more likely the more edges there are for each Nm; with
-    all scales of compliance equally likely beforehand its density rises linearly up to that limit. It begins where
+    have shown. Edges seen at a given torque on two flanks are the more likely the more edges there are for each Nm;
+    with all scales of compliance equally likely beforehand its density rises linearly up to that limit. It begins where
     the wind-up sweeps one count: the torque is taken to be chosen that high.
     """
     fit = count_fit(columns, theta, resolution, ramp)
     low, high = fit.values - fit.margins, fit.values + fit.margins
     if resolution == 0.0:
         return fit.values, low, high, False
-    bounds: dict[int, tuple[float | None, float | None]] = {i: (0.0, None) for i in (1, 3) if i < len(columns)}
+    bounds: dict[int, tuple[float | None, float | None]] = {
+        i: (0.0, None) for i in (1, 3) if i < len(columns)
+    }
     least, most = compatible_range(columns, theta, resolution, bounds=bounds)
     limit, first = float(most[1]), resolution / float(np.abs(columns[1]).max())
     if not (np.isfinite(limit) and least[1] < first < limit):

@@ -78,7 +78,9 @@ def breakaway(
     used, problems = torque_to_use(recording, torque)
     theta, m = recording[angle], recording[used]
     rows = [_start(theta, m, i, recording.dt) for i in _first_moves(theta, recording.dt, travel)]
-    found = np.array([(recording.time[round(k)], t, o, s) for k, t, o, s in filter(None, rows)]).reshape(-1, 4)
+    found = np.array([(recording.time[round(k)], t, o, s) for k, t, o, s in filter(None, rows)]).reshape(
+        -1, 4
+    )
     values: dict[str, float | None] = {}
     intervals: dict[str, Interval] = {}
     sources: dict[str, Source] = {}
@@ -87,16 +89,18 @@ def breakaway(
         values[name], sources[name] = None, "not excited"
         if len(mine):
             level, margin = _level(side * mine[:, 1], mine[:, 2])
-            values[name], sources[name], intervals[name] = level, "identified", (level - margin, level + margin)
+            values[name], sources[name], intervals[name] = (
+                level,
+                "identified",
+                (level - margin, level + margin),
+            )
             if len(mine) == 1:
                 problems += (_one_ramp(name),)
     at_rest = math.nan
     if not len(found):
         at_rest = float(np.abs(m).max())
         problems += (_never_moved(angle, at_rest),)
-    return Breakaway(
-        values, intervals, sources, found[:, :3], at_rest, recording.time, m, theta, problems
-    )
+    return Breakaway(values, intervals, sources, found[:, :3], at_rest, recording.time, m, theta, problems)
 
 
 def _first_moves(theta: Floats, dt: float, travel: float) -> list[int]:
@@ -124,7 +128,7 @@ def _count(theta: Floats) -> float:
 
 
 def _start(theta: Floats, m: Floats, i: int, dt: float) -> tuple[float, float, float, float] | None:
-    """Row, torque, what is open of it, and direction of the start near row i; None where the torque did not drive it."""
+    """Row, torque, what is open of it, direction of the start near row i; None where the torque did not drive it."""
     rest, width = round(REST / dt), max(round(SMOOTHING / dt), 1)
     # The first creep is slower than what counts as moving: the line ends well before.
     before = np.arange(max(i - rest - rest // 2, 0), i - rest // 2)

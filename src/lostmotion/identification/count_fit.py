@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,8 +44,8 @@ def count_fit(
 ) -> CountFit:
     """Fit a linear model to an angle of which each reading says: between this count and the next.
 
-    A reading q stands for q ≤ angle < q + resolution (an offset is part of the model, so rounding instead of cutting off
-    changes nothing else), blurred by normal scatter that is fitted too. Unlike least squares this has no bias where
+    A reading q stands for q ≤ angle < q + resolution (an offset is part of the model, so rounding instead of
+    cutting off changes nothing else), blurred by normal scatter that is fitted too. Unlike least squares this has no bias where
     the angle sweeps a few counts only. With ``resolution`` 0: least squares.
 
     Intervals: sandwich over groups of rows that belong together (ramps), with Student's t. What the counts themselves
@@ -92,7 +93,9 @@ def _most_likely(x: Floats, q: Floats, start: Floats, scatter: float) -> tuple[F
     first[: len(start)] += 0.5 * x.mean(axis=1)  # the middle of a count lies half a count above its reading
     bounds = [(None, None)] * len(start) + [(np.log(SMALLEST_SCATTER), 5.0)]
     options = {"maxiter": 500, "ftol": 1e-14, "gtol": 1e-9}
-    best = minimize(objective, first, jac=True, bounds=bounds, method="L-BFGS-B", options=options)
+    best: Any = minimize(  # type: ignore[call-overload]
+        objective, first, jac=True, bounds=bounds, method="L-BFGS-B", options=options
+    )
     p = np.asarray(best.x, dtype=float)
     return p, _likelihood(p, x, q)[1], _hessian(p, x, q)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,9 +37,9 @@ class FrictionLadder:
     Attributes
     ----------
     values, intervals, sources : mappings
-        ``coulomb`` (or ``coulomb_plus``, ``coulomb_minus``; Nm), ``viscous`` (likewise; Nm s/rad), ``offset`` (Nm, where both
-        directions were recorded and share their levels), ``stribeck`` (Nm) and ``stribeck_speed`` (rad/s); None where the ladder does not
-        tell them.
+        ``coulomb`` (or ``coulomb_plus``, ``coulomb_minus``; Nm), ``viscous`` (likewise; Nm s/rad), ``offset`` (Nm,
+        where both directions were recorded and share their levels), ``stribeck`` (Nm), ``stribeck_speed`` (rad/s);
+        None where the ladder does not tell them.
     exponent : float
         Of the better of the two shapes.
     speed, torque, margin : (m,) arrays, rad/s and Nm
@@ -67,7 +68,9 @@ class FrictionLadder:
         """For a ``Drivetrain``: the offset goes into the Coulomb levels, the Stribeck rise into a polyline."""
         v = {n: float(x) for n, x in self.values.items() if x is not None}
         if not v:
-            raise InvalidInput("FrictionLadder.friction", "no friction", "an identified one", "See its problems.")
+            raise InvalidInput(
+                "FrictionLadder.friction", "no friction", "an identified one", "See its problems."
+            )
         offset = v.get("offset", 0.0)
         one = v.get("coulomb", v.get("coulomb_plus", v.get("coulomb_minus", 0.0)))
         levels = (v.get("coulomb_plus", one) + offset, v.get("coulomb_minus", one) - offset)
@@ -95,8 +98,8 @@ def friction_ladder(
     """Mean torque over mean speed of each plateau of a speed-controlled run, and the curve through them.
 
     Plateaus are where the reference stands still, or the windows given. Their first 40 % are left out. Of a plateau
-    whose speed scatters by 30 % (slip and stick) the mean means nothing: it is shown and not used. The curve is fitted with
-    each plateau's own weight; its intervals follow from the scatter about it where that is larger.
+    whose speed scatters by 30 % (slip and stick) the mean means nothing: it is shown and not used. The curve is fitted
+    with each plateau's own weight; its intervals follow from the scatter about it where that is larger.
 
     Parameters
     ----------
@@ -173,7 +176,9 @@ def _model(w: Floats, values: Mapping[str, float], exponent: float) -> Floats:
     minus = values.get("coulomb_minus", values.get("coulomb", nan))
     v_plus = values.get("viscous_plus", values.get("viscous", nan))
     v_minus = values.get("viscous_minus", values.get("viscous", nan))
-    rise = values.get("stribeck", 0.0) * np.exp(-((np.abs(w) / values.get("stribeck_speed", 1.0)) ** exponent))
+    rise = values.get("stribeck", 0.0) * np.exp(
+        -((np.abs(w) / values.get("stribeck_speed", 1.0)) ** exponent)
+    )
     level = np.where(w > 0.0, plus, minus) + rise + np.where(w > 0.0, v_plus, v_minus) * np.abs(w)
     return np.asarray(values.get("offset", 0.0) + np.sign(w) * level, dtype=float)
 
@@ -190,12 +195,12 @@ def _fit(
         names = (*names, "offset")
     plain = _one_fit(w, m, margin, names, 1.0)
     shaped = [
-        (fit, e) for e in EXPONENTS if (fit := _one_fit(w, m, margin, (*names, "stribeck", "stribeck_speed"), e))
+        (fit, e)
+        for e in EXPONENTS
+        if (fit := _one_fit(w, m, margin, (*names, "stribeck", "stribeck_speed"), e))
     ]
     told = [
-        (fit, e)
-        for fit, e in shaped
-        if fit[1]["stribeck"][0] > 0.0 and fit[1]["stribeck_speed"][0] > 0.0
+        (fit, e) for fit, e in shaped if fit[1]["stribeck"][0] > 0.0 and fit[1]["stribeck_speed"][0] > 0.0
     ]
     if told:
         best, exponent = min(told, key=lambda f: f[0][2])
@@ -216,7 +221,9 @@ def _one_fit(
     sigma = 0.5 * np.maximum(margin, max(0.2 * float(np.median(margin)), 1e-6 * float(np.abs(m).max())))
     guess = {"stribeck": 0.1 * np.abs(m).min(), "stribeck_speed": 2.0 * np.abs(w).min()}
     start = np.array([guess.get(n, np.abs(m).min() if n.startswith("coulomb") else 0.0) for n in names])
-    scale = np.array([np.abs(m).min() if "viscous" not in n else np.ptp(np.abs(m)) / np.ptp(np.abs(w)) for n in names])
+    scale = np.array(
+        [np.abs(m).min() if "viscous" not in n else np.ptp(np.abs(m)) / np.ptp(np.abs(w)) for n in names]
+    )
     if "stribeck_speed" in names:
         scale[-1] = start[-1]
 
@@ -224,7 +231,7 @@ def _one_fit(
         return (_model(w, dict(zip(names, (x * scale).tolist(), strict=True)), exponent) - m) / sigma
 
     lower = np.where(np.array(names) == "stribeck_speed", 1e-3, -np.inf)
-    best = least_squares(residual, start / scale, bounds=(lower, np.inf), x_scale="jac")
+    best: Any = least_squares(residual, start / scale, bounds=(lower, np.inf), x_scale="jac")
     free = w.size - len(names)
     inflate = max(1.0, 2.0 * best.cost / free)
     covariance = np.linalg.pinv(best.jac.T @ best.jac) * inflate

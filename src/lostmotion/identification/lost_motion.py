@@ -71,8 +71,8 @@ def lost_motion(
 ) -> LostMotion:
     """Separate delay, wind-up, hysteresis and dead zone by what each follows: speed, torque, and their signs.
 
-    An encoder that is late by a millisecond shows speed · 1 ms of twist that is not there, usually the largest part by far;
-    it is estimated together with all that it could be mistaken for, and taken off. Friction between the encoders makes
+    An encoder that is late by a millisecond shows speed · 1 ms of twist that is not there, usually the largest part
+    by far; it is estimated together with all that it could be mistaken for, and taken off. Friction between the encoders makes
     a hysteresis that turns round with the direction of motion, whatever the torque; a gap jumps where the **torque**
     reverses. Without a torque, or without its reversal, the two are one and no dead zone is claimed; nor where it
     may as well be a stiffness that rises with the torque (a term torque·abs(torque) is tried beside it).
@@ -165,7 +165,9 @@ def _fit(columns: Mapping[str, Floats], y: Floats, rows: NDArray[np.bool_]) -> L
 
 def _told(names: tuple[str, ...], fit: LinearFit) -> tuple[dict[str, float | None], dict[str, Interval]]:
     told = [
-        (n, float(v), float(m)) for n, v, m in zip(names, fit.values, fit.margins, strict=True) if n != "offset"
+        (n, float(v), float(m))
+        for n, v, m in zip(names, fit.values, fit.margins, strict=True)
+        if n != "offset"
     ]
     return {n: v for n, v, _ in told}, {n: (v - m, v + m) for n, v, m in told}
 
@@ -178,7 +180,7 @@ def _reversals(m: Floats) -> int:
 def _dead_zone(
     columns: Mapping[str, Floats], y: Floats, m: Floats, rows: NDArray[np.bool_], without: LinearFit
 ) -> tuple[dict[str, Floats], LinearFit, Interval]:
-    """The columns and fit to be used, and the interval of the backlash: of two fits, that with a rising stiffness too."""
+    """The columns and fit to be used, and the interval of the backlash, from fits with and without rising stiffness."""
     gap = {**columns, "backlash": 0.5 * np.sign(m)}
     sure = rows & (np.abs(m) > IN_CONTACT * float(np.abs(m).max()))
     fit = _fit(gap, y, sure)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -106,6 +107,7 @@ def _sign(angle: Floats, dt: float) -> Floats:
 def _columns(
     acceleration: Floats, speed: Floats, sign: Floats, asymmetric: bool
 ) -> tuple[tuple[str, ...], list[Floats]]:
+    names: tuple[str, ...]
     if not asymmetric:
         names = ("inertia", "viscous", "coulomb", "offset")
         return names, [acceleration, speed, sign, np.ones_like(speed)]
@@ -148,7 +150,7 @@ def simulate_rigid_drive(
     if inertia is None:
         raise InvalidInput("simulate_rigid_drive", "no inertia", "an identified or given one", "Give it.")
     coulomb, viscous, offset = found.levels()
-    torque = np.ascontiguousarray(torque, dtype=float)
+    torque = np.array(torque, dtype=np.float64)
     out = run_rigid_drive(torque, dt, inertia, np.array(coulomb), np.array(viscous), offset, angle, speed)
     signals = {"torque_motor": torque, "angle_motor": out[:, 0], "speed_motor": out[:, 1]}
     return Recording(np.arange(torque.size) * dt, signals, dict.fromkeys(signals, "simulated"))
@@ -180,7 +182,7 @@ def refine_by_simulation(
     def residual(step: Floats) -> Floats:
         return simulated(step)["angle_motor"] - measured
 
-    best = least_squares(residual, np.zeros(len(names)), diff_step=1e-5)
+    best: Any = least_squares(residual, np.zeros(len(names)), diff_step=[1e-5] * len(names))
     covariance = sandwich(np.ascontiguousarray(best.jac.T), np.asarray(best.fun))
     margins = student_factor(len(names)) * np.sqrt(np.diag(covariance)) * scale
     values, intervals, sources, problems = told(

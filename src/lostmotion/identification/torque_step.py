@@ -224,7 +224,9 @@ def _does_not_turn(speed: str, count: int, largest: float) -> Problem:
     )
 
 
-def _poorly_known(values: dict[str, float | None], intervals: dict[str, tuple[float, float]]) -> list[Problem]:
+def _poorly_known(
+    values: dict[str, float | None], intervals: dict[str, tuple[float, float]]
+) -> list[Problem]:
     """One warning for all friction values that may as well be zero."""
     doubtful = [n for n, (low, high) in intervals.items() if n != "offset" and low <= 0.0 <= high]
     if not doubtful:

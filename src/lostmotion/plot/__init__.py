@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from .backlash_locked import backlash_locked
+from .backlash_lost_motion import backlash_lost_motion
 from .control_step import control_step
+from .friction_curve import friction_curve
+from .friction_fit import friction_fit
 from .identified_parameters import identified_parameters
 from .leaderboard import leaderboard
 from .observer_step import observer_step
@@ -12,7 +16,11 @@ from .ring_down_fit import ring_down_fit
 from .stiffness_fit import stiffness_fit
 
 __all__ = [
+    "backlash_locked",
+    "backlash_lost_motion",
     "control_step",
+    "friction_curve",
+    "friction_fit",
     "identified_parameters",
     "leaderboard",
     "observer_step",
