@@ -45,7 +45,7 @@ def init(p):
 
 
 @njit(cache=True)
-def _jacobian(p, inside, edge, motor, load, coulomb, f):
+def jacobian(p, inside, edge, motor, load, coulomb, f):
     """f (4, 8): the moving states' derivatives; rows 4 to 7 are the speed before and three constants."""
     lead = p[LEAD_MIDDLE]
     for i in range(3):
@@ -81,11 +81,8 @@ def _jacobian(p, inside, edge, motor, load, coulomb, f):
 
 
 @njit(cache=True)
-def _predict(p, s, torque, f, work):
-    z = s[0] + p[LEAD_MIDDLE] * (s[1] - s[2])
-    gap, above, below = mean_gap(z, 0.5 * s[BACKLASH], spread(s, p[LEAD_MIDDLE]))
-    n0, n1, n2, n3, motor, load = advance(p, s[0], s[1], s[2], s[3], s[LOAD_TORQUE], s[COULOMB], gap, torque)
-    _jacobian(p, 1.0 - above - below, above - below, motor, load, s[COULOMB], f)
+def propagate(p, s, f, work):
+    """Covariance a sample on: F P Fᵀ + Q."""
     c = COVARIANCE
     for i in range(4):
         for j in range(N):
@@ -112,6 +109,15 @@ def _predict(p, s, torque, f, work):
             s[c + i * N + j] = s[c + j * N + i] = work[i, j]
     for i in range(N):
         s[c + i * N + i] += p[PROCESS + i]
+
+
+@njit(cache=True)
+def _predict(p, s, torque, f, work):
+    z = s[0] + p[LEAD_MIDDLE] * (s[1] - s[2])
+    gap, above, below = mean_gap(z, 0.5 * s[BACKLASH], spread(s, p[LEAD_MIDDLE]))
+    n0, n1, n2, n3, motor, load = advance(p, s[0], s[1], s[2], s[3], s[LOAD_TORQUE], s[COULOMB], gap, torque)
+    jacobian(p, 1.0 - above - below, above - below, motor, load, s[COULOMB], f)
+    propagate(p, s, f, work)
     for i in range(4):
         s[BEFORE + i] = s[i]
     s[PREVIOUS] = s[1]

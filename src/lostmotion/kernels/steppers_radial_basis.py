@@ -29,8 +29,8 @@ from .steppers_speed_only import (
     restart,
 )  # fmt: skip
 
-#: The gap curve is odd: each weight serves two of its centres, and the one in the middle is zero. (A constant in the gap
-#: curve only moves the zero of the twist, which no speed can tell.)
+#: The gap curve is odd: each weight serves two of its centres, and the one in the middle is zero. (A constant in the
+#: gap curve only moves the zero of the twist, which no speed can tell.)
 GAP_CENTRES, N_GAP, N_FRICTION = 17, 8, 13
 WEIGHTS_COUNT = N_GAP + N_FRICTION
 

@@ -1,0 +1,258 @@
+"""Moving-horizon estimator over a piecewise-linear model: one step.
+
+The cost over the horizon — distance from the arrival estimate, from the model, from the measurements, each in its own
+standard deviations — is minimised by Gauss–Newton: modes and slopes are taken along the trajectory of the last pass,
+and the linear problem that remains is solved exactly by a Kalman filter forwards and its adjoint backwards. So a later
+sample revises which contact an earlier one was in.
+
+States: those of ``steppers_tracking``.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .steppers import INIT, STEP
+from .steppers_extended_kalman import jacobian, propagate
+from .steppers_model import (
+    KIND,
+    LEAD_MIDDLE,
+    MEMORY,
+    N_SENSORS,
+    OWN,
+    SPEED_LOAD,
+    START,
+    VARIANCE,
+    advance,
+    clip,
+    sensor_believed,
+)  # fmt: skip
+from .steppers_tracking import (
+    BACKLASH,
+    BEFORE,
+    COULOMB,
+    COVARIANCE,
+    FRICTION,
+    LOAD_TORQUE,
+    PREVIOUS,
+    SENSOR_MEMORY,
+    SIZE,
+    STARTED,
+    N,
+    begin,
+    correct,
+    moved,
+    new_state,
+    recover,
+    restart,
+    row,
+    write,
+)  # fmt: skip
+
+# Own parameters: nodes of the horizon, passes.
+NODES, PASSES = OWN, OWN + 1
+
+# Places in the state after that of the tracking filters, which holds the newest estimate: number of nodes in use, the
+# arrival estimate and covariance, then the nodes.
+COUNT = SIZE
+ARRIVAL = SIZE + 1
+FIRST_NODE = ARRIVAL + N + N * N
+# A node: trajectory, torque, measurements, 1 where one is believed.
+NODE_TORQUE, NODE_VALUE, NODE_BELIEVED = N, N + 1, N + 5
+NODE = N + 9
+
+
+@njit(INIT, cache=True)
+def init(p):
+    state = np.zeros(FIRST_NODE + int(p[NODES]) * NODE)
+    state[:SIZE] = new_state(p)
+    return state
+
+
+@njit(cache=True)
+def _move(p, x, at, torque, f):
+    """Model over a sample from x[at …] with its derivatives f; returns the moving states and the load's friction."""
+    half = 0.5 * max(x[at + BACKLASH], 0.0)
+    coulomb = max(x[at + COULOMB], 0.0)
+    z = x[at] + p[LEAD_MIDDLE] * (x[at + 1] - x[at + 2])
+    gap = clip(z, -half, half)
+    n0, n1, n2, n3, motor, load = advance(
+        p, x[at], x[at + 1], x[at + 2], x[at + 3], x[at + LOAD_TORQUE], coulomb, gap, torque
+    )
+    inside = 1.0 if abs(z) < half else 0.0
+    edge = 0.0 if inside == 1.0 else math.copysign(1.0, z)
+    jacobian(p, inside, edge, motor, load, coulomb, f)
+    return n0, n1, n2, n3, load
+
+
+@njit(cache=True)
+def _advance_estimate(p, w, s, at, torque, f, work):
+    """The estimate w a sample on, along the node's trajectory at s[at …]; returns the friction."""
+    n0, n1, n2, n3, load = _move(p, s, at, torque, f)
+    propagate(p, w, f, work)
+    before = w[1]
+    for j in range(N):
+        apart = w[j] - s[at + j]
+        n0 += f[0, j] * apart
+        n1 += f[1, j] * apart
+        n2 += f[2, j] * apart
+        n3 += f[3, j] * apart
+    w[0], w[1], w[2], w[3], w[PREVIOUS] = n0, n1, n2, n3, before
+    return load
+
+
+@njit(cache=True)
+def _use(p, w, s, at, i, h, gain):
+    """Sensor i of the node at ``at`` into w; returns innovation over variance (0: not believed), variance."""
+    if s[at + NODE_BELIEVED + i] == 0.0:
+        return 0.0, 1.0
+    innovation = s[at + NODE_VALUE + i] - row(p, w, int(p[KIND + i]), h)
+    variance = p[VARIANCE + i]
+    for j in range(N):
+        gain[j] = 0.0
+        for k in range(N):
+            gain[j] += w[COVARIANCE + j * N + k] * h[k]
+    for j in range(N):
+        variance += h[j] * gain[j]
+    correct(w, h, innovation, variance, gain)
+    return innovation / variance, variance
+
+
+@njit(cache=True)
+def _backwards(s, count, sensors, known, slopes, rows, gains, scaled):
+    """Adjoint pass: the trajectory of every node from all samples of the horizon."""
+    r, turned = np.zeros(N), np.zeros(N)
+    for n in range(count - 1, -1, -1):
+        at = FIRST_NODE + n * NODE
+        if n < count - 1:
+            for j in range(N):
+                turned[j] = r[j] if j >= LOAD_TORQUE else 0.0
+                for i in range(4):
+                    turned[j] += slopes[n, i, j] * r[i]
+            turned[1] += r[PREVIOUS]
+            r[:] = turned
+        for i in range(sensors - 1, -1, -1):
+            along = scaled[n, i]
+            for j in range(N):
+                along -= gains[n, i, j] * r[j]
+            for j in range(N):
+                r[j] += rows[n, i, j] * along
+        for j in range(N):
+            total = known[n, j]
+            for k in range(N):
+                total += known[n, COVARIANCE + j * N + k] * r[k]
+            s[at + j] = total
+
+
+@njit(cache=True)
+def _solve(p, s, count, w, f, work):
+    """One Gauss–Newton pass; w ends as the newest estimate."""
+    sensors = int(p[N_SENSORS])
+    known = np.empty((count, N + N * N))
+    slopes = np.empty((count, 4, N))
+    rows, gains = np.zeros((count, sensors, N)), np.zeros((count, sensors, N))
+    scaled = np.zeros((count, sensors))
+    for j in range(N + N * N):
+        w[j] = s[ARRIVAL + j]
+    for n in range(count):
+        at = FIRST_NODE + n * NODE
+        for j in range(N + N * N):
+            known[n, j] = w[j]
+        for i in range(sensors):
+            scaled[n, i], variance = _use(p, w, s, at, i, rows[n, i], gains[n, i])
+            for j in range(N):
+                gains[n, i, j] /= variance
+        if n < count - 1:
+            _advance_estimate(p, w, s, at, s[at + NODE_TORQUE], slopes[n], work)
+    _backwards(s, count, sensors, known, slopes, rows, gains, scaled)
+
+
+@njit(cache=True)
+def _forget_oldest(p, s, w, f, work):
+    """The arrival estimate one sample on, and every node one place down."""
+    for j in range(N + N * N):
+        w[j] = s[ARRIVAL + j]
+    for i in range(int(p[N_SENSORS])):
+        _use(p, w, s, FIRST_NODE, i, work[0], work[1])
+    _advance_estimate(p, w, s, FIRST_NODE, s[FIRST_NODE + NODE_TORQUE], f, work)
+    for j in range(N + N * N):
+        s[ARRIVAL + j] = w[j]
+    for j in range(FIRST_NODE, FIRST_NODE + (int(s[COUNT]) - 1) * NODE):
+        s[j] = s[j + NODE]
+
+
+@njit(cache=True)
+def _append(p, s, inputs, torque, faults, h):
+    """A new node from the newest prediction; returns the faults and whether to start again."""
+    count = int(s[COUNT])
+    at = FIRST_NODE + count * NODE
+    again = False
+    for j in range(N):
+        s[at + j] = s[j]
+    s[at + NODE_TORQUE] = torque
+    given = faults
+    for i in range(int(p[N_SENSORS])):
+        kind = int(p[KIND + i])
+        innovation = inputs[1 + i] - row(p, s, kind, h)
+        variance = p[VARIANCE + i]
+        for j in range(N):
+            for k in range(N):
+                variance += h[j] * h[k] * s[COVARIANCE + j * N + k]
+        verdict = sensor_believed(
+            p, s, SENSOR_MEMORY + MEMORY * i, inputs[1 + i], given & (2 << i) != 0, moved(p, s, kind), innovation,
+            variance, math.sqrt(p[VARIANCE + i]),
+        )  # fmt: skip
+        s[at + NODE_VALUE + i] = inputs[1 + i]
+        s[at + NODE_BELIEVED + i] = 1.0 if verdict == 0 else 0.0
+        if verdict != 0:
+            faults |= 2 << i
+        if verdict == 2:
+            restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
+            again = True
+    return faults, again
+
+
+@njit(cache=True)
+def _begin_horizon(s):
+    """The horizon begins at the newest estimate."""
+    s[COUNT] = 0.0
+    for j in range(N + N * N):
+        s[ARRIVAL + j] = s[j]
+
+
+@njit(STEP, cache=True)
+def step(p, s, inputs, faults, outputs):
+    w, f, work = np.empty(N + N * N), np.empty((4, N)), np.empty((4, N))
+    fresh = s[STARTED] == 0.0
+    torque, faults = begin(p, s, inputs, faults)
+    if fresh:
+        _begin_horizon(s)
+    if s[COUNT] >= p[NODES]:
+        _forget_oldest(p, s, w, f, work)
+        s[COUNT] -= 1.0
+    faults, again = _append(p, s, inputs, torque, faults, work[0])
+    if again:
+        _begin_horizon(s)
+    else:
+        s[COUNT] += 1.0
+        for _ in range(int(p[PASSES])):
+            _solve(p, s, int(s[COUNT]), w, f, work)
+        for j in range(N + N * N):
+            s[j] = w[j]
+        s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
+        s[COULOMB] = max(s[COULOMB], 0.0)
+    recover(p, s)
+    write(p, s, work[0], outputs)
+    n0, n1, n2, n3, load = _move(p, s, 0, torque, f)
+    propagate(p, s, f, work)
+    for i in range(4):
+        s[BEFORE + i] = s[i]
+    s[PREVIOUS] = s[1]
+    s[0], s[1], s[2], s[3], s[FRICTION] = n0, n1, n2, n3, load
+    if again:
+        _begin_horizon(s)
+    recover(p, s)
+    return faults
