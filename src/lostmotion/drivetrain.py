@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .errors import InvalidInput
 
-Contact = Literal["viscoelastic", "dead_zone", "physical"]
+Contact = Literal["viscoelastic", "dead_zone", "limited", "clipped", "physical"]
 CONTACT_LAWS: tuple[str, ...] = get_args(Contact)
 
 #: Backlash up to this total angle (rad) counts as none under every law (DESIGN: section 1).
@@ -36,11 +36,15 @@ class Shaft:
     damping : float, Nm s/rad
     backlash : float, rad
         The **total** free angle; at most 1e-10 rad counts as none.
-    contact : {"viscoelastic", "dead_zone", "physical"}
+    contact : {"viscoelastic", "dead_zone", "limited", "clipped", "physical"}
         The torque law, with dz(z) = z − clip(z, ±backlash/2) and rate = d(twist)/dt:
 
         - ``viscoelastic``: k·dz(twist + (d/k)·rate); continuous and passive;
         - ``dead_zone``: k·dz(twist) + d·rate, the damper acts inside the gap too (Fietzek & Rinderknecht, eq. 3);
+        - ``limited``: k·dz(twist) + clip(d·rate, ±abs(k·dz(twist))); continuous, never pulls (Modelica's
+          ElastoBacklash);
+        - ``clipped``: k·dz(twist) + d·rate in contact, cut at zero so that it only pushes; zero in the gap; the
+          torque jumps at an impact (Modelica's ElastoBacklash2);
         - ``physical``: the shaft's own angle is a state that relaxes in the gap with rate k/d
           (Nordin, Galić & Gutman 1997).
     """
@@ -153,10 +157,21 @@ class Friction:
 
 @dataclass(frozen=True)
 class Actuator:
-    """The drive's torque actuator: first-order torque lag (s) and torque limit (Nm)."""
+    """The drive's torque actuator.
+
+    Parameters
+    ----------
+    lag : float, s
+        First-order lag of the torque.
+    torque_limit : float, Nm
+        Largest set-point.
+    rate_limit : float, Nm/s
+        Largest change of the set-point, which acts from sample to sample as in a digital drive.
+    """
 
     lag: float = 0.0
     torque_limit: float = math.inf
+    rate_limit: float = math.inf
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lag", _check("Actuator.lag", self.lag))
@@ -165,6 +180,13 @@ class Actuator:
                 "Actuator.torque_limit",
                 repr(self.torque_limit),
                 "a positive number in Nm",
+                "Use inf for no limit.",
+            )
+        if not self.rate_limit > 0.0:
+            raise InvalidInput(
+                "Actuator.rate_limit",
+                repr(self.rate_limit),
+                "a positive number in Nm/s",
                 "Use inf for no limit.",
             )
 
@@ -195,12 +217,15 @@ class Drivetrain:
     frictions : tuple of n Friction
         Default: none anywhere.
     actuator : Actuator
+    locked : {None, "motor", "load"}
+        End of the chain that is held: it does not turn, or turns as it is told.
     """
 
     inertias: tuple[float, ...]
     shafts: tuple[Shaft, ...] = ()
     frictions: tuple[Friction, ...] = ()
     actuator: Actuator = field(default_factory=Actuator)
+    locked: str | None = None
 
     def __post_init__(self) -> None:
         inertias = tuple(
@@ -217,6 +242,15 @@ class Drivetrain:
                 "n inertias, n − 1 shafts, n frictions (or none), n ≥ 1",
                 "Give one shaft between each pair of neighbours.",
             )
+        if self.locked not in (None, "motor", "load"):
+            raise InvalidInput(
+                "Drivetrain.locked", repr(self.locked), "None, 'motor' or 'load'", "Choose an end."
+            )
+
+    @property
+    def locked_inertia(self) -> int | None:
+        """Index of the inertia that is held."""
+        return {None: None, "motor": 0, "load": len(self.inertias) - 1}[self.locked]
 
     @classmethod
     def two_mass(
@@ -365,3 +399,77 @@ class Drivetrain:
     def with_contact(self, contact: str) -> Drivetrain:
         """A copy with every shaft under the given contact law."""
         return replace(self, shafts=tuple(replace(shaft, contact=contact) for shaft in self.shafts))
+
+
+@dataclass(frozen=True)
+class Gear:
+    """A gear without losses: refers what turns behind it to the side before it, and back.
+
+    Behind a gear of ratio i = speed before / speed behind, angles and speeds are i times smaller and torques i times
+    larger. Referred to the side before it, inertias, stiffnesses, dampings and viscous frictions are divided by
+    i², torques by i, angles (backlash) and speeds multiplied by i: the chain then runs as one of a single speed.
+
+    Parameters
+    ----------
+    ratio : float
+        Speed before the gear over speed behind it; negative where the gear reverses the motion.
+    """
+
+    ratio: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.ratio) or self.ratio == 0.0:
+            raise InvalidInput(
+                "Gear.ratio", repr(self.ratio), "a finite number other than 0", "Give n before / n behind."
+            )
+
+    def refer(self, drivetrain: Drivetrain) -> Drivetrain:
+        """A drivetrain that stands behind the gear, as it is seen from before it."""
+        i = abs(self.ratio)
+        return replace(
+            drivetrain,
+            inertias=tuple(j / i**2 for j in drivetrain.inertias),
+            shafts=tuple(
+                replace(s, stiffness=s.stiffness / i**2, damping=s.damping / i**2, backlash=s.backlash * i)
+                for s in drivetrain.shafts
+            ),
+            frictions=tuple(self._friction(f) for f in drivetrain.frictions),
+            actuator=replace(
+                drivetrain.actuator,
+                torque_limit=drivetrain.actuator.torque_limit / i,
+                rate_limit=drivetrain.actuator.rate_limit / i,
+            ),
+        )
+
+    def refer_back(self, drivetrain: Drivetrain) -> Drivetrain:
+        """The inverse of ``refer``: a referred drivetrain in the units of the side behind the gear."""
+        return Gear(1.0 / self.ratio).refer(drivetrain)
+
+    def join(self, before: Drivetrain, shaft: Shaft, behind: Drivetrain) -> Drivetrain:
+        """One chain, referred to the side before: `before`, the gear, `shaft` at its output, then `behind`.
+
+        `shaft` is given in the units of the side behind, like `behind`. The actuator is that of `before`.
+        """
+        link = self.refer(Drivetrain((1.0, 1.0), (shaft,))).shafts[0]
+        referred = self.refer(behind)
+        return Drivetrain(
+            (*before.inertias, *referred.inertias),
+            (*before.shafts, link, *referred.shafts),
+            (*before.frictions, *referred.frictions),
+            before.actuator,
+            behind.locked if behind.locked == "load" else before.locked,
+        )
+
+    def behind(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A simulated signal of the referred part (``speed_load``, ``torque_shaft_2`` …) as it is behind the gear."""
+        return np.asarray(values * self.ratio if name.startswith("torque") else values / self.ratio)
+
+    def _friction(self, friction: Friction) -> Friction:
+        i = abs(self.ratio)
+        levels = (friction.coulomb_plus / i, friction.coulomb_minus / i)
+        return Friction(
+            coulomb=levels if self.ratio > 0.0 else levels[::-1],
+            viscous=friction.viscous / i**2,
+            breakaway=None if friction.breakaway is None else friction.breakaway / i,
+            stribeck=tuple((speed * i, torque / i) for speed, torque in friction.stribeck),
+        )

@@ -203,16 +203,15 @@ def _only_crossing(p, c, order, sign, bound, until, third, tolerance):
 
 
 @njit(**_PLANT)
-def _first_crossing(p, start, order, sign, bound, until, spread, bend, third):
+def _first_crossing(p, start, order, sign, bound, until, bend, third, tolerance):
     """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
 
-    p holds polynomial coefficients from `start` on, on the normalised piece [0, 1]; spread, bend, third: sums of
-    |p[k]| from k = 1, k·|p[k]| from k = 2, k (k − 1) (k − 2)·|p[k]| from k = 3. A monotone q has one root at most.
+    p holds polynomial coefficients from `start` on, on the normalised piece [0, 1]; bend, third: sums of k·|p[k]| from
+    k = 2, k (k − 1) (k − 2)·|p[k]| from k = 3; tolerance: rounding of q. A monotone q has one root at most.
     Otherwise each step ends before the first root of a quadratic that lies below q, so that no root is jumped over.
     """
     c = uint64(start)
     q0 = sign * (p[c] - bound)
-    tolerance = 4.5e-16 * spread + 2.3e-16 * abs(bound)
     if q0 >= -tolerance:
         slope = sign * p[c + uint64(1)]
         if slope > bend * until:
@@ -304,7 +303,7 @@ def _enter(which, direction, s, digits, kind, stick, speed_row, reset_row, reset
 
 
 @njit(inline="always", **_PLANT)
-def _next_event(flat, bounds, series, order, until, E):
+def _next_event(flat, rows, bounds, s, series, order, until, C, E):
     """First crossing of any guard within `until`: its time, element (−1: none), direction."""
     first = until
     which = -1
@@ -320,15 +319,21 @@ def _next_event(flat, bounds, series, order, until, E):
             if n > 1:
                 bend += n * size
                 third += n * (n - 1) * (n - 2) * size
-        start = series[c]
-        reach = spread * first
         lower, upper = flat[bounds + uint64(2 * e)], flat[bounds + uint64(2 * e + 1)]
-        if start - reach <= lower + 4.5e-16 * spread + 2.3e-16 * abs(lower):
-            found = _first_crossing(series, c, order, 1.0, lower, first, spread, bend, third)
+        # What the guard's sum may be wrong by; a bound is a number of the same size.
+        terms = 0.0
+        guard = rows + uint64(ELEMENT_ROWS * e * C)
+        for j in range(C):
+            terms += abs(flat[guard + uint64(j)] * s[j])
+        tolerance = 4.5e-16 * (spread + terms)
+        start = series[c]
+        reach = spread * first + tolerance
+        if start - reach <= lower:
+            found = _first_crossing(series, c, order, 1.0, lower, first, bend, third, tolerance)
             if found <= first:
                 first, which, direction = found, e, -1
-        if start + reach >= upper - 4.5e-16 * spread - 2.3e-16 * abs(upper):
-            found = _first_crossing(series, c, order, -1.0, upper, first, spread, bend, third)
+        if start + reach >= upper:
+            found = _first_crossing(series, c, order, -1.0, upper, first, bend, third, tolerance)
             if found <= first:
                 first, which, direction = found, e, 1
     return first, which, direction
@@ -356,13 +361,14 @@ def finish_sample(
         if t >= 1.0:
             status = DONE
             break
-        bounds = uint64(m * size + (N + ELEMENT_ROWS * E) * C)
+        rows = uint64(m * size + N * C)
+        bounds = rows + uint64(ELEMENT_ROWS * E * C)
         taylor = bounds + uint64(2 * E + 1)
         length = flat[bounds + uint64(2 * E)]
         whole = 1.0 - t <= length
         until = (1.0 - t) / length if whole else 1.0
         _expand(flat, taylor, 0, guards, width, s, C, idle, series)
-        first, which, direction = _next_event(flat, bounds, series, order, until, E)
+        first, which, direction = _next_event(flat, rows, bounds, s, series, order, until, C, E)
         if which >= 0 and count == events.shape[0]:
             status = NEED_EVENT_SPACE
             break

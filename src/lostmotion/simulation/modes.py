@@ -80,6 +80,10 @@ class Layout:
         return (*twists, *speeds, "angle_motor", *angles, *actuator)
 
 
+#: Signs on which a contact law depends, see ``Element``.
+_SIGNS = {"limited": ("sum", "difference"), "clipped": ("sum",)}
+
+
 def relaxes(shaft: Shaft) -> bool:
     """Whether the shaft's own angle is a state: the physical law with damping (without, it relaxes at once)."""
     return shaft.has_backlash and shaft.contact == "physical" and shaft.damping > 0.0
@@ -87,7 +91,11 @@ def relaxes(shaft: Shaft) -> bool:
 
 @dataclass(frozen=True)
 class Element:
-    """One thing that changes the mode: a shaft with backlash, or an inertia with set-valued friction."""
+    """One thing that changes the mode.
+
+    ``shaft``: a shaft with backlash; ``friction``: an inertia with set-valued friction; ``sum`` and ``difference``:
+    the sign of k·dz(twist) ± d·rate (digit 1: positive), on which the laws "limited" and "clipped" depend.
+    """
 
     kind: str
     index: int
@@ -101,12 +109,17 @@ class Element:
 
 def elements(drivetrain: Drivetrain) -> tuple[Element, ...]:
     shafts = [Element("shaft", i, 3) for i, shaft in enumerate(drivetrain.shafts) if shaft.has_backlash]
+    signs = [
+        Element(kind, e.index, 2)
+        for e in shafts
+        for kind in _SIGNS.get(drivetrain.shafts[e.index].contact, ())
+    ]
     frictions = [
         Element("friction", i, 2 * max(1, len(friction.stribeck)) + 1)
         for i, friction in enumerate(drivetrain.frictions)
-        if friction.sticks
+        if friction.sticks and i != drivetrain.locked_inertia
     ]
-    return (*shafts, *frictions)
+    return (*shafts, *frictions, *signs)
 
 
 def friction_segment(friction: Friction, digit: int, rest: int) -> tuple[float, float, float, float]:
@@ -177,8 +190,24 @@ class _Rows:
             return d * rate if shaft.contact == "dead_zone" else 0 * rate
         if relaxes(shaft):
             return k * self.unit(self.layout.shaft_angle(i)) + d * rate
+        elastic, damper = self.contact_parts(i)
+        if shaft.contact not in _SIGNS:
+            return elastic + damper
+        # Signs as for the right flank; on the left one all torques are the other way round.
+        right = int(digit == PLUS)
+        if self.digit["sum", i][0] != right:
+            return 0 * rate
+        if shaft.contact == "limited" and self.digit["difference", i][0] != right:
+            return 2 * elastic
+        return elastic + damper
+
+    def contact_parts(self, i: int) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Rows of k·dz(twist) and d·rate in this mode."""
+        shaft = self.layout.drivetrain.shafts[i]
+        digit = self.digit["shaft", i][0]
         offset = self.unit(-1, (digit - GAP) * 0.5 * shaft.backlash)
-        return k * (twist - offset) + d * rate
+        elastic = Long(shaft.stiffness) * (self.unit(self.layout.twist(i)) - offset)
+        return elastic, Long(shaft.damping) * self.twist_rate(i)
 
     def driving_torque(self, i: int) -> NDArray[Any]:
         """Torque on inertia i without its friction."""
@@ -191,15 +220,16 @@ class _Rows:
         if i == 0:
             source = layout.actuator
             torque = torque + self.unit(layout.states if source is None else source)
-        if i == layout.n - 1 and "torque_load" in layout.inputs:
-            torque = torque + self.unit(layout.states + layout.inputs.index("torque_load"))
+        for name in ("torque_load",) * (i == layout.n - 1) + (f"torque_{i}",):
+            if name in layout.inputs:
+                torque = torque + self.unit(layout.states + layout.inputs.index(name))
         return torque
 
     def friction_torque(self, i: int) -> NDArray[Any]:
         friction = self.layout.drivetrain.frictions[i]
         speed = self.unit(self.layout.speed(i))
         torque = Long(friction.viscous) * speed
-        if friction.sticks:
+        if ("friction", i) in self.digit:
             digit, element = self.digit["friction", i]
             constant, slope, _, _ = friction_segment(friction, digit, element.rest)
             torque = torque + Long(slope) * speed + self.unit(-1, constant)
@@ -215,7 +245,11 @@ class _Rows:
         for i in range(layout.n - 1):
             rate[layout.twist(i)] = self.twist_rate(i)
         for i, inertia in enumerate(drivetrain.inertias):
-            if not self.at_rest(i):
+            if i == drivetrain.locked_inertia:
+                name = f"acceleration_{drivetrain.locked}"
+                if name in layout.inputs:
+                    rate[layout.speed(i)] = self.unit(layout.states + layout.inputs.index(name))
+            elif not self.at_rest(i):
                 rate[layout.speed(i)] = (self.driving_torque(i) - self.friction_torque(i)) / Long(inertia)
         rate[layout.angle_motor] = self.unit(layout.speed(0))
         for i in layout.physical:
@@ -236,6 +270,12 @@ class _Rows:
         digit = self.digit[element.kind, i][0]
         if element.kind == "shaft":
             return self._shaft_guard(i, digit)
+        if element.kind in ("sum", "difference"):
+            if self.digit["shaft", i][0] == GAP:
+                return self.row(), -math.inf, math.inf
+            elastic, damper = self.contact_parts(i)
+            row = elastic + damper if element.kind == "sum" else elastic - damper
+            return row, *((0.0, math.inf) if digit == 1 else (-math.inf, 0.0))
         friction = self.layout.drivetrain.frictions[i]
         if digit == element.rest:
             plus, minus = friction.level_at_rest

@@ -55,6 +55,8 @@ class Plant:
 
     def _start_digit(self, element: Element, x: NDArray[np.float64]) -> int:
         layout, i = self.layout, element.index
+        if element.kind in ("sum", "difference"):
+            return 1  # put right by an event at once where it is wrong
         if element.kind == "friction":
             speed = x[layout.speed(i)]
             if speed == 0.0:
@@ -86,7 +88,7 @@ class Plant:
 
     def tables(self) -> Any:
         """The kernel's view of the modes built so far."""
-        from ..kernels.plant import FRICTION, SHAFT, PlantTables
+        from ..kernels.plant import BRANCH, FRICTION, SHAFT, PlantTables
 
         layout, n = self.layout, self.layout.states
         e = len(self.elements)
@@ -95,6 +97,8 @@ class Plant:
         reset_slot = np.full(e, -1, dtype=np.int64)
         for j, element in enumerate(self.elements):
             i = element.index
+            if element.kind not in ("shaft", "friction"):
+                continue
             speed_row[j, layout.speed(i)] = 1.0
             if element.kind == "friction":
                 reset_slot[j] = layout.speed(i)
@@ -106,12 +110,13 @@ class Plant:
                     reset_row[j, digit, layout.twist(i)] = 1.0
                     reset_row[j, digit, n] = -(digit - GAP) * 0.5 * self.drivetrain.shafts[i].backlash
         order = max(len(mode.state_series) for mode in self.modes)
+        kinds = {"shaft": SHAFT, "friction": FRICTION}
         return PlantTables(
             flat=np.concatenate([self._block(mode, order) for mode in self.modes]),
             row=self.row_of_mode.copy(),
             radix=self.radix,
-            kind=np.array([SHAFT if x.kind == "shaft" else FRICTION for x in self.elements], dtype=np.int64),
-            stick=np.array([-1 if x.kind == "shaft" else x.rest for x in self.elements], dtype=np.int64),
+            kind=np.array([kinds.get(x.kind, BRANCH) for x in self.elements], dtype=np.int64),
+            stick=np.array([x.rest if x.kind == "friction" else -1 for x in self.elements], dtype=np.int64),
             speed_row=speed_row,
             reset_row=reset_row,
             reset_slot=reset_slot,
