@@ -28,6 +28,7 @@ _HOME = {
     "save_law": "storage",
     "save_recording": "storage",
     "template": "configuration",
+    "write_csv": "csv_writing",
 }
 
 __all__ = sorted(_HOME)

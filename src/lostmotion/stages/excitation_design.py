@@ -1,0 +1,283 @@
+"""Design a test before it is made: the torque to play, what it will show, and how well it will tell the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import rig
+from ..drivetrain import PARAMETER_UNITS, Drivetrain
+from ..errors import InvalidInput, Problem
+from ..identification import Identification, identify
+from ..identification.predictor import NAMES
+from ..identification.starts import DAMPING_RATIO
+from ..io import write_csv
+from ..recording import Recording
+from ..simulation import Sensor
+from .excitation_shapes import BAND, KINDS, Limits, shape
+
+Array = NDArray[np.float64]
+
+#: Halvings of the search for the largest amplitude (chosen: 1 % of it).
+HALVINGS = 7
+
+#: Below this part of the full amplitude the limits leave too little for a test (chosen).
+SMALL = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class ExcitationDesign:
+    """A test that keeps its limits, and what it is expected to tell.
+
+    Parameters
+    ----------
+    kind : str
+    seed : int
+    recording : Recording
+        ``torque_motor`` (Nm) to be played, held from row to row.
+    scale : float
+        Amplitude as a fraction of what the torque limit alone would allow.
+    limits, peaks : mapping of {"torque", "speed", "angle"} → Nm, rad/s, rad
+        Given limits, and the largest values on any of the plants of the rehearsal.
+    predicted : Recording
+        What the sensors of the plant with the nameplate's values will show (origin "simulated").
+    half_widths : mapping of name → float
+        Expected half width of the 95 % interval relative to the value; what will not be told is missing.
+    intervals : mapping of name → (low, high)
+        The same around the nameplate's values, SI.
+    not_excited : tuple of str
+        What most rehearsals could not tell.
+    problems : tuple of Problem
+    """
+
+    kind: str
+    seed: int
+    recording: Recording
+    scale: float
+    limits: Mapping[str, float]
+    peaks: Mapping[str, float]
+    predicted: Recording
+    half_widths: Mapping[str, float]
+    intervals: Mapping[str, tuple[float, float]]
+    not_excited: tuple[str, ...]
+    problems: tuple[Problem, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("limits", "peaks", "half_widths", "intervals"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    def save_csv(self, path: str | Path) -> None:
+        """Write ``time [s],torque_motor [Nm]``, one row for each sample, for a drive to play."""
+        write_csv(path, self.recording)
+
+
+def design_excitation(
+    nameplate: Drivetrain,
+    *,
+    kind: str = "levels",
+    duration: float = 10.0,
+    dt: float = 1e-4,
+    torque_limit: float | None = None,
+    speed_limit: float,
+    angle_limit: float = np.inf,
+    encoder_bits: int = 20,
+    seed: int = 1,
+    band: tuple[float, float] | None = None,
+    spread: Mapping[str, tuple[float, float]] | None = None,
+    plants: int = 3,
+) -> ExcitationDesign:
+    """Torque of the largest amplitude that keeps the limits, rehearsed on finer plants around the nameplate.
+
+    The plants have four inertias, Stribeck friction and another contact law than the model (``rig.finer_rig``): one
+    with the nameplate's values, the others varied. The limits hold on all of them. Each is recorded through the
+    encoder and identified; the median of the half widths is the prediction. Where the nameplate has no damping, the
+    damping ratio is taken as 0.02.
+
+    Parameters
+    ----------
+    nameplate : Drivetrain
+        Two masses, rough values of the drivetrain to be tested.
+    kind : {"levels", "step", "chirp", "multisine", "prbs", "noise"}
+        "levels": two speeds in each direction, open loop, plus noise (the one that tells all parameters); the others
+        are around zero torque.
+    duration, dt : float, s
+    torque_limit : float, Nm, optional
+        Default: the nameplate's torque limit.
+    speed_limit : float, rad/s
+        For motor and load.
+    angle_limit : float, rad
+        Largest angle from the start of motor and load.
+    encoder_bits : int
+        Motor encoder, 2**bits counts per turn (default: that of the virtual rig); the speed is a count difference.
+    seed : int
+    band : (low, high), Hz, optional
+        Default: ``excitation_shapes.BAND`` times the torsional frequency.
+    spread : mapping of name → (low, high), optional
+        Ranges of the varied plants, SI. Default: ±10 %.
+    plants : int
+        Plants of the rehearsal, at least 2.
+
+    Returns
+    -------
+    ExcitationDesign
+
+    Raises
+    ------
+    InvalidInput
+        For an unknown kind, limits that are not positive, or a nameplate that is not of two masses.
+    """
+    torque_limit = nameplate.actuator.torque_limit if torque_limit is None else torque_limit
+    limits = Limits(torque_limit, speed_limit, angle_limit)
+    _check(nameplate, kind, limits, plants)
+    if nameplate.damping == 0.0:
+        nameplate = nameplate.with_parameters(
+            damping=DAMPING_RATIO * nameplate.stiffness / (np.pi * nameplate.pole_frequency)
+        )
+    rigs = _rigs(nameplate, spread or {}, plants, encoder_bits, seed)
+    pole = nameplate.pole_frequency
+    band = (BAND[0] * pole, min(BAND[1] * pole, 0.4 / dt)) if band is None else band
+    torque_at = shape(kind, nameplate, limits, band, duration, dt, seed)
+    scale, runs = _largest(torque_at, rigs, limits, dt)
+    found = [identify(run.only("torque_motor", "speed_motor"), start=nameplate) for run, _ in runs]
+    half_widths, not_excited = _expected(found)
+    values = nameplate.parameters()
+    peaks = {name: max(p[name] for _, p in runs) for name in ("torque", "speed", "angle")}
+    torque = runs[0][0].only("torque_motor")
+    return ExcitationDesign(
+        kind=kind,
+        seed=seed,
+        recording=replace(torque, origin={"torque_motor": "reference"}, meta={"kind": kind, "seed": seed}),
+        scale=scale,
+        limits={"torque": limits.torque, "speed": limits.speed, "angle": limits.angle},
+        peaks=peaks,
+        predicted=replace(runs[0][0], origin=dict.fromkeys(runs[0][0].names, "simulated")),
+        half_widths=half_widths,
+        intervals={n: (values[n] * (1.0 - h), values[n] * (1.0 + h)) for n, h in half_widths.items()},
+        not_excited=not_excited,
+        problems=_problems(nameplate, scale, not_excited, found),
+    )
+
+
+def _check(nameplate: Drivetrain, kind: str, limits: Limits, plants: int) -> None:
+    if kind not in KINDS:
+        raise InvalidInput("design_excitation.kind", repr(kind), f"one of {KINDS}", "Check the name.")
+    if len(nameplate.inertias) != 2:
+        raise InvalidInput(
+            "design_excitation.nameplate", f"{len(nameplate.inertias)} inertias", "two masses",
+            "Use Drivetrain.two_mass.",
+        )  # fmt: skip
+    for name, value in vars(limits).items():
+        if not value > 0.0 or (name != "angle" and not np.isfinite(value)):
+            raise InvalidInput(
+                f"design_excitation.{name}_limit",
+                f"{value:g}",
+                "a positive number in SI units",
+                "Give the limit.",
+            )
+    if plants < 2:
+        raise InvalidInput("design_excitation.plants", f"{plants}", "at least 2", "Rehearse on more plants.")
+
+
+def _rigs(
+    nameplate: Drivetrain,
+    spread: Mapping[str, tuple[float, float]],
+    plants: int,
+    encoder_bits: int,
+    seed: int,
+) -> list[rig.Rig]:
+    """The plant with the nameplate's own values first, then varied ones, all with the given encoder."""
+    exact = {name: (value, value) for name, value in nameplate.parameters().items()}
+    rigs = [rig.finer_rig(nameplate, exact, seed)]
+    rigs += [rig.finer_rig(nameplate, spread, 1000 * seed + i) for i in range(1, plants)]
+    encoder = Sensor("angle_motor", 2.0 * np.pi / 2**encoder_bits, difference=True)
+    return [replace(r, sensors={**r.sensors, "speed_motor": encoder}) for r in rigs]
+
+
+def _largest(
+    torque_at: Callable[[float], Array], rigs: list[rig.Rig], limits: Limits, dt: float
+) -> tuple[float, list[tuple[Recording, dict[str, float]]]]:
+    """Largest scale that keeps the limits on every plant, and the recordings with their peaks."""
+    low, high, best = 0.0, 1.0, None
+    for number in range(HALVINGS + 1):
+        # Full scale first; then halving. The peaks need not rise with the scale: what is kept has been tried.
+        scale = 1.0 if number == 0 else 0.5 * (low + high)
+        runs = _played(torque_at(scale), rigs, limits, dt)
+        if runs is None:
+            high = scale
+            continue
+        low, best = scale, runs
+        if number == 0:
+            break
+    if best is None:
+        raise InvalidInput(
+            "design_excitation",
+            f"limits {limits}",
+            "room for a motion",
+            "Raise the speed or the angle limit.",
+        )
+    return low, best
+
+
+def _played(
+    torque: Array, rigs: list[rig.Rig], limits: Limits, dt: float
+) -> list[tuple[Recording, dict[str, float]]] | None:
+    """Recording and peaks on each plant; None as soon as one leaves the limits."""
+    runs = []
+    for plant in rigs:
+        recording, truth = rig.record(plant, torque_motor=torque, dt=dt)
+        exact = truth.signals
+        peaks = {
+            "torque": float(np.max(np.abs(exact["torque_motor"]))),
+            "speed": max(float(np.max(np.abs(exact[f"speed_{end}"]))) for end in ("motor", "load")),
+            "angle": max(float(np.max(np.abs(exact[f"angle_{end}"]))) for end in ("motor", "load")),
+        }
+        if any(peaks[name] > (1.0 + 1e-12) * limit for name, limit in vars(limits).items()):
+            return None
+        runs.append((recording, peaks))
+    return runs
+
+
+def _expected(found: list[Identification]) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Median relative half widths, and what half of the rehearsals or more could not tell."""
+    half_widths: dict[str, float] = {}
+    for name in NAMES:
+        told = [f.intervals[name] for f in found if name in f.intervals]
+        values = [getattr(f.drivetrain, name) for f in found if name in f.intervals]
+        if 2 * len(told) > len(found) and min(values) > 0.0:
+            relative = [(b - a) / (2.0 * v) for (a, b), v in zip(told, values, strict=True)]
+            half_widths[name] = float(np.median(relative))
+    return half_widths, tuple(name for name in NAMES if name not in half_widths)
+
+
+def _problems(
+    nameplate: Drivetrain, scale: float, not_excited: tuple[str, ...], found: list[Identification]
+) -> tuple[Problem, ...]:
+    problems = [
+        Problem(
+            "warning", name, "an excitation that will not tell it", "excitation",
+            "Take kind='levels', more torque, wider limits or a longer test; or fix it from the nameplate.",
+        )
+        for name in not_excited
+    ]  # fmt: skip
+    if scale < SMALL:
+        problems.append(
+            Problem(
+                "warning", "design_excitation", f"{100.0 * scale:.2g} % of the torque limit within speed and angle",
+                f"at least {100.0 * SMALL:g} %", "Raise the speed or the angle limit, or shorten the test.",
+            )
+        )  # fmt: skip
+    for name in ("backlash", "coulomb"):
+        if getattr(nameplate, name) == 0.0:
+            problems.append(
+                Problem(
+                    "warning", name, f"0 {PARAMETER_UNITS[name]} on the nameplate", "a rough value",
+                    "The rehearsal is without it: give a guess, the motion depends on it.",
+                )
+            )  # fmt: skip
+    told = {(p.where, p.remedy): p for f in found for p in f.problems if p.where not in NAMES}
+    return (*problems, *told.values())
