@@ -112,6 +112,17 @@ CONTESTANTS: tuple[Contestant, ...] = (
         "fixed gain",
         lambda d, s: _kalman(d, s, load_torque=True, contact_scheduling=True),
     ),
+    Contestant("H∞", "fixed gain", lambda d, s: observers.h_infinity(d, dt=s.dt, count_averaged=s.averaged)),
+    Contestant(
+        "H∞, load torque",
+        "fixed gain",
+        lambda d, s: observers.h_infinity(d, dt=s.dt, count_averaged=s.averaged, load_torque=True),
+    ),
+    Contestant(
+        "momentum disturbance",
+        "fixed gain",
+        lambda d, s: observers.disturbance(d, dt=s.dt, count_averaged=s.averaged),
+    ),
     Contestant("extended Kalman", "stepper", _stepper(extended_kalman)),
     Contestant("unscented Kalman", "stepper", _stepper(unscented_kalman)),
     Contestant("interacting models", "stepper", _stepper(interacting_models)),

@@ -135,7 +135,7 @@ def kalman(
         For unknown or doubled names, negative covariances, and sensors that cannot see the whole state.
     """
     design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
-    q, r = _covariances(design.model, design.measured, process_covariance, measurement_covariance)
+    q, r = covariances_of(design, process_covariance, measurement_covariance)
     gain = predictor_gain(design, design.model.A, q, r)
     if contact_scheduling:
         design.assembly.close_in_gap(_gain_in_the_gap(design, q, r))
@@ -196,6 +196,22 @@ def sampled_model(
         c[measured.index("speed_motor"), [1, -1]] = 0.5
         assembly.add_state("speed_motor_previous", model.row(speed_motor=1.0))
     return SampledModel(model, measured, dt, c, assembly)
+
+
+def covariances_of(
+    design: SampledModel, process: Mapping[str, float] | None, measurement: Mapping[str, float] | None
+) -> tuple[Array, Array]:
+    """Continuous densities of process and measurement: the defaults, changed by what the user gave."""
+    return _covariances(design.model, design.measured, process, measurement)
+
+
+def expected_innovation(design: SampledModel, q: Array, r: Array) -> Array:
+    """Covariance that the innovations should have, (n_measured, n_measured)."""
+    from scipy.linalg import solve_discrete_are
+
+    a, r_d = design.model.A, r / design.dt
+    p = solve_discrete_are(design.step(a).T, design.c.T, design.noise(a, q), r_d)
+    return np.asarray(design.c @ p @ design.c.T + r_d)
 
 
 def predictor_gain(design: SampledModel, a: Array, q: Array, r: Array) -> Array:
