@@ -105,10 +105,13 @@ def breakaway(
 
 def _first_moves(theta: Floats, dt: float, travel: float) -> list[int]:
     """Rows where the drive begins to move, after resting, and goes on for the travel asked for."""
+    from scipy.ndimage import binary_closing
+
     width = max(round(SMOOTHING / dt), 1)
     speed = np.abs(theta[width:] - theta[:-width])
     slowest = float(np.median(np.abs(np.diff(theta, 2)))) + 4.0 * _count(theta)
-    moves = speed > max(MOVING * float(speed.max()), slowest)
+    # Closed gaps: near the threshold, counts make it flicker.
+    moves = binary_closing(speed > max(MOVING * float(speed.max()), slowest), np.ones(width))
     rest = round(REST / dt)
     first = np.flatnonzero(moves[1:] & ~moves[:-1]) + 1
     last = np.append(np.flatnonzero(moves[:-1] & ~moves[1:]) + 1, theta.size - 1)

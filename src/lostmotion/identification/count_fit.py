@@ -45,8 +45,8 @@ def count_fit(
     """Fit a linear model to an angle of which each reading says: between this count and the next.
 
     A reading q stands for q ≤ angle < q + resolution (an offset is part of the model, so rounding instead of
-    cutting off changes nothing else), blurred by normal scatter that is fitted too. Unlike least squares this has no bias where
-    the angle sweeps a few counts only. With ``resolution`` 0: least squares.
+    cutting off changes nothing else), blurred by normal scatter that is fitted too. Unlike least squares this has no
+    bias where the angle sweeps a few counts only. With ``resolution`` 0: least squares.
 
     Intervals: sandwich over groups of rows that belong together (ramps), with Student's t. What the counts themselves
     leave open is not in them: see ``compatible_range``.

@@ -60,7 +60,7 @@ class FrictionLadder:
     problems: tuple[Problem, ...]
 
     def curve(self, speed: ArrayLike) -> Floats:
-        """The fitted torque (Nm) at speeds ≠ 0 (rad/s); NaN where that direction is not known."""
+        """The fitted torque (Nm) at speeds ≠ 0 (rad/s); mirrored where one direction only was recorded."""
         w = np.asarray(speed, dtype=float)
         return _model(w, {n: v for n, v in self.values.items() if v is not None}, self.exponent)
 

@@ -72,8 +72,8 @@ def lost_motion(
     """Separate delay, wind-up, hysteresis and dead zone by what each follows: speed, torque, and their signs.
 
     An encoder that is late by a millisecond shows speed · 1 ms of twist that is not there, usually the largest part
-    by far; it is estimated together with all that it could be mistaken for, and taken off. Friction between the encoders makes
-    a hysteresis that turns round with the direction of motion, whatever the torque; a gap jumps where the **torque**
+    by far; it is estimated together with all that it could be mistaken for, and taken off. Friction between the encoders
+    makes a hysteresis that turns round with the direction of motion, whatever the torque; a gap jumps where the **torque**
     reverses. Without a torque, or without its reversal, the two are one and no dead zone is claimed; nor where it
     may as well be a stiffness that rises with the torque (a term torque·abs(torque) is tried beside it).
 

@@ -153,7 +153,9 @@ def simulate_rigid_drive(
     torque = np.array(torque, dtype=np.float64)
     out = run_rigid_drive(torque, dt, inertia, np.array(coulomb), np.array(viscous), offset, angle, speed)
     signals = {"torque_motor": torque, "angle_motor": out[:, 0], "speed_motor": out[:, 1]}
-    return Recording(np.arange(torque.size) * dt, signals, dict.fromkeys(signals, "simulated"))
+    return Recording(
+        dt * np.arange(torque.size, dtype=np.float64), signals, dict.fromkeys(signals, "simulated")
+    )
 
 
 def refine_by_simulation(
