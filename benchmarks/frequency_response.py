@@ -1,6 +1,6 @@
 """Frequency response of the virtual rig: how far its gap lowers zero and pole, and figures 2, 4, 8 and 9 of the paper.
 
-    python benchmarks/frequency_response.py --figures docs/figures
+    python benchmarks/frequency_response.py --figures docs/images
 
 Prints a Markdown table over the torque's amplitude, medians over the seeds: zero and pole fitted to the rig's response,
 with gap and with the gap closed, the random-input describing function's prediction, and the coherence at the zero.

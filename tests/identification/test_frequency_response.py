@@ -199,13 +199,13 @@ def test_fit_finds_a_delay_and_ignores_a_foreign_line():
 def test_fit_forgives_some_wrong_lines():
     """A foreign mode: twenty of 1600 lines ten times too large, with a coherence that does not give them away."""
     found = frequency_response(recording(), segment=6.0)
-    wrong = found.band(140.0, 143.2)
+    wrong = found.band(60.0, 63.2)
     bad = replace(found, response=np.where(wrong, 10.0 * found.response, found.response))
     fit = two_mass_fit(bad, band=(3.0, 280.0))
     assert wrong.sum() == 20
-    for name in ("stiffness", "inertia_motor", "zero", "pole"):
+    for name in ("stiffness", "inertia_load", "zero", "pole"):
         true = {**TABLE_I, "zero": PLANT.zero_frequency, "pole": PLANT.pole_frequency}[name]
-        assert fit.values[name] == pytest.approx(true, rel=0.02)
+        assert fit.values[name] == pytest.approx(true, rel=0.01)
 
 
 def test_fit_says_where_the_band_or_the_resolution_is_too_small():
