@@ -14,7 +14,7 @@ from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
 from lostmotion.controllers import pi, pole_placement
 from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Drivetrain, Friction
-from lostmotion.observers import disturbance, h_infinity, kalman
+from lostmotion.observers import disturbance, h_infinity, kalman, shaft_torque
 from lostmotion.observers.gates import POSITIVE_PART
 from lostmotion.observers.model import SENSORS
 from lostmotion.systems import DiscreteSystem, connect, one_sample_delay
@@ -47,6 +47,7 @@ OBSERVERS = {
         TABLE_1, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
     ),
     "H infinity": h_infinity(TABLE_1.with_parameters(lag=3e-4), dt=1e-4, count_averaged=True),
+    "shaft torque": shaft_torque(6285.896, dt=1e-3, torque_delay=4e-4),
     "momentum disturbance": disturbance(TABLE_1.with_parameters(lag=3e-4), dt=1e-4, count_averaged=True),
     "kalman, one-sided friction": kalman(ONE_SIDED, measured=("angle_motor", "speed_load"), dt=2e-4),
 }
