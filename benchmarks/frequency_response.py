@@ -75,6 +75,35 @@ def table(duration: float, seeds: range) -> None:
         print(f"| {rms:g} | " + " | ".join(cells) + " |", flush=True)
 
 
+def coverage(seeds: int) -> None:
+    """How often the intervals of the two-mass fit hold the truth: Table I without gap and friction, with sensor noise."""
+    values = {"inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397}
+    plant = lm.Drivetrain.two_mass(**values)
+    true = {
+        **values,
+        "zero": plant.zero_frequency,
+        "pole": plant.pole_frequency,
+        "viscous": 0.0,
+        "delay": 0.0,
+    }
+    print("\n| output | " + " | ".join(true) + " |\n" + "|---" * (len(true) + 1) + "|")
+    for output, start in (("speed_motor", None), ("speed_load", plant)):
+        hits: dict[str, list[bool]] = {name: [] for name in true}
+        for seed in range(seeds):
+            u = lm.signals.noise(1.0, 300.0, 5.0, 60.0, 1e-3, seed=seed)
+            exact = lm.simulate(plant, dt=1e-3, torque_motor=u)
+            noise = 0.2 * np.random.default_rng(seed).standard_normal(len(exact))
+            found = frequency_response(
+                exact.with_signals("measured", **{output: exact[output] + noise}), output=output, segment=6.0
+            )
+            intervals = two_mass_fit(found, band=(3.0, 280.0), start=start).intervals
+            for name in true:
+                if name in intervals:
+                    hits[name].append(intervals[name][0] <= true[name] <= intervals[name][1])
+        cells = [f"{sum(hit)} of {len(hit)}" if hit else "kept" for hit in hits.values()]
+        print(f"| {output} | " + " | ".join(cells) + " |", flush=True)
+
+
 def figures(folder: Path, duration: float, rms: float = 16.0) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     model = structure.paper_powertrain()
@@ -118,8 +147,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=120.0, help="length of each recording")
     parser.add_argument("--seeds", type=int, default=3, help="torques 1 to SEEDS for each amplitude")
+    parser.add_argument(
+        "--coverage", type=int, default=0, help="instead, count the intervals that hold the truth"
+    )
     parser.add_argument("--figures", type=Path, help="folder for the figures")
     arguments = parser.parse_args()
+    if arguments.coverage:
+        return coverage(arguments.coverage)
     table(arguments.seconds, range(1, arguments.seeds + 1))
     if arguments.figures:
         figures(arguments.figures, arguments.seconds)

@@ -236,6 +236,15 @@ def test_misuse_is_refused(arguments):
         frequency_response(recording(duration=5.0), **arguments)
 
 
+def test_missing_samples_and_too_few_segments_are_said():
+    whole = recording(duration=5.0)
+    keep = (whole.time < 2.0) | (whole.time > 2.01)
+    holed = Recording(whole.time[keep], {name: whole[name][keep] for name in ("torque_motor", "speed_motor")})
+    assert "missing" in frequency_response(holed, segment=0.5).problems[0].remedy
+    assert "segments" in frequency_response(whole, segment=2.0).problems[0].got
+    assert frequency_response(whole, segment=0.5).problems == ()
+
+
 def test_what_a_response_does_not_tell_must_be_given():
     with pytest.raises(InvalidInput, match="inertia_motor"):
         two_mass_fit(frequency_response(recording(duration=5.0), output="torque_shaft"))

@@ -50,6 +50,13 @@ def test_bode_shows_decibels_degrees_bands_and_marks():
     assert len(upper.lines) == 3
 
 
+def test_bode_with_coherence_below():
+    third = draw_bode(coherences={"measured": (FREQUENCY, np.full(300, 0.7))}).axes[2]
+    assert third.get_ylabel() == "coherence (1)"
+    assert third.lines[1].get_color() == draw_bode().axes[0].lines[0].get_color()
+    assert third.get_xlabel() == "frequency (Hz)"
+
+
 def test_phase_does_not_jump_across_the_panel():
     phase = np.linspace(0.0, -4.0 * np.pi, 500)
     lower = bode({"late": (np.arange(1, 501), np.exp(1j * phase))}).axes[1]

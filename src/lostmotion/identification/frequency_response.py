@@ -19,6 +19,8 @@ Method = Literal["H1", "H2", "Hv"]
 SEGMENT_SHARE = 0.1
 #: Fewer segments than this give a warning (chosen): coherence and bands mean little.
 MIN_SEGMENTS = 6
+#: A time step this many times the mean one is a hole in the recording (chosen).
+LONGEST_STEP = 1.5
 #: Squared correlation of Hann's window with itself, half a length on (Welch 1967): overlap takes from the averages.
 HANN_HALF_OVERLAP = 1.0 / 36.0
 
@@ -258,6 +260,17 @@ def _unit(output: str, input: str) -> str:
 
 def _problems(recording: Recording, reference: str | None, segments: int, length: float) -> list[Problem]:
     problems = []
+    step = float(np.max(np.diff(recording.time)))
+    if step > LONGEST_STEP * recording.dt:
+        problems.append(
+            Problem(
+                "warning",
+                "frequency_response: time",
+                f"a step of {1e3 * step:.4g} ms among steps of {1e3 * recording.dt:.4g} ms",
+                "an even time axis",
+                "Samples are missing: choose a window without the hole.",
+            )
+        )
     if segments < MIN_SEGMENTS:
         problems.append(
             Problem(

@@ -21,6 +21,7 @@ def bode(
     unit: str = "rad/(Nm)",
     title: str = "Frequency response",
     marks: Mapping[str, float] | None = None,
+    coherences: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
     """Bode diagram, at most four responses; a shaded 95 % band where a margin is given.
@@ -34,13 +35,17 @@ def bode(
     title : str
     marks : mapping of label → frequency (Hz), optional
         Vertical lines, as for zero and pole.
-    axes : sequence of two Axes, optional
+    coherences : mapping of label → (frequency, coherence), optional
+        A third panel; the same labels have the same line.
+    axes : sequence of two or, with coherences, three Axes, optional
 
     Returns
     -------
     Figure
     """
-    figure, (upper, lower) = panels(axes, 2, size=(8.0, 6.4), sharex=True)
+    count = 3 if coherences else 2
+    figure, grid = panels(axes, count, size=(8.0, 1.0 + 2.7 * count), sharex=True)
+    upper, lower = grid[:2]
     for (label, values), style in zip(responses.items(), SERIES, strict=False):
         frequency, response = np.asarray(values[0], dtype=float), np.asarray(values[1])
         upper.plot(frequency, _db(np.abs(response)), label=label, **style)
@@ -48,14 +53,20 @@ def bode(
         if len(values) == 3:
             _bands(upper, lower, frequency, response, np.asarray(values[2], dtype=float), style)
     for name, place in (marks or {}).items():
-        for axis in (upper, lower):
+        for axis in grid:
             axis.axvline(place, color="#777777", linewidth=0.9, linestyle=(0, (1, 2)), zorder=0.5)
         upper.annotate(name, (place, 1.0), (2, -2), xycoords=("data", "axes fraction"), textcoords="offset points",
                        va="top", fontsize=8, color="#444444")  # fmt: skip
     upper.set(xscale="log", ylabel=f"magnitude (dB of 1 {unit})")
-    lower.set(xscale="log", xlabel="frequency (Hz)", ylabel="phase (°)", ylim=(-370.0, 10.0))
+    lower.set(xscale="log", ylabel="phase (°)", ylim=(-370.0, 10.0))
     lower.set_yticks(np.arange(-360.0, 1.0, 90.0))
-    _plain_ticks(lower)
+    for label, (places, coherence) in (coherences or {}).items():
+        style = dict(zip(responses, SERIES, strict=False)).get(label, SERIES[0])
+        grid[2].plot(np.asarray(places), np.asarray(coherence), **style)
+    if coherences:
+        grid[2].set(xscale="log", ylabel="coherence (1)", ylim=(0.0, 1.03))
+    grid[-1].set_xlabel("frequency (Hz)")
+    plain_ticks(grid[-1])
     title_and_legend(figure, [upper], title)
     return figure
 
@@ -84,7 +95,7 @@ def _bands(
     lower.fill_between(frequency, phase - half, phase + half, **shade)
 
 
-def _plain_ticks(axis: Axes) -> None:
+def plain_ticks(axis: Axes) -> None:
     """Frequencies as 10, 20, 50 instead of powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 

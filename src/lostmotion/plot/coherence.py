@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .bode import _plain_ticks
+from .bode import plain_ticks
 from .style import SERIES, panels, title_and_legend
 
 if TYPE_CHECKING:
@@ -46,6 +46,6 @@ def coherence(
             by_chance, color="#777777", linewidth=0.9, linestyle=(0, (1, 2)), label="by chance (5 %)"
         )
     axis.set(xscale="log", xlabel="frequency (Hz)", ylabel="coherence (1)", ylim=(0.0, 1.03))
-    _plain_ticks(axis)
+    plain_ticks(axis)
     title_and_legend(figure, [axis], title)
     return figure
