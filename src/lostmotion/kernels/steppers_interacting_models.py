@@ -17,6 +17,10 @@ from .steppers import INIT, STEP
 from .steppers_model import (
     COULOMB_MOTOR,
     DAMPING,
+    DOUBT,
+    DT,
+    FROZEN,
+    JUMP,
     KIND,
     LEAD,
     LEAD_MIDDLE,
@@ -34,11 +38,14 @@ from .steppers_model import (
     SPEED_LOAD,
     SPEED_MOTOR,
     START,
+    START_AGAIN,
     START_VARIANCE,
     STIFFNESS,
     TWIST,
+    USE,
     VARIANCE,
     advance,
+    doubt,
     mean_gap,
     sensor_believed,
     torque_believed,
@@ -158,9 +165,12 @@ def _sensor(p, s, i, value, missing, h, gain, innovation, variance):
         p, s, SENSOR_MEMORY + MEMORY * i, value, missing, moved, innovation[best], variance[best],
         math.sqrt(p[VARIANCE + i]),
     )  # fmt: skip
-    if verdict == 2:
+    if verdict in (FROZEN, JUMP):
+        for m in range(MODELS):
+            doubt(s, m * ONE + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
+    if verdict == START_AGAIN:
         _restart(p, s, value if kind <= SPEED_LOAD else s[ONE + 1], PREVIOUS + 1)
-    if verdict != 0:
+    if verdict != USE:
         return True
     total = 0.0
     for m in range(MODELS):

@@ -26,7 +26,8 @@ GATE, FREEZE, HOLD = 45, 46, 47  # standard deviations, standard deviations, sam
 START, START_VARIANCE, PROCESS = 48, 56, 64  # 8 each
 KIND, VARIANCE, N_SENSORS = 72, 76, 80  # 4 each: what sensor i measures, variance of a sample
 DT = 81
-OWN = 82  # first place that an observer may use for itself
+MISMATCH = 82  # standard deviations of the sensor that the model's own error may add to an innovation
+OWN = 83  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
@@ -35,8 +36,15 @@ SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
 #: rejections in a row.
 MEMORY = 4
 
+#: What to do with a sample: use it; start again from it; predict through all others.
+USE, MISSING, START_AGAIN, FROZEN, JUMP = 0, 1, 2, 3, 4
+
 #: An estimate beyond this is lost (SI units; chosen far above any drivetrain), and the observer starts again.
 LOST = 1e8
+
+#: Rate at which standard deviations grow while samples are refused as jumps, 1/s, and the speed's largest one, rad/s
+#: (chosen: a jump of 8 rad/s is refused for 20 ms).
+DOUBT, WORST = 60.0, 10.0
 
 _ROOT_HALF = math.sqrt(0.5)
 _DENSITY = 1.0 / math.sqrt(2.0 * math.pi)
@@ -121,7 +129,8 @@ def sensor_believed(p, state, at, value, missing, moved, innovation, variance, d
 
     Missing samples are not. A frozen one is not: the very same value again, while the model alone has moved by more
     than ``FREEZE`` deviations since it came first. A jump is not: an innovation beyond ``GATE`` times its own
-    deviation; but after ``HOLD`` rejected samples in a row the signal counts as right and the estimate as lost.
+    deviation plus ``MISMATCH`` times the sensor's; but after ``HOLD`` rejected samples in a row the signal counts as
+    right and the estimate as lost.
 
     Parameters
     ----------
@@ -133,25 +142,40 @@ def sensor_believed(p, state, at, value, missing, moved, innovation, variance, d
     Returns
     -------
     int
-        0: use it; 1: predict through it; 2: start again from it.
+        USE, MISSING, FROZEN, JUMP (predict through these) or START_AGAIN.
     """
     if missing:
         state[at + 2] += moved
-        return 1
+        return MISSING
     if value == state[at]:
         state[at + 1] += 1.0
         state[at + 2] += moved
         if state[at + 1] >= 3.0 and abs(state[at + 2]) > p[FREEZE] * deviation:
-            return 1
+            return FROZEN
     else:
         state[at] = value
         state[at + 1] = 1.0
         state[at + 2] = 0.0
-    if innovation * innovation <= p[GATE] * p[GATE] * variance:
+    if abs(innovation) <= p[GATE] * math.sqrt(variance) + p[MISMATCH] * deviation:
         state[at + 3] = 0.0
-        return 0
+        return USE
     state[at + 3] += 1.0
     if state[at + 3] > p[HOLD]:
         state[at + 3] = 0.0
-        return 2
-    return 1
+        return START_AGAIN
+    return JUMP
+
+
+@njit(cache=True)
+def doubt(s, at, n, first, growth):
+    """Standard deviations of the first states of the (n, n) covariance at s[at …] grow by a factor, up to WORST.
+
+    So an estimate that was surer than it should be, after a drop-out say, believes its sensor again within
+    milliseconds.
+    """
+    if s[at + n + 1] > WORST * WORST:
+        return
+    for i in range(first):
+        for j in range(n):
+            s[at + i * n + j] *= growth
+            s[at + j * n + i] *= growth

@@ -18,6 +18,10 @@ from numba import njit
 from .steppers import INIT, STEP
 from .steppers_extended_kalman import jacobian, propagate
 from .steppers_model import (
+    DOUBT,
+    DT,
+    FROZEN,
+    JUMP,
     KIND,
     LEAD_MIDDLE,
     MEMORY,
@@ -25,9 +29,12 @@ from .steppers_model import (
     OWN,
     SPEED_LOAD,
     START,
+    START_AGAIN,
+    USE,
     VARIANCE,
     advance,
     clip,
+    doubt,
     sensor_believed,
 )  # fmt: skip
 from .steppers_tracking import (
@@ -185,6 +192,13 @@ def _forget_oldest(p, s, w, f, work):
 
 
 @njit(cache=True)
+def _disbelieve(s, i, repeats):
+    """A frozen sensor: the earlier samples of the same value, still in the horizon, are not believed any more."""
+    for n in range(int(s[COUNT]) - repeats, int(s[COUNT])):
+        s[FIRST_NODE + n * NODE + NODE_BELIEVED + i] = 0.0
+
+
+@njit(cache=True)
 def _append(p, s, inputs, torque, faults, h):
     """A new node from the newest prediction; returns the faults and whether to start again."""
     count = int(s[COUNT])
@@ -206,10 +220,14 @@ def _append(p, s, inputs, torque, faults, h):
             variance, math.sqrt(p[VARIANCE + i]),
         )  # fmt: skip
         s[at + NODE_VALUE + i] = inputs[1 + i]
-        s[at + NODE_BELIEVED + i] = 1.0 if verdict == 0 else 0.0
-        if verdict != 0:
+        s[at + NODE_BELIEVED + i] = 1.0 if verdict == USE else 0.0
+        if verdict != USE:
             faults |= 2 << i
-        if verdict == 2:
+            if verdict == FROZEN:
+                _disbelieve(s, i, min(int(s[SENSOR_MEMORY + MEMORY * i + 1]) - 1, count))
+        if verdict == JUMP:
+            doubt(s, ARRIVAL + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
+        if verdict == START_AGAIN:
             restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
             again = True
     return faults, again

@@ -20,6 +20,8 @@ from .steppers_model import (
     RATIO_MINUS,
     RATIO_PLUS,
     START,
+    START_AGAIN,
+    USE,
     VARIANCE,
     advance,
     clip,
@@ -61,9 +63,9 @@ def innovation_of(p, s, inputs, faults):
     verdict = sensor_believed(
         p, s, SENSOR, speed, missing, s[MOVED], innovation, expected * expected, math.sqrt(p[VARIANCE])
     )
-    if verdict == 2:
+    if verdict == START_AGAIN:
         restart(p, s, speed)
-    if verdict != 0:
+    if verdict != USE:
         s[UNBELIEVED] = min(s[UNBELIEVED] + 1.0, p[HOLD])
         return torque, 0.0, faults | 2
     s[UNBELIEVED] = 0.0

@@ -12,6 +12,10 @@ from numba import njit
 
 from .steppers_model import (
     DAMPING,
+    DOUBT,
+    DT,
+    FROZEN,
+    JUMP,
     KIND,
     LEAD,
     LOST,
@@ -22,12 +26,15 @@ from .steppers_model import (
     SPEED_LOAD,
     SPEED_MOTOR,
     START,
+    START_AGAIN,
     START_VARIANCE,
     STIFFNESS,
     TORQUE_SHAFT,
     TWIST,
+    USE,
     VARIANCE,
     clip,
+    doubt,
     mean_gap,
     sensor_believed,
     torque_believed,
@@ -175,13 +182,15 @@ def correct_all(p, s, inputs, torque_faults, work):
             p, s, SENSOR_MEMORY + MEMORY * i, inputs[1 + i], torque_faults & (2 << i) != 0, moved(p, s, kind),
             innovation, variance, math.sqrt(p[VARIANCE + i]),
         )  # fmt: skip
-        if verdict == 0:
+        if verdict == USE:
             correct(s, h, innovation, variance, gain)
             s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
             s[COULOMB] = max(s[COULOMB], 0.0)
         else:
             faults |= 2 << i
-        if verdict == 2:
+        if verdict in (FROZEN, JUMP):
+            doubt(s, COVARIANCE, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
+        if verdict == START_AGAIN:
             restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
     return faults
 

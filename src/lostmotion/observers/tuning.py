@@ -28,10 +28,10 @@ SENSOR_NOISE: Mapping[str, float] = MappingProxyType(
 #: Torque that the model does not know, as the root of its density, Nm·√s: 0.02 is 0.63 Nm held for 1 ms each (chosen).
 UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.02, "load": 0.02})
 
-#: A jump is an innovation beyond this many of its own standard deviations; a sensor is frozen if the model has moved by
-#: this many deviations of the sensor. Chosen: on the virtual rig, whose modes beyond the model throw an innovation of
-#: 20 deviations at hard impacts, no good sample is refused.
-GATE, FREEZE = 40.0, 20.0
+#: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH of the sensor's: the virtual rig's
+#: modes beyond the model throw 20 of them at hard impacts. A sensor is frozen if the model has moved by FREEZE of its
+#: deviations meanwhile. All chosen.
+GATE, MISMATCH, FREEZE = 10.0, 25.0, 6.0
 #: After this time of rejected samples the signal is right and the estimate wrong, s (chosen).
 HOLD = 0.03
 
@@ -105,6 +105,7 @@ def model_parameters(
     p[at.REST_MOTOR], p[at.REST_LOAD] = 1.0 / abs(rows[1, 6]), 1.0 / abs(rows[2, 7])
     p[at.MEAN_NOW], p[at.MEAN_BEFORE] = (0.5, 0.5) if count_averaged else (1.0, 0.0)
     p[at.TORQUE_BOUND] = 2.0 * limit if math.isfinite(limit) else 1e30
+    p[at.MISMATCH] = MISMATCH
     p[at.GATE], p[at.FREEZE], p[at.HOLD] = GATE, FREEZE, max(1.0, round(HOLD / dt))
     for i, name in enumerate(measured):
         p[at.KIND + i] = STEPPER_SENSORS.index(name)
