@@ -261,7 +261,7 @@ def broken(**signals: np.ndarray) -> Recording:
 def test_misuse_is_told_at_once():
     good = counted(simulated(1, 2.5))
     spoilt = good["speed_motor"].copy()
-    spoilt[1234] = np.nan
+    spoilt[1234] = np.inf
     with pytest.raises(lm.InvalidInput, match=r"speed_motor.*row 1234"):
         lm.identify(broken(speed_motor=spoilt), start=PLANT)
     with pytest.raises(lm.InvalidInput, match="a moving signal"):

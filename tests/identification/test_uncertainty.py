@@ -9,7 +9,14 @@ import lostmotion as lm
 from lostmotion.identification.findings import is_quantised
 from lostmotion.identification.gauss_newton import minimise
 from lostmotion.identification.starts import rigid_body
-from lostmotion.identification.uncertainty import model_allowance, sandwich, shift, unmodelled_mode
+from lostmotion.identification.uncertainty import (
+    BLOCKS,
+    growth,
+    model_allowance,
+    sandwich,
+    shift,
+    unmodelled_mode,
+)
 
 DT = 1e-4
 
@@ -30,6 +37,17 @@ def test_sandwich_sees_the_colour_of_the_noise():
     blue = np.diff(rng.standard_normal(n + 1))
     white_formula = np.var(blue) / np.sum(jacobian**2)
     assert sandwich(jacobian, blue)[0, 0] < 0.01 * white_formula
+
+
+def test_growth_tells_one_block_from_all():
+    noise = np.random.default_rng(4).standard_normal(20000)
+    everywhere, once = 1.1 * noise, noise.copy()
+    once[: noise.size // BLOCKS] *= 3.0
+    blocks, sure = growth(everywhere, noise)
+    assert blocks == pytest.approx(0.21 * BLOCKS, rel=1e-6) and sure > 50.0
+    blocks, sure = growth(once, noise)
+    assert blocks == pytest.approx(8.0, rel=0.1) and sure == pytest.approx(1.0, rel=1e-6)
+    assert growth(noise, noise) == (0.0, 0.0)
 
 
 def test_shift_is_the_least_squares_step():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,6 @@ from ..drivetrain import PARAMETER_UNITS, Drivetrain
 from ..errors import InvalidInput, Problem
 from ..recording import Recording
 from .result import Prediction
-
-#: Largest deviation of a time step from the mean step.
-RASTER = 0.05
 
 #: Largest torque (Nm) and speed (rad/s) that are taken for real (chosen: a thousand times those of big drives).
 LARGEST_VALUE = 1e8
@@ -38,18 +35,21 @@ _EXCITE = {
 }
 
 
-def check_recording(recording: Recording, min_rows: int, min_time: float) -> None:
-    """Raise InvalidInput for what no identification can work with."""
-    for name in ("torque_motor", "speed_motor"):
+def check_recording(recording: Recording, names: Sequence[str]) -> None:
+    """Raise InvalidInput for signals that no identification can work with; a NaN is a gap."""
+    for name in names:
         values = recording[name]
-        if not np.all(np.isfinite(values)):
-            row = int(np.argmin(np.isfinite(values)))
+        if np.any(np.isinf(values)):
+            row = int(np.argmax(np.isinf(values)))
             raise InvalidInput(
                 f"recording {name}",
                 f"{values[row]} in row {row}",
-                "finite numbers",
+                "finite numbers, or NaN for a gap",
                 "Cut it out or repair it.",
             )
+        values = values[np.isfinite(values)]
+        if not values.size:
+            raise InvalidInput(f"recording {name}", "NaN throughout", "a signal", "Check the channel.")
         largest = float(np.max(np.abs(values)))
         if largest > LARGEST_VALUE:
             raise InvalidInput(
@@ -62,21 +62,16 @@ def check_recording(recording: Recording, min_rows: int, min_time: float) -> Non
                 "a moving signal",
                 "Check the channel, or excite it.",
             )
-    seconds = recording.dt * len(recording)
-    if len(recording) < min_rows or seconds < min_time:
+
+
+def check_length(rows: int, dt: float, min_rows: int, min_time: float) -> None:
+    """Raise InvalidInput if too few rows can be used; dt and min_time in s."""
+    if rows < min_rows or rows * dt < min_time:
         raise InvalidInput(
             "recording",
-            f"{len(recording)} rows, {seconds:g} s",
+            f"{rows} rows, {rows * dt:g} s",
             f"at least {min_rows} rows and {min_time:g} s",
             "Record longer: 10 s at 10 kHz are good.",
-        )
-    worst = float(np.max(np.abs(np.diff(recording.time) / recording.dt - 1.0)))
-    if worst > RASTER:
-        raise InvalidInput(
-            "recording.time",
-            f"steps up to {100 * worst:.3g} % off",
-            "a uniform raster within 5 %",
-            "Resample it.",
         )
 
 
@@ -102,6 +97,7 @@ def warnings(
     covariance: NDArray[np.float64],
     prediction: Prediction,
     converged: bool,
+    dt: float,
 ) -> tuple[Problem, ...]:
     """Warnings about the result, each with a remedy; ``total`` is the inertia seen at low frequency, kg m2."""
     problems = [_not_excited(name, start) for name, source in sources.items() if source == "not excited"]
@@ -130,7 +126,7 @@ def warnings(
                 "The intervals allow for it. Excite less of it for narrower ones.",
             )
         )  # fmt: skip
-    samples = 1.0 / (found.pole_frequency * float(np.mean(np.diff(prediction.time))))
+    samples = 1.0 / (found.pole_frequency * dt)
     if samples < SAMPLES_PER_PERIOD:
         problems.append(
             Problem(

@@ -8,13 +8,19 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from .ladder import Box, Stage, fit
 from .predictor import NAMES, Bandwidth, Predictor, to_theta
-from .uncertainty import model_allowance, sandwich, shift, student_factor, unmodelled_mode
+from .uncertainty import growth, model_allowance, sandwich, shift, student_factor, unmodelled_mode
 
 Array = NDArray[np.float64]
 
 #: A parameter is not excited if its 95 % interval reaches further than this factor either way (chosen). A
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
+
+
+#: And if a gap that is larger by ``NOT_EXCITED`` predicts no worse: by less than a typical block's sum of squares, and
+#: by less than so many standard deviations (chosen). Then the twist has touched one side only, and the smallest gap
+#: with room for it would pass for known.
+SURE = 3.0
 
 
 def half_widths(predictor: Predictor, stage: Stage) -> tuple[Array, Array]:
@@ -25,6 +31,7 @@ def half_widths(predictor: Predictor, stage: Stage) -> tuple[Array, Array]:
     residual = predictor.residual(stage.fit.theta, higher)
     by_gain = shift(predictor.jacobian(stage.fit.theta, higher, stage.free, residual), residual)
     fast = np.abs(predictor.speed) > 0.5 * np.max(np.abs(predictor.speed))
+    fast = np.repeat(fast, residual.size // fast.size)
     by_speed = shift(j[:, fast], stage.fit.residual[fast])
     # A nameplate value that had to be taken may be off by a factor of two, and moves the others with it.
     taken = predictor.jacobian(stage.fit.theta, stage.bandwidth, list(stage.unexcited), stage.fit.residual)
@@ -39,7 +46,8 @@ def half_widths(predictor: Predictor, stage: Stage) -> tuple[Array, Array]:
 
 def higher_mode(predictor: Predictor, stage: Stage) -> float | None:
     """Frequency (Hz) of a mode that the fit leaves in the innovations, if there is one."""
-    rest, speed = stage.fit.residual[predictor.skip :], predictor.speed[predictor.skip :]
+    settled = predictor.settled()
+    rest, speed = predictor.speed_residual(stage.fit.residual)[settled], predictor.speed[settled]
     pole = predictor.drivetrain(stage.fit.theta).pole_frequency
     return unmodelled_mode(rest, speed, predictor.dt, predictor.count_averaged, pole)
 
@@ -61,6 +69,16 @@ def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box
 
 def _unexcited(predictor: Predictor, stage: Stage) -> str | None:
     """The free parameter that the recording tells least about, if that is too little."""
+    if NAMES.index("backlash") in stage.free and _one_sided(predictor, stage):
+        return "backlash"
     _, half = half_widths(predictor, stage)
     worst = int(np.argmax(half))
     return NAMES[stage.free[worst]] if half[worst] > np.log(NOT_EXCITED) else None
+
+
+def _one_sided(predictor: Predictor, stage: Stage) -> bool:
+    """Whether a larger gap would do as well."""
+    larger = stage.fit.theta.copy()
+    larger[NAMES.index("backlash")] += np.log(NOT_EXCITED)
+    blocks, sure = growth(predictor.residual(larger, stage.bandwidth), stage.fit.residual)
+    return blocks < 1.0 and sure < SURE

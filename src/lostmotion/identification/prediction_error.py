@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -12,18 +12,20 @@ from ..recording import Recording
 from . import findings, starts
 from .intervals import half_widths, higher_mode, without_unexcited
 from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend
+from .pieces import Pieces, join
 from .predictor import NAMES, Predictor, from_theta
 from .result import Identification, Prediction, Source
 
 #: Fewest rows and shortest time that are accepted (chosen: five periods of a 10 Hz mode).
 MIN_ROWS, MIN_TIME = 2000, 0.5
 
-#: Time before the innovations count, s (chosen: a few time constants of the observer).
-SETTLING = 0.1
+#: Time before the innovations count, s (chosen), and after a gap: there the observer knows less than at rest, and its
+#: slowest pole is at about 14 1/s.
+SETTLING, SETTLING_LATER = 0.1, 0.4
 
 
 def identify(
-    recording: Recording,
+    recording: Recording | Sequence[Recording],
     *,
     start: Drivetrain,
     fixed: Collection[str] = (),
@@ -45,8 +47,9 @@ def identify(
 
     Parameters
     ----------
-    recording : Recording
-        ``torque_motor`` (Nm, held from row to row) and ``speed_motor`` (rad/s); nothing else is looked at.
+    recording : Recording, or several of one sample time
+        ``torque_motor`` (Nm, held from row to row) and ``speed_motor`` (rad/s); nothing else is looked at. Rows with
+        a NaN and missing rows are gaps: the observer starts anew after each.
     start : Drivetrain
         Two masses, nameplate values, right within a factor of two. A zero for backlash, damping, coulomb,
         viscous or lag means "not known".
@@ -75,7 +78,13 @@ def identify(
     free of bias: both would show as inertia and as asymmetric friction.
     """
     say = progress or (lambda fraction, text: None)
-    predictor = _predictor(recording, start, fixed, count_averaged)
+    recordings = [recording] if isinstance(recording, Recording) else list(recording)
+    _check(start, fixed)
+    for one in recordings:
+        findings.check_recording(one, ("torque_motor", "speed_motor"))
+    pieces = join(recordings, ("torque_motor", "speed_motor"))
+    findings.check_length(pieces.time.size, pieces.dt, MIN_ROWS, MIN_TIME)
+    predictor = _predictor(pieces, recordings[0], start, count_averaged)
     free = [i for i, name in enumerate(NAMES) if name not in fixed]
     say(0.0, "searching the start")
     theta, total = starts.complete(start, predictor, fixed)
@@ -84,14 +93,12 @@ def identify(
     stage = descend(predictor, theta, free, box, say)
     say(0.8, "computing the intervals")
     stage = without_unexcited(predictor, stage, start, box)
-    found = _result(recording, predictor, stage, start, fixed, total)
+    found = _result(pieces, predictor, stage, start, fixed, total)
     say(1.0, "identified")
     return found
 
 
-def _predictor(
-    recording: Recording, start: Drivetrain, fixed: Collection[str], count_averaged: bool | None
-) -> Predictor:
+def _check(start: Drivetrain, fixed: Collection[str]) -> None:
     unknown = sorted(set(fixed) - set(NAMES))
     if unknown:
         raise InvalidInput("identify.fixed", f"{unknown}", f"names out of {NAMES}", "Check the names.")
@@ -101,19 +108,23 @@ def _predictor(
         raise InvalidInput(
             "identify.start", f"{len(start.inertias)} inertias", "two masses", "Use Drivetrain.two_mass."
         )
-    findings.check_recording(recording, MIN_ROWS, MIN_TIME)
-    speed = np.ascontiguousarray(recording["speed_motor"])
+
+
+def _predictor(
+    pieces: Pieces, recording: Recording, start: Drivetrain, count_averaged: bool | None
+) -> Predictor:
+    speed = pieces.signals["speed_motor"]
     if count_averaged is None:
         count_averaged = bool(recording.meta.get("count_averaged", findings.is_quantised(speed)))
-    skip = min(int(SETTLING / recording.dt), speed.size // 10)
+    skip = min(int(SETTLING / pieces.dt), pieces.bounds[1] // 10)
+    later = int(SETTLING_LATER / pieces.dt)
     base = start.with_contact("viscoelastic")
-    return Predictor(
-        np.ascontiguousarray(recording["torque_motor"]), speed, recording.dt, count_averaged, base, skip
-    )
+    torque = pieces.signals["torque_motor"]
+    return Predictor(torque, speed, pieces.dt, count_averaged, base, skip, pieces.bounds, later)
 
 
 def _result(
-    recording: Recording,
+    pieces: Pieces,
     predictor: Predictor,
     stage: Stage,
     start: Drivetrain,
@@ -126,9 +137,9 @@ def _result(
     full = np.zeros(theta.size)
     full[stage.free] = half
     low, high = (from_theta(theta + sign * full, predictor.dt) for sign in (-1.0, 1.0))
-    rms = float(np.sqrt(np.mean(residual[predictor.skip :] ** 2)))
+    rms = float(np.sqrt(np.mean(residual[predictor.settled()] ** 2)))
     prediction = Prediction(
-        time=recording.time,
+        time=pieces.time,
         speed_motor=predictor.speed - residual,
         residual=residual,
         rms=rms,
@@ -145,8 +156,19 @@ def _result(
         values={n: None if sources[n] == "not excited" else float(getattr(drivetrain, n)) for n in NAMES},
         intervals={NAMES[i]: (float(low[i]), float(high[i])) for i in stage.free},
         sources=sources,
-        problems=findings.warnings(
-            start, drivetrain, total, sources, names, covariance, prediction, stage.fit.converged
+        problems=(
+            *pieces.problems(),
+            *findings.warnings(
+                start,
+                drivetrain,
+                total,
+                sources,
+                names,
+                covariance,
+                prediction,
+                stage.fit.converged,
+                pieces.dt,
+            ),
         ),
         prediction=prediction,
         names=names,

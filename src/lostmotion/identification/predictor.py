@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ class Bandwidth:
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
-    """Motor torque and motor speed on one raster, and how the speed was measured.
+    """Motor torque and motor speed on one raster, in one or more pieces, and how the speed was measured.
 
     Parameters
     ----------
@@ -48,6 +48,10 @@ class Predictor:
         Two masses; what is not identified (friction of the motor) stays as it is here.
     skip : int
         First innovations that count as zero, while the observer settles.
+    bounds : tuple of int
+        First row of each piece, and the number of rows; default: one piece.
+    skip_later : int
+        The same as ``skip`` for every further piece, which may begin in the middle of a motion.
     """
 
     torque: Array
@@ -56,12 +60,43 @@ class Predictor:
     count_averaged: bool
     base: Drivetrain
     skip: int
+    bounds: tuple[int, ...] = ()
+    skip_later: int = 0
     _pool: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(THREADS))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bounds", self.bounds or (0, self.torque.size))
+
+    @property
+    def pieces(self) -> list[slice]:
+        """Rows of each piece."""
+        return [slice(a, b) for a, b in zip(self.bounds, self.bounds[1:], strict=False)]
 
     def part(self, rows: slice) -> Predictor:
         """The same over some rows."""
         torque, speed = np.ascontiguousarray(self.torque[rows]), np.ascontiguousarray(self.speed[rows])
-        return Predictor(torque, speed, self.dt, self.count_averaged, self.base, self.skip, self._pool)
+        inner = [b - rows.start for b in self.bounds if rows.start < b < rows.stop]
+        bounds = (0, *inner, torque.size)
+        return replace(self, torque=torque, speed=speed, bounds=bounds)
+
+    def speed_residual(self, residual: Array) -> Array:
+        """(n,) innovations of the motor speed out of a residual, rad/s."""
+        return residual
+
+    def settling(self) -> list[slice]:
+        """Rows of each piece in which the observer settles; they do not count."""
+        skips = [self.skip] + [self.skip_later] * (len(self.bounds) - 2)
+        return [
+            slice(piece.start, min(piece.start + skip, piece.stop))
+            for piece, skip in zip(self.pieces, skips, strict=True)
+        ]
+
+    def settled(self) -> NDArray[np.bool_]:
+        """(n,) rows that count."""
+        rows = np.ones(self.torque.size, dtype=bool)
+        for settling in self.settling():
+            rows[settling] = False
+        return rows
 
     def drivetrain(self, theta: Array) -> Drivetrain:
         """Two-mass drivetrain of a parameter vector (see ``to_theta``)."""
@@ -96,8 +131,12 @@ class Predictor:
             row[:7], row[9] = values[:7], values[7]
         parameters[:, 7:9] = self.base.coulomb_motor, self.base.viscous_motor
         gains = (bandwidth.motor, bandwidth.load)
-        residual = innovations(parameters, gains, self.dt, self.count_averaged, self.torque, self.speed)
-        residual[:, : self.skip] = 0.0
+        bounds = np.array(self.bounds, dtype=np.int64)
+        residual = innovations(
+            parameters, gains, self.dt, self.count_averaged, bounds, self.torque, self.speed
+        )
+        for settling in self.settling():
+            residual[:, settling] = 0.0
         return np.asarray(residual)
 
     def jacobian(self, theta: Array, bandwidth: Bandwidth, free: list[int], residual: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import product
 
 import numpy as np
@@ -33,18 +33,24 @@ DAMPING_RATIO = 0.02
 RIGID_BAND = 8.0
 
 
-def rigid_body(torque: Array, speed: Array, dt: float) -> tuple[float, float, float]:
+def rigid_body(
+    torque: Array, speed: Array, dt: float, pieces: Sequence[slice] = (slice(None),)
+) -> tuple[float, float, float]:
     """Total inertia, Coulomb and viscous friction from torque = J·acceleration + M_c·sgn(speed) + d_v·speed.
 
-    Least squares below ``RIGID_BAND``, where neither the shaft nor the gap matters.
+    Least squares below ``RIGID_BAND``, where neither the shaft nor the gap matters, over all pieces together.
     """
     from scipy.signal import butter, sosfiltfilt
 
     low = butter(2, min(RIGID_BAND, 0.1 / dt), fs=1.0 / dt, output="sos")
-    u, w = sosfiltfilt(low, torque), sosfiltfilt(low, speed)
-    columns = np.column_stack([np.gradient(w, dt), np.sign(w), w])
     every = max(1, int(0.005 / dt))
-    inertia, coulomb, viscous = np.linalg.lstsq(columns[::every], u[::every], rcond=None)[0]
+    columns, torques = [], []
+    for piece in pieces:
+        u, w = sosfiltfilt(low, torque[piece]), sosfiltfilt(low, speed[piece])
+        columns.append(np.column_stack([np.gradient(w, dt), np.sign(w), w])[::every])
+        torques.append(u[::every])
+    x, y = np.concatenate(columns), np.concatenate(torques)
+    inertia, coulomb, viscous = np.linalg.lstsq(x, y, rcond=None)[0]
     return float(inertia), float(coulomb), float(viscous)
 
 
@@ -54,7 +60,7 @@ def complete(start: Drivetrain, predictor: Predictor, fixed: Collection[str]) ->
     Friction comes from the recording where it tells. What the nameplate leaves at zero gets: damping ratio
     0.02, friction of 1 % of the motor torque, a lag of two samples, a backlash of torque / stiffness.
     """
-    inertia, coulomb, viscous = rigid_body(predictor.torque, predictor.speed, predictor.dt)
+    inertia, coulomb, viscous = rigid_body(predictor.torque, predictor.speed, predictor.dt, predictor.pieces)
     values = {name: getattr(start, name) for name in NAMES}
     force = float(np.std(predictor.torque))
     fastest = float(np.max(np.abs(predictor.speed)))

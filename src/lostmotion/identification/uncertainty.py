@@ -62,6 +62,26 @@ def student_factor(p: int) -> float:
     return float(t.ppf(0.975, BLOCKS - p))
 
 
+def growth(residual: Array, reference: Array) -> tuple[float, float]:
+    """How much larger the sum of squares of a residual is than that of a reference, both (n,).
+
+    Returns
+    -------
+    (float, float)
+        In multiples of the reference's mean sum over one of ``BLOCKS`` blocks; and the t statistic of the mean of the
+        blocks' differences, which is small where a single block makes all of it.
+    """
+    length = residual.size // BLOCKS
+    squares = [
+        np.square(r[: length * BLOCKS]).reshape(BLOCKS, length).sum(axis=1) for r in (residual, reference)
+    ]
+    difference = squares[0] - squares[1]
+    deviation = float(np.std(difference, ddof=1)) / np.sqrt(BLOCKS)
+    typical = float(np.mean(squares[1]))
+    mean = float(np.mean(difference))
+    return BLOCKS * mean / max(typical, 1e-300), mean / max(deviation, 1e-300)
+
+
 def shift(jacobian: Array, residual: Array) -> Array:
     """(p,) Gauss–Newton step that these innovations ask for: how far another weighting moves the estimate.
 

@@ -221,8 +221,8 @@ def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed,
 
 
 @njit(cache=True, nogil=True)
-def _one(parameters, bandwidth, dt, count_averaged, torque, speed, residual):
-    """Innovations for one set of parameters."""
+def _one(parameters, bandwidth, dt, count_averaged, bounds, torque, speed, residual):
+    """Innovations for one set of parameters; the observer starts anew with each piece."""
     block, step, density = np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((4, 4))
     phi, noise, gain = np.zeros((5, 5)), np.zeros((5, 5)), np.zeros(5)
     density[1, 1], density[2, 2] = bandwidth[0] ** 2, bandwidth[1] ** 2
@@ -236,11 +236,14 @@ def _one(parameters, bandwidth, dt, count_averaged, torque, speed, residual):
     c4 = 1.0 - c1
     _gain(phi, c1, c4, noise, 1.0 / dt, gain)
     lead = parameters[3] / parameters[2] + 0.5 * dt
-    _run(step, gain, c1, c4, lead, 0.5 * parameters[4], parameters[7], parameters[5], torque, speed, residual)
+    half, motor, load = 0.5 * parameters[4], parameters[7], parameters[5]
+    for i in range(bounds.size - 1):
+        a, b = bounds[i], bounds[i + 1]
+        _run(step, gain, c1, c4, lead, half, motor, load, torque[a:b], speed[a:b], residual[a:b])
 
 
 @njit(cache=True, nogil=True)
-def innovations(parameters, bandwidth, dt, count_averaged, torque, speed):
+def innovations(parameters, bandwidth, dt, count_averaged, bounds, torque, speed):
     """Innovations y − ŷ of the observer over a recording, (m, n): a row for each row of ``parameters``.
 
     The states are twist, speed_motor, speed_load, torque_actuator and the speed_motor of the sample before::
@@ -260,9 +263,11 @@ def innovations(parameters, bandwidth, dt, count_averaged, torque, speed):
     dt : float, s
     count_averaged : bool
         ŷ is the mean of the last two speeds.
+    bounds : (p + 1,) int array
+        First row of each of p pieces, each with its own start, and the number of rows.
     torque, speed : (n,) arrays, Nm and rad/s
     """
     residuals = np.empty((parameters.shape[0], torque.size))
     for i in range(parameters.shape[0]):
-        _one(parameters[i], bandwidth, dt, count_averaged, torque, speed, residuals[i])
+        _one(parameters[i], bandwidth, dt, count_averaged, bounds, torque, speed, residuals[i])
     return residuals
