@@ -76,7 +76,7 @@ def table(duration: float, seeds: range) -> None:
 
 
 def coverage(seeds: int) -> None:
-    """How often the intervals of the two-mass fit hold the truth: Table I without gap and friction, with sensor noise."""
+    """How often the fit's intervals hold the truth: Table I without gap and friction, with sensor noise."""
     values = {"inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397}
     plant = lm.Drivetrain.two_mass(**values)
     true = {

@@ -236,6 +236,21 @@ def test_misuse_is_refused(arguments):
         frequency_response(recording(duration=5.0), **arguments)
 
 
+def test_without_a_band_the_coherent_lines_are_fitted():
+    """At 10 kHz most lines hold nothing but sensor noise; the search must not follow them."""
+    torque = lm.signals.noise(2.0, 140.0, 5.0, 20.0, 1e-4, seed=3)
+    exact = lm.simulate(PLANT, dt=1e-4, torque_motor=torque)
+    noise = 0.05 * np.random.default_rng(3).standard_normal(len(exact))
+    noisy = exact.with_signals("measured", speed_motor=exact["speed_motor"] + noise)
+    fit = two_mass_fit(frequency_response(noisy))
+    assert 130.0 < fit.frequency[-1] < 170.0
+    assert fit.values["zero"] == pytest.approx(PLANT.zero_frequency, rel=0.02)
+    assert fit.values["pole"] == pytest.approx(PLANT.pole_frequency, rel=0.02)
+    unrelated = noisy.with_signals("measured", speed_motor=noise)
+    with pytest.raises(InvalidInput, match="coherence"):
+        two_mass_fit(frequency_response(unrelated))
+
+
 def test_missing_samples_and_too_few_segments_are_said():
     whole = recording(duration=5.0)
     keep = (whole.time < 2.0) | (whole.time > 2.01)

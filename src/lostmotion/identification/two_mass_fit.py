@@ -40,6 +40,8 @@ KEPT = {
 KEPT_WEIGHT = 1e6
 #: What the correlation of neighbouring lines under Hann's window adds to a variance: 1 + 2·((2/3)² + (1/6)²).
 NEIGHBOURS = 1.944
+#: Lines over which coherence is averaged, and how many times its mean by chance, 1/averages, counts as clear (chosen).
+NEIGHBOURHOOD, CLEARLY = 21, 3.0
 #: Raster of the search for a start: zeros, poles, damping ratio (chosen).
 SEARCH_POINTS, SEARCH_DAMPING = 40, 0.05
 
@@ -104,7 +106,8 @@ def two_mass_fit(
     measured : FrequencyResponse
         Of ``torque_motor`` to one of angle, speed, twist or shaft torque.
     band : (float, float), optional, Hz
-        Lines to use. Default: all. It should hold both zero and pole and end below the next mode.
+        Lines to use. Default: from the first to the last with more coherence than chance gives. It should hold both
+        zero and pole and end below the next mode.
     start : Drivetrain, optional
         Two masses, where the search should not choose. Needed for what lies behind the motor: load angle, load
         speed and shaft torque tell one parameter less, as does the twist. The start's ``inertia_motor`` (twist:
@@ -122,7 +125,7 @@ def two_mass_fit(
             f"one of {OUTPUTS} over torque_motor",
             "Choose those signals.",
         )
-    keep = np.ones(measured.frequency.size, bool) if band is None else measured.band(*band)
+    keep = measured.band(*(_coherent_band(measured) if band is None else band))
     if np.count_nonzero(keep) < 2 * len(NAMES):
         raise InvalidInput(
             "two_mass_fit: band", f"{keep.sum()} lines", f"at least {2 * len(NAMES)}", "Widen it."
@@ -141,6 +144,21 @@ def two_mass_fit(
     theta = problem.search() if start is None else _theta({**start.parameters(), "delay": start.lag})
     theta, jacobian, residual = problem.fit(theta)
     return _result(problem, theta, jacobian, residual)
+
+
+def _coherent_band(measured: FrequencyResponse) -> tuple[float, float]:
+    """From the first to the last line whose neighbourhood is clearly more coherent than unrelated signals are."""
+    lines = min(NEIGHBOURHOOD, measured.frequency.size)
+    mean = np.convolve(measured.coherence, np.full(lines, 1.0 / lines), mode="same")
+    clear = np.flatnonzero(mean > CLEARLY / measured.averages)
+    if clear.size == 0:
+        raise InvalidInput(
+            "two_mass_fit",
+            f"no coherence between {measured.input} and {measured.output}",
+            "a response that the input causes",
+            "Excite more, record longer, or check that the channels belong together.",
+        )
+    return float(measured.frequency[clear[0]]), float(measured.frequency[clear[-1]])
 
 
 class _Problem:
