@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.drivetrain import PARAMETER_UNITS, Actuator, Drivetrain, Friction, Shaft
+from lostmotion.drivetrain import PARAMETER_UNITS, Actuator, Drivetrain, Friction, Gear, Shaft
 
 TABLE_I = dict(
     inertia_motor=0.0182,
@@ -85,9 +85,49 @@ def test_friction_curve():
         (lambda: Friction(stribeck=((0.0, 1.0), (1.0, 0.5), (1.0, 0.0))), "stribeck"),
         (lambda: Actuator(lag=-1.0), "lag"),
         (lambda: Actuator(torque_limit=0.0), "torque_limit"),
+        (lambda: Actuator(rate_limit=-1.0), "rate_limit"),
         (lambda: Actuator(torque_limit=math.nan), "torque_limit"),
     ],
 )
 def test_impossible_drivetrains_are_refused(make, where):
     with pytest.raises(lm.InvalidInput, match=where):
         make()
+
+
+def test_gear_referred_and_back():
+    behind = Drivetrain(
+        (2.0, 3.0), (Shaft(1e4, 2.0, 0.01),), (Friction((5.0, 4.0), 0.1), Friction(1.0, breakaway=2.0))
+    )
+    gear = Gear(10.0)
+    seen = gear.refer(behind)
+    assert seen.inertias == pytest.approx((0.02, 0.03))
+    assert seen.shafts[0].stiffness == pytest.approx(100.0)
+    assert seen.shafts[0].backlash == pytest.approx(0.1)
+    assert seen.frictions[0].coulomb == pytest.approx((0.5, 0.4))
+    back = gear.refer_back(seen)
+    assert back.inertias == pytest.approx(behind.inertias)
+    assert back.frictions[1].breakaway == pytest.approx(2.0)
+    assert Gear(-10.0).refer(behind).frictions[0].coulomb == pytest.approx((0.4, 0.5))
+    with pytest.raises(lm.InvalidInput, match="Gear"):
+        Gear(0.0)
+
+
+def test_gear_keeps_kinetic_energy_power_and_frequency():
+    """A chain behind a gear, simulated referred and as it is, driven by the same torque through the gear."""
+    behind = Drivetrain((2.0, 3.0), (Shaft(1e4, 2.0, 0.01),), (Friction(), Friction(5.0, 0.1)))
+    gear = Gear(8.0)
+    torque = 400.0 * np.sign(np.sin(np.arange(2000) * 0.01))
+    direct = lm.simulate(behind, torque_motor=torque, dt=1e-4)
+    seen = lm.simulate(gear.refer(behind), torque_motor=torque / 8.0, dt=1e-4)
+    for name in ("speed_load", "twist", "torque_shaft"):
+        np.testing.assert_allclose(gear.behind(name, seen[name]), direct[name], rtol=0.0, atol=1e-9)
+
+
+def test_gear_joins_two_sides():
+    motor = Drivetrain((0.01,), actuator=Actuator(lag=1e-3))
+    output = Drivetrain((2.0, 3.0), (Shaft(1e4),))
+    chain = Gear(10.0).join(motor, Shaft(2e4, 1.0, 0.005), output)
+    assert chain.inertias == pytest.approx((0.01, 0.02, 0.03))
+    assert [s.stiffness for s in chain.shafts] == pytest.approx([200.0, 100.0])
+    assert chain.shafts[0].backlash == pytest.approx(0.05)
+    assert chain.actuator.lag == 1e-3

@@ -77,3 +77,21 @@ def test_units_by_name():
 def test_misuse_is_refused(make):
     with pytest.raises(lm.InvalidInput):
         make()
+
+
+def test_bounces_merge_into_one_impact():
+    times = [0.1, 0.101, 0.1025, 0.2, 0.2005]
+    events = [
+        Event(t, "impact", "shaft 1", s, abs(s))
+        for t, s in zip(times, [1.0, -3.0, 2.0, 1.0, 0.5], strict=True)
+    ]
+    events.insert(1, Event(0.1005, "impact", "shaft 2", 9.0, 9.0))
+    events.insert(2, Event(0.1006, "separation", "shaft 1", 1.0))
+    made = Recording(TIME, {}, events=tuple(events))
+    merged = made.impacts()
+    assert [(e.time, e.place, e.speed, e.energy) for e in merged] == [
+        (0.1, "shaft 1", -3.0, 6.0),
+        (0.1005, "shaft 2", 9.0, 9.0),
+        (0.2, "shaft 1", 1.0, 1.5),
+    ]
+    assert len(made.impacts(merge=0.0)) == 6

@@ -9,7 +9,13 @@ from pathlib import Path
 from lostmotion.kernels import fresh_cache
 
 CALLED = "from numba import njit\n\n@njit(cache=True)\ndef value():\n    return {}\n"
-CALLER = "from numba import njit\nfrom .called import value\n\n@njit(cache=True)\ndef twice():\n    return 2 * value()\n"
+CALLER = """from numba import njit
+from .called import value
+
+@njit(cache=True)
+def twice():
+    return 2 * value()
+"""
 ALONE = "from numba import njit\n\n@njit(cache=True)\ndef one():\n    return 1\n"
 INIT = """from pathlib import Path
 from lostmotion.kernels.fresh_cache import drop_stale

@@ -119,7 +119,7 @@ def test_going_on_equals_going_through(plant):
 @pytest.mark.parametrize(
     ("change", "where"),
     [
-        ({"delay": 2}, "simulate.delay"),
+        ({"delay": -1}, "simulate.delay"),
         ({"dt": 2e-4}, "simulate.dt"),
         ({"speed_reference": None, "speed_wanted": np.zeros(5)}, "simulate"),
         ({"sensors": {"speed_load": ENCODER}}, "simulate.sensors"),
@@ -144,3 +144,77 @@ def test_law_without_torque_needs_one(plant):
 def test_sensor_numbers_are_checked(change):
     with pytest.raises(lm.InvalidInput, match="Sensor"):
         Sensor("speed_motor", **change)
+
+
+def test_law_at_a_multiple_of_the_sample_time(plant):
+    """A law every 4 samples equals a loop by hand with its torque held, its delay counted in samples of the plant."""
+    n, every, delay = 200, 4, 3
+    slow = DiscreteSystem(
+        inputs=("speed_reference", "speed_motor"),
+        outputs=("torque_motor",),
+        D=np.array([[3.0, -3.0]]),
+        dt=every * DT,
+    )
+    loop = lm.simulate(plant, dt=DT, law=slow, speed_reference=reference(n), delay=delay)
+    made = 3.0 * (reference(n) - loop["speed_motor"])[::every]
+    held = np.concatenate([np.zeros(delay), np.repeat(made, every)])[:n]
+    np.testing.assert_allclose(loop["torque_motor"], held, rtol=0.0, atol=1e-13)
+    alone = lm.simulate(plant, dt=DT, torque_motor=held)
+    np.testing.assert_allclose(trajectory(loop), trajectory(alone), rtol=0.0, atol=1e-10)
+
+
+def test_observer_that_only_watches(plant):
+    """Two laws at once: the watching observer changes nothing and shows what it would over the recording."""
+    observer = lm.observers.kalman(Drivetrain.two_mass(**TABLE_I), dt=DT)
+    both = lm.simulate(plant, dt=DT, law=[speed_control(), observer], speed_reference=reference(1000))
+    one = lm.simulate(plant, dt=DT, law=speed_control(), speed_reference=reference(1000))
+    np.testing.assert_array_equal(both["torque_motor"], one["torque_motor"])
+    after = observer.run(both.only("torque_motor", "speed_motor"))
+    np.testing.assert_allclose(
+        both["speed_load_estimated"], after["speed_load_estimated"], rtol=0.0, atol=1e-12
+    )
+
+
+def test_law_steps_once_where_a_mode_is_new_at_the_start_of_a_sample():
+    """The motor breaks away as a sample starts, in a mode that was never built: one law step all the same."""
+    plant = Drivetrain.two_mass(**TABLE_I, coulomb_motor=0.5)
+    doubling = DiscreteSystem(
+        inputs=("speed_motor",), outputs=("count",), A=np.array([[2.0]]), B=np.zeros((1, 1)), C=np.eye(1), dt=DT,
+        states=("count",), initial_state=np.array([1.0]),
+    )  # fmt: skip
+    torque = 3.0 * np.sign(np.sin(np.arange(30) * 0.5))
+    loop = lm.simulate(plant, dt=DT, torque_motor=torque, law=doubling)
+    assert loop.events[0].time == pytest.approx(DT, abs=1e-12)
+    np.testing.assert_array_equal(loop["count"], 2.0 ** np.arange(30))
+
+
+def test_lost_samples_keep_the_last_good_value(plant):
+    sensors = {"speed_motor": Sensor("speed_motor", dropout=0.2)}
+    loop = lm.simulate(
+        plant, dt=DT, law=speed_control(), speed_reference=reference(1000), sensors=sensors, seed=2
+    )
+    lost = np.isnan(loop["speed_motor_measured"])
+    assert 0.12 < lost.mean() < 0.28
+    assert np.isfinite(loop["torque_motor"]).all()
+    shown = lm.simulation.measure(sensors, loop.signals, DT, seed=2)["speed_motor"]
+    np.testing.assert_array_equal(np.isnan(shown), lost)
+    with pytest.raises(lm.InvalidInput, match=r"Sensor\.dropout"):
+        Sensor("speed_motor", dropout=1.5)
+
+
+def test_rate_limit_in_and_out_of_the_loop(plant):
+    limited = Drivetrain(plant.inertias, plant.shafts, plant.frictions, lm.Actuator(rate_limit=1e4))
+    loop = lm.simulate(limited, dt=DT, law=speed_control(30.0), speed_reference=reference(500))
+    steps = np.diff(loop["torque_motor"], prepend=0.0)
+    assert np.max(np.abs(steps)) == pytest.approx(1.0, rel=1e-9)
+    wanted = 30.0 * (reference(500) - loop["speed_motor"])
+    by_hand, last = [], 0.0
+    for value in wanted:
+        last = min(max(value, last - 1.0), last + 1.0)
+        by_hand.append(last)
+    np.testing.assert_allclose(loop["torque_motor"], by_hand, rtol=0.0, atol=1e-12)
+    alone = lm.simulate(limited, dt=DT, torque_motor=wanted)
+    np.testing.assert_allclose(alone["torque_motor"], by_hand, rtol=0.0, atol=1e-12)
+    first = lm.simulate(limited, dt=DT, torque_motor=wanted[:100])
+    second = lm.simulate(limited, dt=DT, torque_motor=wanted[100:], state=first.final_state)
+    np.testing.assert_allclose(second["torque_motor"], by_hand[100:], rtol=0.0, atol=1e-12)

@@ -49,8 +49,8 @@ def _measure(sensors, m, s, given, k, dt, values):
 
 @njit(cache=True, error_model="numpy")
 def run_closed_loop(
-    tb, s, digits, given, drive, delay, limit, law, law_state, sensors, dt, work,
-    states, modes, torque, measured, outputs, law_work, events, cursor,
+    tb, s, digits, given, drive, every, delay, limit, step, law, law_state, sensors, dt, work,
+    states, modes, torque, measured, outputs, law_work, law_inputs, made, events, cursor,
 ):  # fmt: skip
     """The plant with a law in the loop, one law step per sample; as ``plant.run_open_loop``, and
 
@@ -60,14 +60,19 @@ def run_closed_loop(
         Signals from outside that the law or the plant reads (set-points, load torque).
     drive : (M,) int64 array
         For each plant input: ≥ 0 the law's output, < 0 column −1 − drive of `given`.
+    every : int
+        Samples of the plant from one law step to the next.
     delay : int
-        1: the torque computed at sample k acts from sample k + 1 on; 0: at once.
-    limit : float
-        Torque limit of the actuator, Nm.
+        The torque computed at sample k acts from sample k + delay on.
+    limit, step : float
+        Torque limit of the actuator, Nm, and its largest change from sample to sample.
     law, law_state, law_work
         See ``law.law_step``.
-    torque : (n, M), measured : (n, inputs), outputs : (n + 1, outputs)
-        Filled: the torque that acts in sample k, the law's inputs at k, its outputs computed at k (row k + delay).
+    torque : (n, M), measured : (n, inputs), outputs : (n + delay + every, outputs)
+        Filled: the torque that acts in sample k, the law's inputs at k, its outputs computed at k or at the last law
+        step before (row k + delay).  law_inputs, made : scratch, and the law's inputs of the last law step.
+    cursor : (5,) array
+        As in ``plant.run_open_loop``, then the set-point of the last sample.
     """
     E = digits.size
     M = torque.shape[1]
@@ -83,11 +88,11 @@ def run_closed_loop(
     )
     order, idle, series = tb.order, tb.idle, work.series
     size = block_size(N, C, E, tb.order)
-    values = np.empty(measured.shape[1])
-    made = np.empty(outputs.shape[1])
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
+    begun = cursor[3] != 0.0
+    last = cursor[4]
     status = DONE
     while k < torque.shape[0]:
         mode = mode_number(radix, digits, E)
@@ -96,20 +101,23 @@ def run_closed_loop(
             status = NEED_MODE
             break
         quiet = False
-        if start == 0.0:
+        if not begun:
             for i in range(N):
                 states[k, i] = s[i]
             modes[k] = mode
-            _measure(sensors, m, s, given, k, dt, values)
-            law_step(law, law_state, values, made, law_work)
-            for i in range(values.size):
-                measured[k, i] = values[i]
+            if k % every == 0:
+                _measure(sensors, m, s, given, k, dt * every, law_inputs)
+                law_step(law, law_state, law_inputs, made, law_work)
+            for i in range(law_inputs.size):
+                measured[k, i] = law_inputs[i]
             for i in range(made.size):
                 outputs[k + delay, i] = made[i]
             for j in range(M):
                 value = outputs[k, drive[j]] if drive[j] >= 0 else given[k, -1 - drive[j]]
                 if j == 0:
                     value = min(max(value, -limit), limit)
+                    value = min(max(value, last - step), last + step)
+                    last = value
                 torque[k, j] = value
                 s[N + j] = value
             quiet = _quiet(flat, uint64(m * size), s, change, N, C, E)
@@ -122,12 +130,11 @@ def run_closed_loop(
                 s, digits, start, k, events, count, N, C, E,
             )  # fmt: skip
             if status != DONE:
+                begun = True
                 break
-            start = 0.0
+            start, begun = 0.0, False
         k += 1
-    cursor[0] = k
-    cursor[1] = start
-    cursor[2] = count
+    cursor[0], cursor[1], cursor[2], cursor[3], cursor[4] = k, start, count, begun, last
     if status == DONE:
         for i in range(N):
             states[k, i] = s[i]

@@ -413,8 +413,9 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     inputs : (n, M) array
     work : Work
     events : (space, EVENT_COLUMNS + N) array
-    cursor : (3,) array
-        Sample, time within it (in samples), events so far: where to go on after NEED_MODE or NEED_EVENT_SPACE.
+    cursor : (4,) array
+        Where to go on after NEED_MODE or NEED_EVENT_SPACE: sample, time within it (in samples), events so far, and 1
+        if the sample was begun.
     """
     E = digits.size
     M = inputs.shape[1]
@@ -433,6 +434,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
+    begun = cursor[3] != 0.0
     status = DONE
     while k < inputs.shape[0]:
         mode = mode_number(radix, digits, E)
@@ -441,7 +443,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
             status = NEED_MODE
             break
         quiet = False
-        if start == 0.0:
+        if not begun:
             for j in range(M):
                 s[N + j] = inputs[k, j]
             for i in range(N):
@@ -457,10 +459,11 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
                 s, digits, start, k, events, count, N, C, E,
             )  # fmt: skip
             if status != DONE:
+                begun = True
                 break
-            start = 0.0
+            start, begun = 0.0, False
         k += 1
-    cursor[0], cursor[1], cursor[2] = k, start, count
+    cursor[0], cursor[1], cursor[2], cursor[3] = k, start, count, begun
     if status == DONE:
         for i in range(N):
             states[k, i] = s[i]
@@ -484,13 +487,14 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
+    begun = cursor[3] != 0.0
     status = DONE
     mode = mode_number(radix, digits, 2)
     m = row[mode]
     x0, x1, x2, x3 = s[0], s[1], s[2], s[3]
     while k < inputs.shape[0]:
         v = inputs[k, 0]
-        if m >= 0 and start == 0.0:
+        if m >= 0 and not begun:
             states[k, 0] = x0
             states[k, 1] = x1
             states[k, 2] = x2
@@ -512,8 +516,11 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
                 x3 += d3
                 k += 1
                 continue
+        if m < 0:
+            status = NEED_MODE
+            break
         s[0], s[1], s[2], s[3], s[4] = x0, x1, x2, x3, v
-        if m >= 0 and start == 0.0 and _quiet(flat, uint64(m * size), s, change, 4, 6, 2):
+        if not begun and _quiet(flat, uint64(m * size), s, change, 4, 6, 2):
             for i in range(4):
                 s[i] += change[i]
         else:
@@ -524,14 +531,26 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
             mode = mode_number(radix, digits, 2)
             m = row[mode]
             if status != DONE:
+                begun = True
                 break
-            start = 0.0
+            start, begun = 0.0, False
         x0, x1, x2, x3 = s[0], s[1], s[2], s[3]
         k += 1
-    cursor[0], cursor[1], cursor[2] = k, start, count
-    if status == DONE:
+    cursor[0], cursor[1], cursor[2], cursor[3] = k, start, count, begun
+    if status == DONE or not begun:
         s[0], s[1], s[2], s[3] = x0, x1, x2, x3
+    if status == DONE:
         for i in range(4):
             states[k, i] = s[i]
         modes[k] = mode
     return status
+
+
+@njit(**_PLANT)
+def limit_rate(values, step, last):
+    """Set-points that follow `values` by at most `step` from sample to sample, from `last` on."""
+    limited = np.empty(values.size)
+    for k in range(values.size):
+        last = min(max(values[k], last - step), last + step)
+        limited[k] = last
+    return limited

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
-from ..systems import DiscreteSystem
+from ..systems import DiscreteSystem, connect
 from .sensors import Sensor, disturbance
 from .simulate import PlantRun, check_lengths, plant_inputs
 
@@ -26,27 +26,34 @@ _SAME_TIME = 1e-9
 
 def simulate_law(
     drivetrain: Drivetrain,
-    law: DiscreteSystem,
+    law: DiscreteSystem | Sequence[DiscreteSystem],
     dt: float,
     given: Mapping[str, Array],
     state: Sequence[float] | Mapping[str, Any] | None,
     delay: int,
     sensors: Mapping[str, Sensor],
     seed: int,
+    energy: bool,
 ) -> Recording:
     """``simulate`` with a law; `given` holds checked (n,) signals from outside."""
-    if abs(law.dt / dt - 1.0) > _SAME_TIME:
+    if not isinstance(law, DiscreteSystem):
+        law = _joined(tuple(law))
+    every = round(law.dt / dt)
+    if every < 1 or abs(law.dt / (every * dt) - 1.0) > _SAME_TIME:
         raise InvalidInput(
-            "simulate.dt", f"{dt} s", f"the law's sample time, {law.dt} s", "Design the law for this dt."
+            "simulate.dt",
+            f"{dt} s",
+            f"a whole fraction of the law's sample time, {law.dt} s",
+            "Choose another.",
         )
-    if delay not in (0, 1):
-        raise InvalidInput("simulate.delay", repr(delay), "0 or 1 sample", "Choose one of them.")
+    if not isinstance(delay, int) or delay < 0:
+        raise InvalidInput("simulate.delay", repr(delay), "zero or more samples", "Give a whole number.")
     if not given:
         raise InvalidInput(
             "simulate", "no signal of known length", "a set-point or a torque", "Give speed_reference."
         )
     length = check_lengths(given)
-    names = plant_inputs(given)
+    names = plant_inputs(drivetrain, given)
     run = PlantRun(drivetrain, dt, names, state, length)
     wiring = _Wiring(run, law, given, sensors, names)
 
@@ -55,25 +62,33 @@ def simulate_law(
     law_state = np.concatenate([law.initial_state, np.zeros(len(law.inputs))])
     torque = np.zeros((length, len(names)))
     measured = np.zeros((length, len(law.inputs)))
-    outputs = np.zeros((length + 1, len(law.outputs)))
+    outputs = np.zeros((length + delay, len(law.outputs)))
     columns = np.column_stack(list(given.values()))
     noise = disturbance(sensors, law.inputs, length, seed)
     last = np.full(len(law.inputs), np.nan)
     law_tables = law.tables()
     law_work = np.zeros(len(law.states) + len(law.inputs) + len(law.curves))
-    limit = drivetrain.actuator.torque_limit
+    law_inputs, law_outputs = np.zeros(len(law.inputs)), np.zeros(len(law.outputs))
+    limit, step = drivetrain.actuator.torque_limit, drivetrain.actuator.rate_limit * dt
     run.finish(
         lambda tables: run_closed_loop(
-            tables, run.s, run.digits, columns, wiring.drive, delay, limit, law_tables, law_state,
+            tables, run.s, run.digits, columns, wiring.drive, every, delay, limit, step, law_tables, law_state,
             wiring.tables(last, noise), dt, run.work, run.states, run.modes, torque, measured, outputs, law_work,
-            run.events, run.cursor,
+            law_inputs, law_outputs, run.events, run.cursor,
         )
     )  # fmt: skip
     made = {name: outputs[delay : length + delay, i] for i, name in enumerate(law.outputs)}
     made |= {name: values for name, values in given.items()}
     made |= {name: torque[:, j] for j, name in enumerate(names)}
     made |= {f"{name}_measured": measured[:, i] for i, name in enumerate(law.inputs) if name in sensors}
-    return run.recording(made, law=law_state[: len(law.states)].copy())
+    return run.recording(made, torque, energy, law=law_state[: len(law.states)].copy())
+
+
+def _joined(laws: tuple[DiscreteSystem, ...]) -> DiscreteSystem:
+    """Several laws as one: all their outputs, and as inputs what none of them makes."""
+    outputs = tuple(name for law in laws for name in law.outputs)
+    inputs = tuple(dict.fromkeys(name for law in laws for name in law.inputs if name not in outputs))
+    return connect(laws, inputs=inputs, outputs=outputs)
 
 
 class _Wiring:

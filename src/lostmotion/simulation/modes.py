@@ -160,7 +160,7 @@ class Mode:
     shaft_torques: NDArray[np.float64]
 
 
-class _Rows:
+class Rows:
     """Rows over s = [x, inputs, 1] of one mode."""
 
     def __init__(self, layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ...]) -> None:
@@ -211,16 +211,21 @@ class _Rows:
 
     def driving_torque(self, i: int) -> NDArray[Any]:
         """Torque on inertia i without its friction."""
-        layout = self.layout
-        torque = self.row()
+        torque = self.external_torque(i)
         if i > 0:
             torque = torque + self.shaft_torques[i - 1]
-        if i < layout.n - 1:
+        if i < self.layout.n - 1:
             torque = torque - self.shaft_torques[i]
+        return torque
+
+    def external_torque(self, i: int) -> NDArray[Any]:
+        """Torque on inertia i that comes from outside the chain."""
+        layout = self.layout
+        torque = self.row()
         if i == 0:
             source = layout.actuator
             torque = torque + self.unit(layout.states if source is None else source)
-        for name in ("torque_load",) * (i == layout.n - 1) + (f"torque_{i}",):
+        for name in ("torque_load",) * (i == layout.n - 1) + (f"torque_{i + 1}",):
             if name in layout.inputs:
                 torque = torque + self.unit(layout.states + layout.inputs.index(name))
         return torque
@@ -321,7 +326,7 @@ def delta_exponential(a: NDArray[Any], time: float, norm: float) -> NDArray[Any]
 
 def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ...], dt: float) -> Mode:
     """Tables of one mode for the sample time dt (s)."""
-    rows = _Rows(layout, parts, digits)
+    rows = Rows(layout, parts, digits)
     states, columns = layout.states, layout.columns
     full = np.zeros((columns, columns), dtype=Long)
     full[:states] = rows.rates()

@@ -32,6 +32,8 @@ class Sensor:
         Standard deviation of white Gaussian noise, in the channel's unit.
     bias : float
         Constant error, in the channel's unit.
+    dropout : float
+        Probability that a sample is lost: it shows NaN.
     """
 
     source: str
@@ -39,12 +41,15 @@ class Sensor:
     difference: bool = False
     noise: float = 0.0
     bias: float = 0.0
+    dropout: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("resolution", "noise"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0.0):
                 raise InvalidInput(f"Sensor.{name}", repr(value), "zero or a positive number", "Check it.")
+        if not 0.0 <= self.dropout <= 1.0:
+            raise InvalidInput("Sensor.dropout", repr(self.dropout), "a probability from 0 to 1", "Check it.")
 
 
 def disturbance(sensors: Mapping[str, Sensor], channels: Sequence[str], length: int, seed: int) -> Array:
@@ -56,6 +61,9 @@ def disturbance(sensors: Mapping[str, Sensor], channels: Sequence[str], length: 
         if sensor.noise > 0.0:
             rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
             column = column + sensor.noise * rng.standard_normal(length)
+        if sensor.dropout > 0.0:
+            rng = np.random.default_rng([seed, zlib.crc32(name.encode()), 1])
+            column = np.where(rng.random(length) < sensor.dropout, np.nan, column)
         columns.append(column)
     return np.column_stack(columns) if columns else np.zeros((length, 0))
 

@@ -17,8 +17,6 @@ from .modes import GAP
 from .sensors import Sensor
 from .tables import Plant
 
-PLANT_INPUTS = ("torque_motor", "torque_load")
-
 
 def simulate(
     drivetrain: Drivetrain,
@@ -26,11 +24,12 @@ def simulate(
     dt: float,
     torque_motor: ArrayLike | None = None,
     torque_load: ArrayLike | None = None,
-    law: DiscreteSystem | None = None,
+    law: DiscreteSystem | Sequence[DiscreteSystem] | None = None,
     state: Sequence[float] | Mapping[str, Any] | None = None,
     delay: int = 0,
     sensors: Mapping[str, Sensor] | None = None,
     seed: int = 0,
+    energy: bool = False,
     **signals: ArrayLike,
 ) -> Recording:
     """Simulate a drivetrain exactly, torques held over each sample, with or without a law in the loop.
@@ -40,23 +39,29 @@ def simulate(
     drivetrain : Drivetrain
         A chain of n inertias; backlash on any shaft, set-valued friction at any inertia.
     dt : float, s
-        Sample time, of the law as well.
+        Sample time of the plant.
     torque_motor, torque_load : (n,) arrays, Nm
         Torque into the first and into the last inertia, positive in the direction of positive speed.
-    law : DiscreteSystem, optional
-        Reads the plant's signals and the given `signals` by name, once in each sample. Its output ``torque_motor``
-        drives the plant, unless `torque_motor` is given: then it only watches. All its outputs are recorded.
+    law : DiscreteSystem or sequence of them, optional
+        Its sample time is `dt` or a multiple of it. Reads the plant's signals and the given `signals` by name. Its
+        output ``torque_motor`` drives the plant, unless `torque_motor` is given: then it only watches. All its outputs
+        are recorded. Several laws of one sample time are joined by their signals' names: an observer that only watches
+        is one more law.
     state : sequence or mapping, optional
         Start: ``twist, speed_motor, speed_load`` for two masses (n − 1 twists, then n speeds, for a chain), or the
         ``final_state`` of an earlier recording, to go on from. Default: at rest in the middle of the gap.
-    delay : {0, 1}
-        Computing delay: with 1 the torque computed at sample k acts from sample k + 1 on.
+    delay : int
+        Computing delay in samples of the plant: the torque computed at sample k acts from sample k + delay on.
     sensors : mapping of law input → Sensor, optional
         What the law sees; default: the plant's signals as they are.
     seed : int
         Seed of the sensors' noise.
+    energy : bool
+        Whether to integrate energies as well, see ``Recording.energy``.
     **signals : (n,) arrays
-        Inputs of the law that do not come from the plant, such as ``speed_reference``.
+        Inputs of the law that do not come from the plant, such as ``speed_reference``; torques into other inertias by
+        their number, ``torque_1`` to ``torque_n`` (Nm); the speed of a held end, ``speed_motor`` or ``speed_load``
+        (rad/s), linear from sample to sample.
 
     Returns
     -------
@@ -71,22 +76,24 @@ def simulate(
     """
     given = {"torque_motor": torque_motor, "torque_load": torque_load, **signals}
     values = {name: check_signal(name, array) for name, array in given.items() if array is not None}
+    check_sample_time(dt)
+    state = _moved_end(drivetrain, dt, values, state)
     if law is not None:
         from .closed_loop import simulate_law
 
-        return simulate_law(drivetrain, law, dt, values, state, delay, sensors or {}, seed)
-    if not values or set(values) - set(PLANT_INPUTS):
+        return simulate_law(drivetrain, law, dt, values, state, delay, sensors or {}, seed, energy)
+    known = possible_inputs(drivetrain)
+    if not values or set(values) - set(known):
         raise InvalidInput(
             "simulate",
             f"signals {sorted(values)} and no law",
-            f"some of {PLANT_INPUTS}, or a law",
+            f"some of {known}, or a law",
             "Give the torque.",
         )
     length = check_lengths(values)
-    names = plant_inputs(values)
+    names = plant_inputs(drivetrain, values)
     inputs = np.column_stack([values.get(name, np.zeros(length)) for name in names])
-    limit = drivetrain.actuator.torque_limit
-    inputs[:, 0] = np.clip(inputs[:, 0], -limit, limit)
+    inputs[:, 0] = _set_point(drivetrain, inputs[:, 0], dt, state)
     run = PlantRun(drivetrain, dt, names, state, length)
     from ..kernels.plant import run_open_loop, run_open_loop_two_mass
 
@@ -97,12 +104,61 @@ def simulate(
             tables, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events, run.cursor
         )
     )
-    return run.recording({name: inputs[:, j] for j, name in enumerate(names)})
+    return run.recording({name: inputs[:, j] for j, name in enumerate(names)}, inputs, energy)
 
 
-def plant_inputs(signals: Mapping[str, Any]) -> tuple[str, ...]:
-    """The plant's inputs: the load torque only where it is given."""
-    return PLANT_INPUTS if "torque_load" in signals else PLANT_INPUTS[:1]
+def possible_inputs(drivetrain: Drivetrain) -> tuple[str, ...]:
+    """All inputs that a plant can have: torques, and the acceleration of an end that is moved."""
+    by_index = (f"torque_{i + 1}" for i in range(len(drivetrain.inertias)))
+    moved = () if drivetrain.locked is None else (f"acceleration_{drivetrain.locked}",)
+    return ("torque_motor", "torque_load", *by_index, *moved)
+
+
+def plant_inputs(drivetrain: Drivetrain, signals: Mapping[str, Any]) -> tuple[str, ...]:
+    """The plant's inputs: the motor torque, and what else is given."""
+    return tuple(name for name in possible_inputs(drivetrain) if name == "torque_motor" or name in signals)
+
+
+def _moved_end(
+    drivetrain: Drivetrain,
+    dt: float,
+    values: dict[str, NDArray[np.float64]],
+    state: Sequence[float] | Mapping[str, Any] | None,
+) -> Sequence[float] | Mapping[str, Any] | None:
+    """Start state with the held end's speed; its given speed in `values` becomes an acceleration."""
+    if drivetrain.locked is None or isinstance(state, Mapping):
+        return state
+    speed = values.pop(f"speed_{drivetrain.locked}", None)
+    n = len(drivetrain.inertias)
+    start = np.zeros(2 * n - 1) if state is None else np.array(state, dtype=float)
+    if start.shape == (2 * n - 1,):
+        start[n - 1 + (drivetrain.locked_inertia or 0)] = 0.0 if speed is None else speed[0]
+    if speed is not None:
+        values[f"acceleration_{drivetrain.locked}"] = np.diff(speed, append=speed[-1]) / dt
+    return start.tolist()
+
+
+def _set_point(
+    drivetrain: Drivetrain, torque: NDArray[np.float64], dt: float, state: Any
+) -> NDArray[np.float64]:
+    """The torque set-point within the actuator's limits."""
+    actuator = drivetrain.actuator
+    torque = np.clip(torque, -actuator.torque_limit, actuator.torque_limit)
+    if math.isfinite(actuator.rate_limit):
+        from ..kernels.plant import limit_rate
+
+        torque = limit_rate(torque, actuator.rate_limit * dt, last_set_point(state))
+    return torque
+
+
+def last_set_point(state: Any) -> float:
+    """Torque set-point before the first sample: that of the recording which is gone on from."""
+    return float(state.get("torque_motor", 0.0)) if isinstance(state, Mapping) else 0.0
+
+
+def check_sample_time(dt: float) -> None:
+    if not (math.isfinite(dt) and dt > 0.0):
+        raise InvalidInput("simulate.dt", repr(dt), "a positive sample time in s", "Give the sample time.")
 
 
 def check_signal(name: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -141,10 +197,6 @@ class PlantRun:
         state: Sequence[float] | Mapping[str, Any] | None,
         length: int,
     ) -> None:
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InvalidInput(
-                "simulate.dt", repr(dt), "a positive sample time in s", "Give the sample time."
-            )
         from ..kernels.plant import EVENT_COLUMNS, new_work
 
         self.plant = Plant(drivetrain, dt, inputs)
@@ -158,7 +210,7 @@ class PlantRun:
         self.states = np.zeros((length + 1, layout.states))
         self.modes = np.zeros(length + 1, dtype=np.int64)
         self.events = np.zeros((1024, EVENT_COLUMNS + layout.states))
-        self.cursor = np.zeros(3)
+        self.cursor = np.array([0.0, 0.0, 0.0, 0.0, last_set_point(state)])
 
     def _start(self, state: Sequence[float] | Mapping[str, Any] | None) -> NDArray[np.int64]:
         layout = self.plant.layout
@@ -225,7 +277,7 @@ class PlantRun:
         rows = self.events[: int(self.cursor[2]), :5]
         for (time, element, old, new, speed), skip in zip(rows, _passing(rows), strict=True):
             part = self.plant.elements[int(element)]
-            if skip:
+            if skip or part.kind not in ("shaft", "friction"):
                 continue
             if part.kind == "shaft":
                 kind = "impact" if int(new) != GAP else "separation"
@@ -235,15 +287,29 @@ class PlantRun:
                 kind = "slip"
             else:
                 continue  # from one segment of the friction curve to the next
-            found.append(
-                Event(float(time * self.plant.dt), kind, f"{part.kind} {part.index + 1}", float(speed))
-            )
+            energy = self._impact_energy(part.index, float(speed)) if kind == "impact" else 0.0
+            place = f"{part.kind} {part.index + 1}"
+            found.append(Event(float(time * self.plant.dt), kind, place, float(speed), energy))
         return tuple(found)
 
-    def recording(self, made: Mapping[str, NDArray[np.float64]], **final: Any) -> Recording:
+    def _impact_energy(self, shaft: int, speed: float) -> float:
+        """½·J·speed² with the reduced inertia of the shaft's ends; a held end counts as infinitely heavy."""
+        held = self.plant.drivetrain.locked_inertia
+        inertias = self.plant.drivetrain.inertias
+        inverse = sum(1.0 / inertias[i] for i in (shaft, shaft + 1) if i != held)
+        return 0.5 * speed**2 / inverse
+
+    def recording(
+        self, made: Mapping[str, NDArray[np.float64]], inputs: NDArray[np.float64], energy: bool, **final: Any
+    ) -> Recording:
         """The finished run: `made` holds (n,) torques and law outputs, beside the plant's own signals."""
         plant_signals = {name: values[:-1] for name, values in self.signals().items()}
         signals = {**made, **plant_signals}
+        if energy:
+            from .energy import energies
+
+            count = int(self.cursor[2])
+            signals |= energies(self.plant, self.states, self.modes, inputs, self.events[:count])
         return Recording(
             time=np.arange(self.length, dtype=float) * self.plant.dt,
             signals=signals,
@@ -253,6 +319,7 @@ class PlantRun:
                 "names": self.plant.layout.names(),
                 "state": tuple(float(v) for v in self.states[-1]),
                 "digits": tuple(int(d) for d in self.digits),
+                "torque_motor": float(inputs[-1, 0]),
                 **final,
             },
         )
