@@ -21,9 +21,7 @@ Progress = Callable[[float, str], None]
 Scores = dict[str, Score]
 
 #: Recordings of the full and of the quick comparison: seeds and length in s (chosen: the quick one takes seconds).
-FULL, QUICK = (20, 4.0), (2, 1.5)
-#: Slow observers run on the quick cases of the first seeds alone (chosen).
-SLOW_SEEDS = 3
+FULL, QUICK = (20, 3.0), (2, 1.5)
 #: Raised whenever cached scores mean something else than before.
 CACHE_VERSION = 1
 
@@ -53,7 +51,7 @@ def compare_observers(
     cases, observers : sequence of str, optional
         Names out of ``CASES`` and ``CONTESTANTS``; default all (quick: the quick ones). Observer 1 always takes part.
     duration : float, s, optional
-        Length of each recording; default 4 s, quick 1.5 s.
+        Length of each recording; default 3 s, quick 1.5 s.
     workers : int, optional
         Processes; default one for each core; 1: none but this one.
     progress : callable (fraction, text), optional
@@ -199,8 +197,7 @@ def _jobs(
     """What is missing, seed by seed, so that an interrupted comparison is complete for its first rigs."""
     for seed in seeds:
         for case in cases:
-            wanted = [e for e in entries if not e.slow or (case.quick and seed in seeds[:SLOW_SEEDS])]
-            missing = tuple(e.name for e in wanted if e.name not in cache.scores(case.name, seed))
+            missing = tuple(e.name for e in entries if e.name not in cache.scores(case.name, seed))
             if missing:
                 yield case.name, seed, duration, missing
 

@@ -12,6 +12,10 @@ from .. import observers
 from ..drivetrain import Drivetrain
 from ..observers.extended_kalman import extended_kalman
 from ..observers.interacting_models import interacting_models
+from ..observers.moving_horizon import moving_horizon
+from ..observers.radial_basis import radial_basis
+from ..observers.sliding_mode import sliding_mode
+from ..observers.super_twisting import super_twisting
 from ..observers.unscented_kalman import unscented_kalman
 from ..recording import Recording
 
@@ -58,7 +62,7 @@ class Contestant:
         "naive", "fixed gain" or "stepper".
     make : callable (drivetrain, sensing) → observer
     slow : bool
-        Far above 2 µs per sample: tried on the quick cases and the first seeds alone.
+        Far above 2 µs per sample: left out of the quick comparison.
     """
 
     name: str
@@ -94,6 +98,11 @@ def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain,
     )
 
 
+def _speed_only(make: Callable[..., Runs]) -> Callable[[Drivetrain, Sensing], Runs]:
+    """An observer that knows the motor speed's noise alone."""
+    return lambda d, s: make(d, dt=s.dt, count_averaged=s.averaged, sensor_noise=s.speed_noise)
+
+
 #: Row that all others are compared with.
 REFERENCE = "Observer 1"
 
@@ -126,4 +135,8 @@ CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("extended Kalman", "stepper", _stepper(extended_kalman)),
     Contestant("unscented Kalman", "stepper", _stepper(unscented_kalman)),
     Contestant("interacting models", "stepper", _stepper(interacting_models)),
+    Contestant("moving horizon", "stepper", _stepper(moving_horizon), slow=True),
+    Contestant("sliding mode", "stepper", _speed_only(sliding_mode)),
+    Contestant("super-twisting", "stepper", _speed_only(super_twisting)),
+    Contestant("radial basis", "stepper", _speed_only(radial_basis)),
 )

@@ -13,6 +13,7 @@ from .observer_step import observer_step
 from .prediction_fit import prediction_fit
 from .recording_overview import recording_overview
 from .ring_down_fit import ring_down_fit
+from .sensor_worth import sensor_worth
 from .stiffness_fit import stiffness_fit
 
 __all__ = [
@@ -27,5 +28,6 @@ __all__ = [
     "prediction_fit",
     "recording_overview",
     "ring_down_fit",
+    "sensor_worth",
     "stiffness_fit",
 ]

@@ -55,7 +55,7 @@ def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: A
     words = {"speed_load": "load speed", "torque_shaft": "shaft torque", "twist_elastic": "elastic twist"}
     axis.set_title(
         f"Error of the {words.get(metric, metric)} in % of range, worst case of each column (median of "
-        f"{len(board['seeds'])} rigs)\ngreen is good; × is the mean error relative to {board['reference']}",
+        f"{len(board['seeds'])} rigs)\nblue is good, red is bad; × is the mean error relative to {board['reference']}",
         fontsize=11, fontweight="bold", loc="left", pad=14,
     )  # fmt: skip
     return figure
@@ -73,19 +73,25 @@ def _axes(axes: Axes | None, rows: int, columns: int) -> tuple[Figure, Axes]:
 def _draw(axis: Axes, values: np.ndarray) -> None:
     from matplotlib.colors import LogNorm
 
-    axis.imshow(values, cmap="RdYlGn_r", norm=LogNorm(BEST, WORST), aspect="auto")
+    axis.imshow(values, cmap="RdYlBu_r", norm=LogNorm(BEST, WORST), aspect="auto")
     for (row, column), value in np.ndenumerate(values):
         text = "–" if not np.isfinite(value) else f"{value:.2g}" if value < 9.95 else f"{value:.0f}"
         best = np.isfinite(value) and value <= 1.02 * np.nanmin(values[:, column])
         axis.text(
             column, row, text, ha="center", va="center", fontsize=9, fontweight="bold" if best else "normal",
-            color="#222222",
+            color=_ink(value),
         )  # fmt: skip
     axis.set_xticks(np.arange(values.shape[1] + 1) - 0.5, minor=True)
     axis.set_yticks(np.arange(values.shape[0] + 1) - 0.5, minor=True)
     axis.grid(which="minor", color="white", linewidth=1.5)
     axis.tick_params(which="minor", length=0)
     axis.spines[:].set_visible(False)
+
+
+def _ink(value: float) -> str:
+    """White on the dark ends of the colour scale."""
+    place = np.log(value / BEST) / np.log(WORST / BEST) if np.isfinite(value) and value > 0.0 else 0.5
+    return "white" if place < 0.12 or place > 0.85 else "#222222"
 
 
 def _wrapped(text: str) -> str:

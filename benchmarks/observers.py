@@ -1,0 +1,223 @@
+"""Observers on the virtual rig: the leaderboard, and the questions that the paper leaves open about its observers.
+
+    python benchmarks/observers.py --seeds 20 --out leaderboard
+
+Prints Markdown tables; with --out also keeps the leaderboard's files and the figures there, and goes on from there
+if it was stopped. Parts can be chosen: --only leaderboard targets torque-sensor weights covariances.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import lostmotion as lm
+from lostmotion.compare import CASES, CONTESTANTS, Leaderboard, compare_observers
+from lostmotion.compare.experiment import Experiment, experiment
+from lostmotion.compare.scores import score
+from lostmotion.compare.statistics import median
+from lostmotion.observers import covariances, kalman
+
+PARTS = ("leaderboard", "targets", "torque-sensor", "weights", "covariances")
+CASE = {case.name: case for case in CASES}
+DURATION = 3.0
+NOISE = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
+FACTORS = (0.01, 0.1, 10.0, 100.0)
+TRIED = ("nominal", "inertia_load −20 %", "load torque 3 Nm")
+
+
+def errors(law: Any, data: Experiment) -> tuple[float, float, float]:
+    """Load speed and shaft torque (fraction of range), F1 of the gap."""
+    found = score(law, data)
+    return tuple(float(found[name] or 0.0) for name in ("speed_load", "torque_shaft", "f1_gap"))  # type: ignore[return-value]
+
+
+def observer(data: Experiment, **options: Any) -> Any:
+    return kalman(data.drivetrain, dt=data.sensing.dt, count_averaged=True, **options)
+
+
+def torque_sensor(seed: int) -> list[tuple[float, float]]:
+    """log of Observer 2's error over Observer 1's for load speed and shaft torque, for each noise."""
+    rows = []
+    for noise in NOISE:
+        data = experiment(replace(CASE["nominal"], torque_noise=noise), seed, DURATION)
+        one = errors(observer(data), data)
+        two = errors(observer(data, measured=("torque_shaft", "speed_motor")), data)
+        rows.append((float(np.log(two[0] / one[0])), float(np.log(two[1] / one[1]))))
+    return rows
+
+
+def weights(seed: int) -> dict[str, list[tuple[float, float, float]]]:
+    """Errors with the paper's Q and with each entry multiplied by a factor."""
+    data = {name: experiment(CASE[name], seed, DURATION) for name in TRIED}
+    rows = {"paper": [errors(observer(d), d) for d in data.values()]}
+    for state, value in (("twist", 1.0), ("speed_motor", 1000.0), ("speed_load", 1000.0)):
+        for factor in FACTORS:
+            changed = {state: factor * value}
+            rows[f"{state} × {factor:g}"] = [
+                errors(observer(d, process_covariance=changed), d) for d in data.values()
+            ]
+    return rows
+
+
+def covariances_of_rig(seed: int) -> tuple[dict[str, list[tuple[float, float, float]]], dict[str, float]]:
+    """Errors with the paper's guess and with covariances from a recording of their own, and the sensitivities."""
+    recording, truth = lm.rig.record(seed, noise_seed=3)
+    plant = lm.Drivetrain.two_mass(**truth.parameters)
+    found = covariances(recording.window(0.0, 3.0), plant, count_averaged=True)
+    data = {name: experiment(CASE[name], seed, DURATION) for name in TRIED}
+    own = {"process_covariance": found.process, "measurement_covariance": found.measurement}
+    rows = {
+        "paper": [errors(observer(d), d) for d in data.values()],
+        "from data": [errors(observer(d, **own), d) for d in data.values()],
+    }
+    noise = {name: float(np.sqrt(value)) for name, value in found.process.items()}
+    noise["sensor"] = float(np.sqrt(found.measurement["speed_motor"] / recording.dt))
+    return rows, {**noise, **{f"curvature {n}": v for n, v in found.sensitivity.items()}}
+
+
+def over_seeds(job: Callable[[int], Any], seeds: int) -> list[Any]:
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(job, range(1, seeds + 1)))
+
+
+def cell(values: Any, scale: float = 100.0, digits: int = 3) -> str:
+    found = median(list(values))
+    return f"{scale * found.value:.{digits}g} ({scale * found.low:.{digits}g} to {scale * found.high:.{digits}g})"
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    return "\n".join("| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *rows])
+
+
+def print_torque_sensor(seeds: int, out: Path | None) -> None:
+    logs = np.array(over_seeds(torque_sensor, seeds))  # seed, noise, signal
+    names = ("load speed", "shaft torque")
+    ratios = {
+        name: [
+            tuple(np.exp([e.value, e.low, e.high]))
+            for e in (median(logs[:, i, j]) for i in range(len(NOISE)))
+        ]
+        for j, name in enumerate(names)
+    }
+    rows = [
+        [
+            f"{noise:g}",
+            *(f"{ratios[n][i][0]:.2f} ({ratios[n][i][1]:.2f} to {ratios[n][i][2]:.2f})" for n in names),
+        ]
+        for i, noise in enumerate(NOISE)
+    ]
+    print(table(["torque sensor, Nm", *(f"{n}: Observer 2 / Observer 1" for n in names)], rows))
+    even: dict[str, float | None] = {}
+    for j, name in enumerate(names):
+        levels = [crossing(logs[s, :, j]) for s in range(seeds)]
+        known = [level for level in levels if level is not None]
+        even[name] = float(np.median(known)) if len(known) > seeds / 2 else None
+        print(
+            f"\nbreak-even, {name}: {cell(known, 1.0) if known else 'none'} Nm, in {len(known)} of {seeds} rigs"
+        )
+    if out is not None:
+        lm.plot.sensor_worth(NOISE, ratios, even).savefig(out / "torque_sensor.svg")
+
+
+def crossing(logs: np.ndarray) -> float | None:
+    """Noise at which the ratio goes through 1, on the straight line between logarithms."""
+    above = np.flatnonzero(logs > 0.0)
+    if above.size == 0 or above[0] == 0:
+        return None
+    i = int(above[0])
+    share = -logs[i - 1] / (logs[i] - logs[i - 1])
+    return float(NOISE[i - 1] * (NOISE[i] / NOISE[i - 1]) ** share)
+
+
+def print_errors(results: list[dict[str, list[tuple[float, float, float]]]]) -> None:
+    head = ["Q", *(f"{case}: load speed %, shaft torque %, F1" for case in TRIED)]
+    rows = []
+    for name in results[0]:
+        values = np.median([r[name] for r in results], axis=0)
+        rows.append([name, *(f"{100 * v[0]:.2f}, {100 * v[1]:.2f}, {v[2]:.3f}" for v in values)])
+    print(table(head, rows))
+
+
+def print_targets(board: Leaderboard) -> None:
+    def at(name: str, case: str, metric: str) -> str:
+        found = board.median(name, case, metric)
+        scale = 1.0 if metric == "f1_gap" else 100.0
+        return (
+            "–"
+            if found is None
+            else f"{scale * found.value:.3g} ({scale * found.low:.3g} to {scale * found.high:.3g})"
+        )
+
+    rows = [
+        [
+            "Observer 1 after identification, load speed %",
+            "≤ 0.2",
+            at("Observer 1", "identified", "speed_load"),
+        ],
+        ["the same, shaft torque %", "≤ 1.5", at("Observer 1", "identified", "torque_shaft")],
+        ["the same, F1 of the gap", "≥ 0.9", at("Observer 1", "identified", "f1_gap")],
+    ]
+    best = max(
+        board.observers, key=lambda n: (board.median(n, "identified", "f1_gap") or median([0.0])).value
+    )
+    rows.append([f"best F1 after identification: {best}", "≥ 0.95", at(best, "identified", "f1_gap")])
+    off = [case.name for case in board.cases if case.told]
+    for name in ("Observer 1", "load torque", "H∞, load torque"):
+        for metric, words in (("speed_load", "load speed"), ("torque_shaft", "shaft torque")):
+            worst = max(off, key=lambda c: board.median(name, c, metric).value)  # type: ignore[union-attr]
+            rows.append(
+                [
+                    f"{name}, one parameter off by 20 %: worst {words} % ({worst})",
+                    "≤ 2.5",
+                    at(name, worst, metric),
+                ]
+            )
+    print(table(["20 rigs, median (95 %)", "target", "found"], rows))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=20, help="rigs 1 to SEEDS")
+    parser.add_argument("--out", type=Path, help="folder for files and figures")
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
+    arguments = parser.parse_args()
+    seeds, out = arguments.seeds, arguments.out
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+    if {"leaderboard", "targets"} & set(arguments.only):
+        names = (
+            None
+            if "leaderboard" in arguments.only
+            else [e.name for e in CONTESTANTS if e.kind == "fixed gain"]
+        )
+        board = compare_observers(out, seeds=seeds, duration=DURATION, observers=names)
+        if "leaderboard" in arguments.only:
+            print(board.to_markdown())
+        if "targets" in arguments.only:
+            print_targets(board)
+    if "torque-sensor" in arguments.only:
+        print("\n### Torque sensor\n")
+        print_torque_sensor(seeds, out)
+    if "weights" in arguments.only:
+        print("\n### Entries of Q\n")
+        print_errors(over_seeds(weights, seeds))
+    if "covariances" in arguments.only:
+        print("\n### Covariances from a recording\n")
+        found = over_seeds(covariances_of_rig, seeds)
+        print_errors([rows for rows, _ in found])
+        print()
+        print(
+            table(["found", "median (95 %)"], [[n, cell([v[n] for _, v in found], 1.0)] for n in found[0][1]])
+        )
+
+
+if __name__ == "__main__":
+    main()
