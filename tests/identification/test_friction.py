@@ -340,6 +340,10 @@ def ladder(speeds: list[float], seed: int, hold: float = 1.0) -> Recording:
     )
 
 
+def holds_rise(interval: tuple[float, float], truth: float) -> bool:
+    return interval[0] <= truth <= interval[1]
+
+
 SPEEDS = [0.15, 0.3, 0.5, 0.8, 1.2, 2.0, 4.0, 8.0, 16.0, 32.0]
 
 
@@ -349,6 +353,7 @@ def test_stribeck_from_a_ladder() -> None:
         low, high = found.intervals[name]
         assert low <= truth <= high, name
     assert found.values["stribeck"] == pytest.approx(0.3, rel=0.15)
+    assert holds_rise(found.intervals["stribeck"], 0.3)
     assert found.exponent == 1.0
     for w in (0.15, 0.8, 4.0, -16.0):
         assert float(found.curve(w)) == pytest.approx(CURVE.torque(w), abs=0.02)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import lostmotion as lm
 from lostmotion.errors import InvalidInput
@@ -49,7 +50,7 @@ def shaft(backlash: float, seed: int) -> Recording:
             "torque_motor": run["torque_motor"],
             "torque_shaft": run["torque_shaft"] + 0.1 * random.standard_normal(t.size),
             "angle_motor": encoder(run["angle_motor"]),
-            "angle_load": encoder(np.interp(t - DELAY, t, run["angle_load"])),
+            "angle_load": encoder(CubicSpline(t, run["angle_load"])(t - DELAY)),
         },
     )
 

@@ -111,7 +111,7 @@ def _first_moves(theta: Floats, dt: float, travel: float) -> list[int]:
     speed = np.abs(theta[width:] - theta[:-width])
     slowest = float(np.median(np.abs(np.diff(theta, 2)))) + 4.0 * _count(theta)
     # Closed gaps: near the threshold, counts make it flicker.
-    moves = binary_closing(speed > max(MOVING * float(speed.max()), slowest), np.ones(width))
+    moves = binary_closing(speed > max(MOVING * float(speed.max()), slowest), np.ones(width, dtype=bool))
     rest = round(REST / dt)
     first = np.flatnonzero(moves[1:] & ~moves[:-1]) + 1
     last = np.append(np.flatnonzero(moves[:-1] & ~moves[1:]) + 1, theta.size - 1)

@@ -98,8 +98,9 @@ def friction_ladder(
     """Mean torque over mean speed of each plateau of a speed-controlled run, and the curve through them.
 
     Plateaus are where the reference stands still, or the windows given. Their first 40 % are left out. Of a plateau
-    whose speed scatters by 30 % (slip and stick) the mean means nothing: it is shown and not used. The curve is fitted
-    with each plateau's own weight; its intervals follow from the scatter about it where that is larger.
+    whose speed scatters by 30 % (slip and stick) the mean means nothing: it is shown and not used. The curve is
+    fitted with each plateau's own weight; its intervals follow from the scatter about it where that is larger;
+    that of the rise at rest, which is extrapolated from the slowest plateau, holds what both shapes say.
 
     Parameters
     ----------
@@ -204,7 +205,13 @@ def _fit(
     ]
     if told:
         best, exponent = min(told, key=lambda f: f[0][2])
-        return best[0], best[1], exponent
+        # The rise at rest is extrapolated: how far depends on the shape, which the ladder hardly tells.
+        low, high = (dict(fit[1]) for fit, _ in (told[0], told[-1]))
+        intervals = {
+            n: (min(low[n][0], high[n][0]), max(low[n][1], high[n][1])) if n.startswith("stribeck") else i
+            for n, i in best[1].items()
+        }
+        return best[0], intervals, exponent
     return ({}, {}, 1.0) if plain is None else (plain[0], plain[1], 1.0)
 
 

@@ -20,6 +20,14 @@ CUTOFF = 0.1
 TURNING = 0.02
 #: Torques below this part of the largest (chosen) may lie inside a gap: they have no sure flank.
 IN_CONTACT = 0.1
+#: Rows further than this many standard deviations (by their median) from the fit bounce and are left out; so often.
+TRIM, TRIMS = 3.0, 5
+#: A gap within this many standard deviations of the twist about the fit shows no two flanks: none is claimed (chosen).
+CLAIM = 4.0
+#: The delay is not told finer than this part of a sample (chosen): clocks jitter.
+FINEST_DELAY = 1e-3
+#: Fits: without a shift, and with the load's angle shifted by the delay found.
+PASSES = 2
 #: Reversals of the torque from which on a dead zone is looked for (chosen), and fewest samples.
 MIN_REVERSALS = 4
 MIN_ROWS = 200
@@ -36,7 +44,7 @@ class LostMotion:
     values : mapping of name → float or None
         ``delay`` (s, positive: the load's angle is late), ``compliance`` (rad/Nm), ``hysteresis`` (rad, full width,
         the sign taken off), ``backlash`` (rad, total). None where not told: a backlash is claimed only
-        where its interval excludes zero.
+        where its interval excludes zero and the jump stands out of the scatter.
     intervals : mapping of name → (low, high), 95 %
         Of the backlash also where none is claimed: then its high end is what may hide.
     sources : mapping of name → {"identified", "not excited"}
@@ -72,10 +80,11 @@ def lost_motion(
     """Separate delay, wind-up, hysteresis and dead zone by what each follows: speed, torque, and their signs.
 
     An encoder that is late by a millisecond shows speed · 1 ms of twist that is not there, usually the largest part
-    by far; it is estimated together with all that it could be mistaken for, and taken off. Friction between the encoders
-    makes a hysteresis that turns round with the direction of motion, whatever the torque; a gap jumps where the **torque**
-    reverses. Without a torque, or without its reversal, the two are one and no dead zone is claimed; nor where it
-    may as well be a stiffness that rises with the torque (a term torque·abs(torque) is tried beside it).
+    by far. It is estimated first, together with all that it could be mistaken for; then the load's angle is
+    shifted by it and the rest is fitted. Friction between the encoders makes a hysteresis that turns round with
+    the direction of motion, whatever the torque; a gap jumps where the **torque** reverses. Without a torque,
+    or without its reversal, the two are one and no dead zone is claimed; nor where it may as well be a
+    stiffness that rises with the torque (a term torque·abs(torque) is tried beside it).
 
     Parameters
     ----------
@@ -97,18 +106,26 @@ def lost_motion(
             "lost_motion", f"{len(recording)} samples", f"at least {MIN_ROWS}", "Record longer."
         )
     dt = recording.dt
-    speed = _smooth(np.gradient(recording[angle_load], dt))
-    apparent = recording[angle_motor] - recording[angle_load]
     name, problems = _torque(recording, torque)
-    m = np.zeros_like(speed) if name is None else _smooth(recording[name])
+    m = np.zeros(len(recording)) if name is None else _smooth(recording[name])
     if name is not None and name != "torque_shaft" and inertia_motor:
         m = m - inertia_motor * _smooth(np.gradient(np.gradient(recording[angle_motor], dt), dt))
-    way = np.sign(speed) * (np.abs(speed) > TURNING * float(np.abs(speed).max()))
-    columns = {"offset": np.ones_like(speed), "delay": speed, "hysteresis": 0.5 * way}
-    if name is not None:
-        columns["compliance"] = m
-    rows = way != 0.0
-    fit = _fit(columns, apparent, rows)
+    shift = 0.0
+    for _ in range(PASSES):
+        load = _earlier(recording.time, recording[angle_load], shift)
+        speed = _smooth(np.gradient(load, dt))
+        # The first order in the delay that is left: speed·delay.
+        apparent = recording[angle_motor] - load + shift * speed
+        way = np.sign(speed) * (np.abs(speed) > TURNING * float(np.abs(speed).max()))
+        columns = {"offset": np.ones_like(speed), "delay": speed, "hysteresis": 0.5 * way}
+        if name is not None:
+            columns["compliance"] = m
+        rows = way != 0.0
+        # What the shift has no samples for at the ends.
+        rows[:: len(rows) - 1] = False
+        rows &= np.abs(recording.time - recording.time.mean()) < 0.5 * dt * len(rows) - abs(shift)
+        fit = _fit(columns, apparent, rows)
+        shift = float(fit.values[1])
     values, intervals = _told(tuple(columns), fit)
     problems += () if name is not None else (_no_torque(),)
     sources: dict[str, Source] = {n: "identified" for n in values}
@@ -126,6 +143,9 @@ def lost_motion(
                 sources = {n: "identified" for n in values}
             else:
                 problems += (_none_claimed(found),)
+    delay, (low, high) = float(values["delay"] or 0.0), intervals["delay"]
+    finest = FINEST_DELAY * dt
+    intervals["delay"] = (min(low, delay - finest), max(high, delay + finest))
     by_name = dict(zip(columns, fit.values.tolist(), strict=True))
     aligned = by_name["offset"] + by_name["delay"] * speed
     model = sum((by_name[n] * columns[n] for n in columns), np.zeros_like(speed))
@@ -142,6 +162,16 @@ def lost_motion(
         np.where(rows, model - aligned, np.nan),
         way,
     )
+
+
+def _earlier(time: Floats, values: Floats, shift: float) -> Floats:
+    """values(time + shift), by cubic splines; the last value beyond the ends."""
+    if shift == 0.0:
+        return np.array(values)
+    from scipy.interpolate import CubicSpline
+
+    at = np.clip(time + shift, time[0], time[-1])
+    return np.asarray(CubicSpline(time, values)(at), dtype=float)
 
 
 def _smooth(values: Floats) -> Floats:
@@ -184,12 +214,19 @@ def _dead_zone(
     gap = {**columns, "backlash": 0.5 * np.sign(m)}
     sure = rows & (np.abs(m) > IN_CONTACT * float(np.abs(m).max()))
     fit = _fit(gap, y, sure)
+    for _ in range(TRIMS):
+        # While it bounces, the torque already pushes and the twist is still inside the gap: outliers to one side.
+        values = fit.values @ np.stack(list(gap.values()))
+        error = np.abs(y - values)
+        sure &= error < TRIM * 1.4826 * float(np.median(error[sure]))
+        fit = _fit(gap, y, sure)
     bent = _fit({**gap, "rising": m * np.abs(m)}, y, sure)
     i = list(gap).index("backlash")
     change = abs(float(bent.values[i] - fit.values[i]))
     margin = float(np.hypot(fit.margins[i], change))
     low, high = float(fit.values[i]) - margin, float(fit.values[i]) + margin
-    if low > 0.0 and bent.values[i] > bent.margins[i]:
+    scatter = 1.4826 * float(np.median(np.abs(fit.residual)))
+    if low > 0.0 and fit.values[i] > CLAIM * scatter and bent.values[i] > bent.margins[i]:
         return gap, fit, (low, high)
     return dict(columns), without, (min(low, 0.0), high)
 
@@ -227,6 +264,6 @@ def _none_claimed(found: Interval) -> Problem:
         "warning",
         "lost_motion: backlash",
         f"{found[0]:.2g} … {found[1]:.2g} rad (95 %): no dead zone is claimed",
-        "an interval above zero, with and without a stiffness that rises with the torque",
+        f"an interval above zero, with and without rising stiffness, and a jump of {CLAIM:g} times the twist's scatter",
         "If there should be one, record slower motions with more reversals of the torque.",
     )
