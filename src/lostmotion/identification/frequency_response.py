@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Problem
 from ..recording import Recording, unit_of
-from .cross_spectrum import Complexes, Floats, gain_and_coherence, segment_spectra
+from .cross_spectrum import Complexes, Floats, segment_spectra
+from .response_estimates import Method, direct, independent_averages, joint
 from .sampling import Sampling, sampling
-
-Method = Literal["H1", "H2", "Hv"]
 
 #: Share of the recording in one segment (chosen): with half overlap, nineteen segments.
 SEGMENT_SHARE = 0.1
@@ -21,8 +20,6 @@ SEGMENT_SHARE = 0.1
 MIN_SEGMENTS = 6
 #: A time step this many times the mean one is a hole in the recording (chosen).
 LONGEST_STEP = 1.5
-#: Squared correlation of Hann's window with itself, half a length on (Welch 1967): overlap takes from the averages.
-HANN_HALF_OVERLAP = 1.0 / 36.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,12 +186,12 @@ def frequency_response(
         )
     frequency = frequency[keep]
     a, b = (segment_spectra(signal, length)[:, keep] for signal in (x, y))
-    averages = _averages(len(a))
+    averages = independent_averages(len(a))
     if reference is None:
-        response, coherence, variance = _direct(a, b, method, averages)
+        response, coherence, variance = direct(a, b, method, averages)
     else:
         r = segment_spectra(_signal(recording, reference), length)[:, keep]
-        response, coherence, variance = _joint(a, b, r, averages)
+        response, coherence, variance = joint(a, b, r, averages)
     factor = how.conversion(frequency)
     from scipy.stats import t as student
 
@@ -225,32 +222,6 @@ def _signal(recording: Recording, name: str) -> Floats:
             f"frequency_response: {name}", "NaN or infinity", "finite values", "Choose a clean window."
         )
     return values
-
-
-def _averages(segments: int) -> float:
-    """Independent averages: n / (1 + 2·(1 − 1/n)·ρ²) for neighbours that overlap by half (Welch 1967)."""
-    return segments / (1.0 + 2.0 * (1.0 - 1.0 / segments) * HANN_HALF_OVERLAP)
-
-
-def _direct(x: Complexes, y: Complexes, method: Method, averages: float) -> tuple[Complexes, Floats, Floats]:
-    xx, yy = (np.abs(x) ** 2).sum(axis=0), (np.abs(y) ** 2).sum(axis=0)
-    xy = np.asarray((x.conj() * y).sum(axis=0), dtype=complex)
-    gain, coherence = gain_and_coherence(xx, yy, xy)
-    tiny = np.finfo(float).tiny
-    share = np.sqrt(np.maximum(coherence, tiny))
-    response = {"H1": gain * share, "H2": gain / share, "Hv": gain}[method]
-    lost = (1.0 - coherence) / np.maximum(coherence, tiny)
-    return response, coherence, np.abs(response) ** 2 * lost / max(averages - 1.0, tiny)
-
-
-def _joint(x: Complexes, y: Complexes, r: Complexes, averages: float) -> tuple[Complexes, Floats, Floats]:
-    rx = np.asarray((r.conj() * x).sum(axis=0), dtype=complex)
-    response = (r.conj() * y).sum(axis=0) / np.where(rx == 0.0, np.finfo(float).tiny, rx)
-    xx, yy = (np.abs(x) ** 2).sum(axis=0), (np.abs(y) ** 2).sum(axis=0)
-    _, coherence = gain_and_coherence(xx, yy, np.asarray((x.conj() * y).sum(axis=0), dtype=complex))
-    rest = (np.abs(y - response * x) ** 2).sum(axis=0)
-    power = (np.abs(r) ** 2).sum(axis=0)
-    return response, coherence, power * rest / np.maximum(np.abs(rx) ** 2, 1e-300) / max(averages - 1.0, 1e-9)
 
 
 def _unit(output: str, input: str) -> str:
