@@ -20,7 +20,7 @@ def independent_averages(segments: int) -> float:
 
 
 def direct(x: Complexes, y: Complexes, method: Method, averages: float) -> tuple[Complexes, Floats, Floats]:
-    """Response, coherence and variance of the response from segment spectra (segments, m); see ``frequency_response``."""
+    """Response, coherence and variance from segment spectra (segments, m); see ``frequency_response``."""
     xx, yy = (np.abs(x) ** 2).sum(axis=0), (np.abs(y) ** 2).sum(axis=0)
     xy = np.asarray((x.conj() * y).sum(axis=0), dtype=complex)
     gain, coherence = gain_and_coherence(xx, yy, xy)
