@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -27,6 +27,12 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+compare_app = typer.Typer(help="Leaderboards.", no_args_is_help=True)
+app.add_typer(compare_app, name="compare")
+
+SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed of the virtual rig; default 1.")]
 
 
 def _show_version(wanted: bool) -> None:
@@ -117,6 +123,136 @@ def init(
     typer.echo(f"{file} written: fill it in, then: lostmotion check {file}")
 
 
+@app.command(epilog=EXIT_CODES)
+def identify(
+    file: Annotated[
+        Path | None, typer.Argument(help="TOML with recordings; without: the virtual rig.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Name of the files to write, .json and .png.")] = Path(
+        "identified"
+    ),
+    seed: SeedOption = None,
+) -> None:
+    """Identify the drivetrain alone."""
+    from .commands.identify import identify_file
+    from .terminal import StageLines, parameters
+
+    with _interruptible(), StageLines() as lines:
+        result = identify_file(file, out, seed, lambda fraction, text: lines("identify", fraction, text))
+    parameters(result["parameters"])
+    _finished(result["problems"], out, ".json", ".png")
+
+
+@app.command(epilog=EXIT_CODES)
+def frf(
+    file: Annotated[Path | None, typer.Argument(help="TOML or .npz; without: the virtual rig.")] = None,
+    out: Annotated[Path, typer.Option(help="Name of the files to write, .json and .png.")] = Path("frf"),
+    signal_in: Annotated[str, typer.Option("--input", help="Input signal.")] = "torque_motor",
+    signal_out: Annotated[str, typer.Option("--output", help="Output signal.")] = "speed_motor",
+    method: Annotated[str, typer.Option(help="H1, H2 or Hv.")] = "H1",
+    reference: Annotated[str | None, typer.Option(help="Reference signal of a closed loop.")] = None,
+    low: Annotated[float, typer.Option(help="Lowest frequency, Hz.")] = 1.0,
+    high: Annotated[float, typer.Option(help="Highest frequency, Hz.")] = 200.0,
+    seed: SeedOption = None,
+) -> None:
+    """Frequency response with coherence and the two masses that fit it."""
+    from .commands.frf import frequency_response_file
+
+    with _interruptible():
+        result = frequency_response_file(
+            file, out, seed, signal_in, signal_out, _method(method), reference, (low, high)
+        )
+    fit = result["two_mass_fit"]
+    if fit is not None:
+        typer.echo(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
+    _finished(result["problems"], out, ".json", ".png")
+
+
+@app.command(epilog=EXIT_CODES)
+def excite(
+    file: Annotated[
+        Path | None,
+        typer.Argument(help="TOML with [nameplate], or drivetrain.toml; without: the virtual rig's."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Name of the files to write: .csv, .json, .png.")] = Path(
+        "excitation"
+    ),
+    kind: Annotated[str, typer.Option(help="levels, step, chirp, multisine, prbs or noise.")] = "levels",
+    duration: Annotated[float, typer.Option(help="s")] = 10.0,
+    dt: Annotated[float, typer.Option(help="Sample time of the drive, s.")] = 1e-4,
+    torque_limit: Annotated[float, typer.Option(help="Nm")] = 40.0,
+    speed_limit: Annotated[float, typer.Option(help="rad/s")] = 50.0,
+    angle_limit: Annotated[float, typer.Option(help="rad")] = float("inf"),
+    encoder_bits: Annotated[int, typer.Option(help="Motor encoder, bit per turn.")] = 20,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the signal.")] = 1,
+) -> None:
+    """Design the torque of a test within limits, and say beforehand how well it will tell each parameter."""
+    from .commands.excite import excitation_file
+
+    with _interruptible():
+        result = excitation_file(
+            file, out, kind=kind, duration=duration, dt=dt, torque_limit=torque_limit, speed_limit=speed_limit,
+            angle_limit=angle_limit, encoder_bits=encoder_bits, seed=seed,
+        )  # fmt: skip
+    for name, half in result["half_widths"].items():
+        typer.echo(f"  {name:<15} ± {100.0 * half:.2g} % expected")
+    for name in result["not_excited"]:
+        typer.echo(f"  {name:<15} will not be told")
+    _finished(result["problems"], out, ".csv", ".json", ".png")
+
+
+@app.command(epilog=EXIT_CODES)
+def simulate(
+    drivetrain: Annotated[Path, typer.Argument(help="drivetrain.toml, as a run writes it.")],
+    out: Annotated[Path, typer.Option(help="CSV to write; a picture goes beside it.")] = Path(
+        "simulated.csv"
+    ),
+    torque: Annotated[Path | None, typer.Option(help="CSV with time and torque_motor.")] = None,
+    duration: Annotated[float, typer.Option(help="Without a torque: length of the excitation, s.")] = 10.0,
+    dt: Annotated[float, typer.Option(help="Without a torque: sample time, s.")] = 1e-4,
+    seed: Annotated[int, typer.Option(min=0, help="Without a torque: its seed.")] = 1,
+) -> None:
+    """Simulate a drivetrain exactly, from event to event."""
+    from .commands.simulate import simulate_file
+
+    with _interruptible():
+        recording = simulate_file(drivetrain, out, torque, duration, dt, seed)
+    typer.echo(f"  {len(recording)} samples, {len(recording.events)} events")
+    _finished([], out, "")
+
+
+@compare_app.command(epilog=EXIT_CODES)
+def observers(
+    out: Annotated[Path, typer.Option(help="Folder of the leaderboard; finished parts are kept.")] = Path(
+        "leaderboard"
+    ),
+    quick: Annotated[bool, typer.Option("--quick", help="Two seeds, fewer cases, short recordings.")] = False,
+    seeds: Annotated[int | None, typer.Option(min=1, help="Number of rigs; default 20, quick 2.")] = None,
+) -> None:
+    """All observers over the same recordings of the virtual rig, as a leaderboard."""
+    from .compare import compare_observers
+    from .terminal import StageLines
+
+    with _interruptible(), StageLines() as lines:
+        board = compare_observers(
+            out, quick=quick, seeds=seeds, progress=lambda fraction, text: lines("compare", fraction, text)
+        )
+    typer.echo(board.to_markdown())
+    _finished([], out, "/leaderboard.md", "/leaderboard.svg")
+
+
+def _method(name: str) -> Any:
+    if name not in ("H1", "H2", "Hv"):
+        raise typer.BadParameter(f"{name!r} is none of H1, H2, Hv", param_hint="--method")
+    return name
+
+
+def _finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
+    """Warnings on standard error, then the files written."""
+    _show([Problem(**p) for p in problems])  # type: ignore[arg-type]
+    typer.echo("  written: " + ", ".join(f"{out}{ending}" for ending in endings))
+
+
 @contextmanager
 def _interruptible() -> Iterator[None]:
     """Ctrl-C becomes a message and an exit code (typer itself would end without a word)."""
@@ -147,5 +283,3 @@ def main() -> None:
         else:
             typer.secho(f"error: {error}", fg="red", err=True)
         sys.exit(INPUT_ERROR)
-
-

@@ -53,9 +53,8 @@ class StageLines:
 
 def summary(results: Mapping[str, Any], out: Path) -> None:
     """The key numbers and where the report is, on standard output."""
+    parameters(results["parameters"])
     console = Console(highlight=False, markup=False, soft_wrap=True)
-    for name, entry in results["parameters"].items():
-        console.print(f"  {name:<15} {_value(entry)}")
     for part, signal in (("observer_1", "speed_load"), ("observer_1", "torque_shaft")):
         row = results["observers"].get(part, {}).get(signal, {})
         if row.get("range"):
@@ -74,6 +73,13 @@ def summary(results: Mapping[str, Any], out: Path) -> None:
             console.print(f"  {part} skipped: {results[part]['skipped']}")
     warnings = len(results["problems"])
     console.print(f"  {warnings} warning{'' if warnings == 1 else 's'}; report: {out / 'report.html'}")
+
+
+def parameters(table: Mapping[str, Any]) -> None:
+    """One line for each parameter, on standard output."""
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    for name, entry in table.items():
+        console.print(f"  {name:<15} {_value(entry)}")
 
 
 def _value(entry: Mapping[str, Any]) -> str:

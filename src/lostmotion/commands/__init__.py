@@ -1,0 +1,1 @@
+"""What the commands do beside the main job: each reads files, calls one function, writes JSON and a picture."""

@@ -1,0 +1,45 @@
+"""lostmotion frf: frequency response with coherence, and the two masses that fit it, as JSON and picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..identification.frequency_analysis import frequency_analysis
+from ..identification.frequency_response import Method
+from ..io import save_json
+from ..plot.bode import bode
+from ..recording import unit_of
+from .recordings import beside, recording_of
+
+
+def frequency_response_file(
+    file: Path | None,
+    out: Path,
+    seed: int | None = None,
+    input: str = "torque_motor",
+    output: str = "speed_motor",
+    method: Method = "H1",
+    reference: str | None = None,
+    band: tuple[float, float] = (1.0, 200.0),
+) -> dict[str, Any]:
+    """Analyse the band (Hz) and write OUT.json and OUT.png; returns what the JSON holds."""
+    recording = recording_of(file, seed)
+    analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
+    response, fit = analysis.response, analysis.fit
+    result = analysis.as_dict() | {"problems": [p.as_dict() for p in analysis.problems]}
+    save_json(beside(out, ".json"), "frequency_response", result)
+    curves: dict[str, Any] = {"measured": (response.frequency, response.response, response.margin)}
+    marks = {}
+    if fit is not None:
+        curves["two masses, fitted"] = (fit.frequency, fit.fitted)
+        marks = {name: fit.values[name] for name in ("zero", "pole")}
+    figure = bode(
+        curves,
+        unit=f"{unit_of(output)}/({unit_of(input)})",
+        title=f"{output.replace('_', ' ')} / {input.replace('_', ' ')}",
+        marks=marks,
+        coherences={"measured": (response.frequency, response.coherence)},
+    )
+    figure.savefig(beside(out, ".png"), dpi=110, facecolor="white")
+    return result
