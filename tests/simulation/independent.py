@@ -28,10 +28,11 @@ class Regime:
 class Independent:
     """State: n − 1 twists, n speeds, n − 1 shaft angles (physical law only), actuator torque."""
 
-    def __init__(self, drivetrain: Drivetrain, rtol: float) -> None:
+    def __init__(self, drivetrain: Drivetrain, rtol: float, method: str = "DOP853") -> None:
         self.d = drivetrain
         self.n = len(drivetrain.inertias)
         self.rtol = rtol
+        self.method = method
         self.events = 0
 
     def twist(self, y, i):
@@ -260,4 +261,4 @@ class Independent:
 
     def solve(self, t, end, y, u, r, events):
         slope = lambda t, y: self.slope(t, y, u, r)  # noqa: E731
-        return solve_ivp(slope, (t, end), y, "DOP853", events=events, rtol=self.rtol, atol=1e-16)
+        return solve_ivp(slope, (t, end), y, self.method, events=events, rtol=self.rtol, atol=1e-16)

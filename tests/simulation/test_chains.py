@@ -31,7 +31,7 @@ def test_chain_with_two_backlashes(contact, n):
     rng = np.random.default_rng([n, len(contact)])
     samples = 80 if n == 6 else 150
     torque = 20.0 * rng.standard_normal(samples) + np.where(np.arange(samples) % 100 < 50, 15.0, -15.0)
-    start = np.concatenate([np.zeros(n - 1), rng.uniform(-2.0, 2.0, n)])
+    start = np.concatenate([np.zeros(n - 1), rng.uniform(-4.0, 4.0, n)])
     fine, coarse = Independent(plant, 1e-13), Independent(plant, 1e-12)
     expected = fine.run(torque, 1e-4, start)
     span = np.ptp(expected, axis=0)

@@ -1,0 +1,252 @@
+"""Speed and accuracy of the exact simulation beside its peers, on the same work in one run.
+
+    python benchmarks/simulation.py --reference ../shared/reference/two_mass_exact.npz
+
+Prints a Markdown table. Times: process time, median of several runs, after compilation. Errors: median and
+largest over the reference windows, each from its own start, as a fraction of the range. Without a reference file the
+part of it in tests/simulation is used.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+
+import lostmotion as lm
+from lostmotion.kernels.plant import run_open_loop, run_open_loop_two_mass
+from lostmotion.simulation.simulate import PlantRun
+
+HERE = Path(__file__).parent
+DT = 1e-4
+TABLE_I = dict(
+    inertia_motor=0.0182,
+    inertia_load=0.111,
+    stiffness=6285.896,
+    damping=0.397,
+    backlash=0.012,
+    coulomb=2.0,
+    viscous=0.0175,
+)
+PAPER = lm.Drivetrain.two_mass(**TABLE_I, contact="dead_zone")
+
+
+def seconds(work: Callable[[], object], runs: int) -> float:
+    """Median process time of a call, the first one left out."""
+    work()
+    times = []
+    for _ in range(runs):
+        start = time.process_time()
+        work()
+        times.append(time.process_time() - start)
+    return float(np.median(times))
+
+
+def kernel_run(
+    torque: np.ndarray, start: np.ndarray, kernel: Callable, plant: lm.Drivetrain = PAPER
+) -> Callable:
+    run = PlantRun(plant, DT, ("torque_motor",), start, torque.size)
+    x, digits, inputs = run.s.copy(), run.digits.copy(), torque[:, None].copy()
+
+    def work() -> int:
+        run.s[:], run.digits[:], run.cursor[:] = x, digits, 0.0
+        run.finish(
+            lambda tables: kernel(
+                tables, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events, run.cursor
+            )
+        )
+        return int(run.cursor[2])
+
+    return work
+
+
+def plain_c(folder: Path) -> ctypes.CDLL:
+    library = folder / "plain.so"
+    source = HERE / "simulation_plain.c"
+    subprocess.run(["cc", "-O3", "-shared", "-fPIC", str(source), "-o", str(library), "-lm"], check=True)
+    code = ctypes.CDLL(str(library))
+    code.run.restype = ctypes.c_long
+    return code
+
+
+def c_run(code: ctypes.CDLL, torque: np.ndarray, start: np.ndarray) -> tuple[Callable, np.ndarray]:
+    run = PlantRun(PAPER, DT, ("torque_motor",), start, torque.size)
+    for digits in np.ndindex(3, 3):
+        run.plant.enter(digits)
+    tables = run.plant.tables()
+    states = np.zeros((torque.size + 1, 4))
+    double = ctypes.POINTER(ctypes.c_double)
+    whole = ctypes.POINTER(ctypes.c_int64)
+
+    def work() -> int:
+        s, digits = run.s.copy(), run.digits.copy()
+        return int(
+            code.run(
+                tables.flat.ctypes.data_as(double),
+                tables.row.ctypes.data_as(whole),
+                tables.order,
+                s.ctypes.data_as(double),
+                digits.ctypes.data_as(whole),
+                torque.ctypes.data_as(double),
+                ctypes.c_long(torque.size),
+                states.ctypes.data_as(double),
+            )
+        )
+
+    return work, states
+
+
+@njit(fastmath=True, cache=True)
+def rk4(torque, start, steps, dt, smoothing):
+    """Fixed-step Runge–Kutta with friction smoothed over `smoothing` rad/s: how it is usually done."""
+    h = dt / steps
+    x, w, v = start
+    rows = np.empty((torque.size + 1, 3))
+    slope = np.empty((4, 3))
+    for k in range(torque.size):
+        rows[k, 0], rows[k, 1], rows[k, 2] = x, w, v
+        for _ in range(steps):
+            a, b, c = x, w, v
+            for stage in range(4):
+                rate = b - c
+                torque_shaft = 6285.896 * (a - min(max(a, -0.006), 0.006)) + 0.397 * rate
+                friction = 2.0 * np.tanh(c / smoothing) + 0.0175 * c
+                slope[stage, 0] = rate
+                slope[stage, 1] = (torque[k] - torque_shaft) / 0.0182
+                slope[stage, 2] = (torque_shaft - friction) / 0.111
+                part = h * (0.5, 0.5, 1.0, 0.0)[stage]
+                a, b, c = x + part * slope[stage, 0], w + part * slope[stage, 1], v + part * slope[stage, 2]
+            x += h / 6.0 * (slope[0, 0] + 2.0 * slope[1, 0] + 2.0 * slope[2, 0] + slope[3, 0])
+            w += h / 6.0 * (slope[0, 1] + 2.0 * slope[1, 1] + 2.0 * slope[2, 1] + slope[3, 1])
+            v += h / 6.0 * (slope[0, 2] + 2.0 * slope[1, 2] + 2.0 * slope[2, 2] + slope[3, 2])
+    rows[torque.size, 0], rows[torque.size, 1], rows[torque.size, 2] = x, w, v
+    return rows
+
+
+def scipy_events(torque: np.ndarray, start: np.ndarray, method: str) -> np.ndarray:
+    """scipy's solve_ivp from event to event, restarted at each sample and event (rtol 1e-8)."""
+    import sys
+
+    sys.path.insert(0, str(HERE.parent / "tests" / "simulation"))
+    from independent import Independent
+
+    return Independent(PAPER, 1e-8, method).run(torque, DT, start)
+
+
+def window_errors(solve: Callable, data: dict[str, np.ndarray], kind: str, windows: int) -> np.ndarray:
+    exact = data[f"{kind}_states"]
+    span = np.ptp(exact.reshape(-1, 3), axis=0)
+    errors = []
+    for i in range(min(windows, len(exact))):
+        got = solve(data[f"{kind}_torque"][i], data[f"{kind}_start"][i])
+        errors.append(np.max(np.abs(got[:, :3] - exact[i]) / span))
+    return np.array(errors)
+
+
+def exact_states(torque: np.ndarray, start: np.ndarray) -> np.ndarray:
+    rec = lm.simulate(PAPER, torque_motor=torque, dt=DT, state=start)
+    rows = np.column_stack([rec["twist"], rec["speed_motor"], rec["speed_load"]])
+    return np.vstack([rows, rec.final_state["state"][:3]])
+
+
+def long_torque(kind: str, n: int = 100_000) -> np.ndarray:
+    """Torque of the reference's kind: noise of 10 (3) Nm and a square wave of 6 (1) Nm, seed 0."""
+    rms, level = {"contact": (10.0, 6.0), "stiction": (3.0, 1.0)}[kind]
+    square = np.sign(np.sin(2.0 * np.pi * 5.0 * np.arange(n) * DT))
+    return rms * np.random.default_rng(0).standard_normal(n) + level * square
+
+
+def two_mass_rows(data: dict[str, np.ndarray], kind: str, runs: int, code: ctypes.CDLL) -> list[str]:
+    torque, n = long_torque(kind), 100_000
+    rest = np.zeros(3)
+    window = (data[f"{kind}_torque"][0], data[f"{kind}_start"][0])
+
+    def c_states(u: np.ndarray, x: np.ndarray) -> np.ndarray:
+        work, states = c_run(code, np.ascontiguousarray(u), x)
+        work()
+        return states
+
+    work_c, _ = c_run(code, torque, rest)
+    ours = kernel_run(torque, rest, run_open_loop_two_mass)
+    rows = [
+        ("lostmotion, exact", seconds(ours, runs) / n, exact_states, 40),
+        ("plain C (-O3), exact", seconds(work_c, runs) / n, c_states, 40),
+        (
+            "numba RK4, 10 µs, smoothed friction",
+            seconds(lambda: rk4(torque, rest, 10, DT, 1e-3), 5) / n,
+            lambda u, x: rk4(u, x, 10, DT, 1e-3),
+            40,
+        ),
+    ]
+    for method in ("RK45", "LSODA"):
+        short = (window[0][:200], window[1])
+        spent = seconds(lambda short=short, method=method: scipy_events(*short, method), 1)
+        rows.append((f"scipy {method}, events", spent / 200, lambda u, x, m=method: scipy_events(u, x, m), 1))
+    lines = []
+    first = rows[0][1]
+    for name, each, solve, windows in rows:
+        errors = window_errors(solve, data, kind, windows)
+        lines.append(
+            f"| {kind} | {name} | {each * 1e9:.4g} | {each / first:.3g} | {np.median(errors):.1e} | {errors.max():.1e} |"
+        )
+    events = ours()
+    lines.append(f"| {kind} | events per second of simulated time: {events / (n * DT):.0f} | | | | |")
+    return lines
+
+
+def six_masses() -> lm.Drivetrain:
+    shafts = tuple(lm.Shaft(5000.0 + 1500.0 * i, 0.3, 0.006 if i in (1, 4) else 0.0) for i in range(5))
+    frictions = tuple(lm.Friction(1.0 if i in (2, 5) else 0.0, 0.01) for i in range(6))
+    return lm.Drivetrain((0.02, 0.01, 0.01, 0.01, 0.01, 0.05), shafts, frictions)
+
+
+def closed_loop(runs: int) -> float:
+    model = PAPER.with_contact("viscoelastic")
+    observer = lm.observers.kalman(model, dt=DT)
+    control = lm.controllers.pole_placement(model, poles=(-400, -400, -400), dt=DT, torque_limit=73.5)
+    names = ("speed_reference", "speed_motor")
+    law = lm.connect([observer, control], inputs=names, outputs=("torque_motor",))
+    reference = np.where(np.arange(20_000) * DT % 0.2 < 0.1, -2.0, 2.0)
+    short, long = reference[:2000], reference
+
+    def spent(r: np.ndarray) -> float:
+        return seconds(lambda: lm.simulate(PAPER, dt=DT, law=law, speed_reference=r), runs)
+
+    return (spent(long) - spent(short)) / (
+        long.size - short.size
+    )  # what does not grow with the length is left out
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "--reference", type=Path, default=HERE.parent / "tests" / "simulation" / "reference_windows.npz"
+    )
+    parser.add_argument("--runs", type=int, default=15)
+    arguments = parser.parse_args()
+    with np.load(arguments.reference) as file:
+        data = dict(file)
+    print("| workload | method | ns per 100 µs sample | times lostmotion | median error | largest error |")
+    print("|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        code = plain_c(Path(folder))
+        for kind in ("contact", "stiction"):
+            print("\n".join(two_mass_rows(data, kind, arguments.runs, code)), flush=True)
+    chain = kernel_run(long_torque("contact", 20_000), np.zeros(11), run_open_loop, six_masses())
+    print(
+        f"| contact | six masses, two backlashes | {seconds(chain, arguments.runs) / 20_000 * 1e9:.4g} | | | |"
+    )
+    print(
+        f"| set-point steps | loop with observer and pole placement | {closed_loop(arguments.runs) * 1e9:.4g} | | | |"
+    )
+
+
+if __name__ == "__main__":
+    main()
