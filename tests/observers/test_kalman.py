@@ -271,3 +271,14 @@ def test_sensors_that_cannot_see_the_rotation(measured):
         kalman(plant, measured=measured, dt=1e-4)
     with pytest.raises(InvalidInput, match="detectable"):
         kalman_gain(plant, measured)
+
+
+@pytest.mark.parametrize("lag", [1e-12, 1e-9, 1e-8, 1e-7])
+def test_a_lag_far_below_the_sample_time_is_none(lag: float) -> None:
+    """Van Loan's formula alone overflows there."""
+    rng = np.random.default_rng(1)
+    data = {"torque_motor": rng.normal(0.0, 10.0, 500), "speed_motor": rng.normal(0.0, 1.0, 500)}
+    plain = kalman(TABLE_1, dt=1e-4).run(data)
+    lagging = kalman(TABLE_1.with_parameters(lag=lag), dt=1e-4).run(data)
+    for name in ("speed_load_estimated", "twist_estimated"):
+        assert np.max(np.abs(lagging[name] - plain[name])) < 0.01 * np.ptp(plain[name]), name
