@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lostmotion.drivetrain import Drivetrain
+from lostmotion.errors import InvalidInput
 from lostmotion.observers import kalman
 from lostmotion.observers.gates import LARGEST_INNOVATION, OPEN_AT
 from lostmotion.simulation import simulate
@@ -118,3 +119,60 @@ def test_it_finds_a_wrong_start(contact, options):
     truth = recording.window(2.0)
     for signal in ("speed_load", "torque_shaft"):
         assert rms(found[f"{signal}_estimated"] - truth[signal]) < 0.03 * np.ptp(truth[signal])
+
+
+# The guard against a sensor that fails.
+
+
+def jumping(recording, size=200.0):
+    """The motor speed with stretches of 2 ms that are off."""
+    off = np.arange(len(recording)) % 3000 < 20
+    return {
+        "torque_motor": recording["torque_motor"],
+        "speed_motor": recording["speed_motor"] + size * off,
+    }, off
+
+
+def test_a_jumping_sensor_is_predicted_through():
+    recording = simulate(TABLE_1, dt=DT, torque_motor=noise(2.0, 6, mean=4.0))
+    data, off = jumping(recording)
+    plain, guarded = (
+        np.abs(
+            kalman(TABLE_1, dt=DT, largest_innovation=m).run(data)["speed_load_estimated"]
+            - recording["speed_load"]
+        )
+        for m in (None, {"speed_motor": 4.0})
+    )
+    settled = np.arange(len(recording)) > 3000
+    assert rms(guarded[settled]) < 0.05 * rms(plain[settled])
+    assert np.max(guarded[settled & off]) < 0.3
+
+
+def test_a_healthy_sensor_is_believed_to_the_last_bit():
+    recording = simulate(TABLE_1, dt=DT, torque_motor=noise(1.0, 7, mean=4.0))
+    data = {"torque_motor": recording["torque_motor"], "speed_motor": recording["speed_motor"] + 0.5}
+    plain, guarded = (kalman(TABLE_1, dt=DT, largest_innovation=m) for m in (None, {"speed_motor": 4.0}))
+    for name in plain.outputs:
+        np.testing.assert_array_equal(guarded.run(data)[name], plain.run(data)[name])
+
+
+def test_guarded_it_still_finds_a_plant_that_turns_already():
+    recording = simulate(TABLE_1, dt=DT, torque_motor=noise(4.0, 8, mean=5.0), state=(0.0, 60.0, 60.0))
+    found = kalman(TABLE_1, dt=DT, largest_innovation={"speed_motor": 4.0}).run(recording)
+    error = found["speed_load_estimated"] - recording["speed_load"]
+    assert rms(error[:1000]) > 10.0
+    assert rms(error[-10_000:]) < 0.1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"largest_innovation": {"speed_motor": 0.0}},
+        {"largest_innovation": {"speed_load": 1.0}},
+        {"largest_innovation": {"speed_motor": float("nan")}},
+        {"largest_innovation": {"speed_motor": 1.0}, "contact_scheduling": True},
+    ],
+)
+def test_misuse_of_the_guard(options):
+    with pytest.raises(InvalidInput, match="largest_innovation"):
+        kalman(TABLE_1, dt=DT, **options)

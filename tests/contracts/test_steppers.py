@@ -1,0 +1,154 @@
+"""What every observer that is a stepper must keep: outputs, purity, seeds, bad samples, and never a NaN."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lostmotion import observers, rig
+from lostmotion.drivetrain import Drivetrain
+from lostmotion.signals import excitation
+
+DT = 1e-4
+MAKERS = (
+    observers.extended_kalman,
+    observers.unscented_kalman,
+    observers.interacting_models,
+    observers.moving_horizon,
+    observers.sliding_mode,
+    observers.super_twisting,
+    observers.radial_basis,
+)
+ESTIMATES = ("twist", "twist_elastic", "speed_motor", "speed_load", "torque_shaft", "friction_load")
+
+TORQUE = excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+RECORDING, TRUTH = rig.record(1, torque_motor=TORQUE)
+DRIVETRAIN = Drivetrain.two_mass(**TRUTH.parameters, torque_limit=rig.TORQUE_LIMIT)
+EVERY = pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
+
+#: Bad samples begin here; first row and length of each burst.
+STARTS = np.arange(6000, 20000, 2000)
+
+
+def _run(make, **changed):
+    data = {name: RECORDING[name] for name in ("torque_motor", "speed_motor")}
+    return make(DRIVETRAIN, dt=DT, count_averaged=True).run({**data, **changed})
+
+
+def _load_error(result):
+    return result["speed_load_estimated"] - TRUTH.signals["speed_load"]
+
+
+@EVERY
+def test_gives_the_six_estimates_and_says_what_it_is(make):
+    stepper = make(DRIVETRAIN, dt=DT)
+    assert stepper.outputs[:6] == tuple(f"{name}_estimated" for name in ESTIMATES)
+    assert stepper.name == make.__name__
+    assert stepper.inputs == ("torque_motor", "speed_motor")
+    assert stepper.exportable is False
+
+
+@EVERY
+def test_one_sample_at_a_time_is_the_run_and_leaves_the_state_alone(make):
+    stepper = make(DRIVETRAIN, dt=DT, count_averaged=True)
+    short = RECORDING.window(0.5, 0.505)
+    whole = stepper.run(short)
+    state = stepper.init()
+    for k in range(len(short)):
+        kept = state.copy()
+        new, outputs, _ = stepper.step(state, [short[name][k] for name in stepper.inputs])
+        assert np.array_equal(state, kept)
+        assert outputs.tolist() == [whole[name][k] for name in stepper.outputs]
+        state = new
+    assert np.array_equal(state, whole.final_state["state"])
+
+
+@EVERY
+def test_the_same_run_again_gives_the_same_bytes(make):
+    first, second = _run(make), _run(make)
+    for name in first:
+        assert first[name].tobytes() == second[name].tobytes()
+
+
+@EVERY
+@pytest.mark.parametrize("fault", ["missing", "frozen", "jump", "zero", "infinite"])
+def test_bad_samples_are_predicted_through_flagged_and_soon_forgotten(make, fault):
+    """20 ms (a jump: 3 ms) without a true speed; 50 ms after, the error is normal: at most twice that without fault."""
+    speed, bad = RECORDING["speed_motor"].copy(), np.zeros(len(RECORDING), dtype=bool)
+    length = 30 if fault == "jump" else 200
+    for i, start in enumerate(STARTS):
+        burst = slice(start, start + length)
+        bad[burst] = True
+        if fault == "missing":
+            speed[burst] = np.nan
+        elif fault == "frozen":
+            speed[burst] = speed[start - 1]
+        elif fault == "jump":
+            speed[burst] += (-1) ** i * 20.0
+        elif fault == "zero":
+            speed[burst] = 0.0
+        else:
+            speed[burst] = np.inf
+    clean, result = _run(make), _run(make, speed_motor=speed)
+    normal = np.sqrt(np.mean(_load_error(clean)[5000:] ** 2))
+    after = np.concatenate([np.arange(s + length + 500, min(s + 2000, 20000)) for s in STARTS[:-1]])
+    flagged = result["input_fault"] == 1.0
+    assert np.sqrt(np.mean(_load_error(result)[after] ** 2)) < 2.0 * normal
+    assert np.mean(flagged[bad]) > (0.7 if fault == "frozen" else 0.85 if fault == "zero" else 0.99)
+    assert np.mean(flagged[~bad]) < 0.02
+    reach = 0.05 * np.ptp(TRUTH.signals["speed_load"])
+    assert np.max(np.abs(_load_error(result)[5000:])) < reach
+
+
+@EVERY
+def test_a_torque_beyond_the_limit_is_not_believed(make):
+    torque = RECORDING["torque_motor"].copy()
+    torque[8000] = 1e6
+    result = _run(make, torque_motor=torque)
+    assert result["input_fault"][8000] == 1.0
+    assert np.max(np.abs(_load_error(result)[8000:])) < 0.05 * np.ptp(TRUTH.signals["speed_load"])
+
+
+_wild = st.one_of(
+    st.sampled_from([np.nan, np.inf, -np.inf, 0.0, -0.0, 1e30, -1e30, 1e31, 1e-320, 1e8, 5.0]),
+    st.floats(-1e3, 1e3),
+    st.floats(allow_nan=True, allow_infinity=True),
+)
+
+
+@EVERY
+@settings(max_examples=40, deadline=None)
+@given(data=st.data())
+def test_never_a_nan_for_any_input(make, data):
+    """Unlimited torque, the hardest case; a block of every wild sample is held for some time."""
+    rows = data.draw(st.lists(st.tuples(_wild, _wild, st.integers(1, 40)), min_size=1, max_size=6))
+    torque = np.concatenate([np.full(n, u) for u, _, n in rows])
+    speed = np.concatenate([np.full(n, y) for _, y, n in rows])
+    unlimited = Drivetrain.two_mass(**TRUTH.parameters)
+    averaged = data.draw(st.booleans())
+    result = make(unlimited, dt=DT, count_averaged=averaged).run(
+        {"torque_motor": torque, "speed_motor": speed}
+    )
+    for name in result:
+        assert np.all(np.isfinite(result[name])), name
+    assert np.all(np.isfinite(result.final_state["state"]))
+
+
+@EVERY
+@pytest.mark.parametrize("dt", [5e-5, 1e-3, 2e-3])
+def test_works_at_other_sample_times(make, dt):
+    """Estimates stay finite and follow the rig: at most 3 % of the range at 2 ms."""
+    torque = excitation(2.0, dt, seed=2, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    recording, truth = rig.record(None, torque_motor=torque, dt=dt)
+    noise = 0.03 if dt >= 1e-4 else 0.06
+    given = {"sensor_noise": noise if make in MAKERS[4:] else {"speed_motor": noise}}
+    stepper = make(
+        Drivetrain.two_mass(**truth.parameters, torque_limit=73.5), dt=dt, count_averaged=True, **given
+    )
+    result = stepper.run(recording)
+    exact = truth.signals["speed_load"]
+    start = exact.size // 4
+    error = (result["speed_load_estimated"] - exact)[start:]
+    assert np.sqrt(np.mean(error**2)) < 0.03 * np.ptp(exact)
