@@ -43,6 +43,9 @@ OBSERVERS = {
     "kalman, linear": kalman(TABLE_1.with_parameters(backlash=0.0, coulomb=0.0), dt=1e-4),
     "kalman, lag": kalman(TABLE_1.with_parameters(lag=5e-4), dt=1e-4, count_averaged=True),
     "kalman, load torque": kalman(TABLE_1, dt=1e-4, load_torque=True),
+    "kalman, guarded": kalman(
+        TABLE_1, measured=("speed_motor", "torque_shaft"), dt=1e-4, largest_innovation={"speed_motor": 4.0}
+    ),
     "kalman, scheduled": kalman(
         TABLE_1, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
     ),

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..curves import PiecewiseLinear, dead_zone, saturation
 from ..drivetrain import Friction
 from ..systems import DiscreteSystem
-from .gates import with_gates, with_innovation
+from .gates import with_gates, with_guard, with_innovation
 from .model import ObserverModel
 
 Array = NDArray[np.float64]
@@ -34,6 +36,7 @@ class Assembly:
         self.curves: dict[str, PiecewiseLinear] = {}
         self.arguments: dict[str, tuple[Array, float, dict[str, float]]] = {}
         self.slack_gain: Array | None = None
+        self.largest_innovation: Mapping[str, float] = {}
         self.extra: dict[str, Array] = {}
         self._add_gap()
         self._add_friction()
@@ -120,6 +123,8 @@ class Assembly:
         residual = np.pad(c_x, ((0, 0), (0, len(states) - n_known))), c_w
         if self.slack_gain is not None:
             law = with_gates(law, measured, residual, gain - self.slack_gain, self.model)
+        if self.largest_innovation:
+            law = with_guard(law, measured, residual, gain, self.largest_innovation)
         return with_innovation(law, measured, residual) if innovation else law
 
     def _measurement(
