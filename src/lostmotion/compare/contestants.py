@@ -91,6 +91,11 @@ def _kalman(d: Drivetrain, s: Sensing, measured: tuple[str, ...] = ("speed_motor
     return observers.kalman(d, measured=measured, dt=s.dt, count_averaged=s.averaged, **options)
 
 
+def _guarded(d: Drivetrain, s: Sensing) -> Runs:
+    """With a guard at 4 rad/s, more than healthy innovations reach with parameters off by 20 %, plus the encoder's."""
+    return _kalman(d, s, load_torque=True, largest_innovation={"speed_motor": 4.0 + 6.0 * s.speed_noise})
+
+
 def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain, Sensing], Runs]:
     """A filter that takes the noise of its sensor from the data sheet."""
     return lambda d, s: make(
@@ -121,6 +126,7 @@ CONTESTANTS: tuple[Contestant, ...] = (
         "fixed gain",
         lambda d, s: _kalman(d, s, load_torque=True, contact_scheduling=True),
     ),
+    Contestant("load torque, guarded", "fixed gain", _guarded),
     Contestant("H∞", "fixed gain", lambda d, s: observers.h_infinity(d, dt=s.dt, count_averaged=s.averaged)),
     Contestant(
         "H∞, load torque",
