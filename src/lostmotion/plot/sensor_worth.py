@@ -43,10 +43,17 @@ def sensor_worth(
         level = break_even.get(name)
         if level is not None:
             axis.plot([level], [1.0], "o", color=style["color"], markersize=8)
-            axis.annotate(f"{level:.2g} Nm", (level, 1.0), xytext=(6, -14), textcoords="offset points")
+            label = f"{level:.2g} Nm"
+            if all(label != text.get_text() for text in axis.texts):
+                axis.annotate(label, (level, 1.0), xytext=(8, -14), textcoords="offset points")
     axis.axhline(1.0, color="#222222", linewidth=0.8)
     axis.set(xscale="log", yscale="log", xlabel="noise of the torque sensor (Nm, one sample)")
     axis.set_ylabel("error of Observer 2 / error of Observer 1")
-    axis.text(0.02, 0.04, "below 1: the torque sensor helps", transform=axis.transAxes, fontsize=9)
+    for direction in (axis.xaxis, axis.yaxis):
+        direction.set_major_formatter(lambda value, _: f"{value:g}")
+        direction.set_minor_formatter(lambda value, _: "")
+    axis.set_yticks([0.5, 1.0, 2.0, 5.0])
+    axis.text(0.02, 0.93, "above 1: better without", transform=axis.transAxes, fontsize=9)
+    axis.text(0.02, 0.30, "below 1: the torque sensor helps", transform=axis.transAxes, fontsize=9)
     title_and_legend(figure, [axis], "Is the torque sensor worth its money?")
     return figure
