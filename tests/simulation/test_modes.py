@@ -10,7 +10,15 @@ from plants import TABLE_I
 from scipy.linalg import expm
 
 from lostmotion.drivetrain import CONTACT_LAWS, Drivetrain, Friction
-from lostmotion.simulation.modes import Layout, build_mode, delta_exponential, elements, friction_segment
+from lostmotion.simulation.modes import (
+    Layout,
+    build_mode,
+    delta_over,
+    doubled,
+    elements,
+    friction_segment,
+    taylor_terms,
+)
 from lostmotion.simulation.tables import Plant
 
 DT = 1e-4
@@ -18,10 +26,13 @@ DT = 1e-4
 
 def test_exponential_of_a_known_matrix():
     a = np.array([[0.0, 1.0], [-4.0, 0.0]], dtype=np.longdouble)
-    for time in (1e-6, 0.3, 20.0):
-        got = delta_exponential(a, time, 4.0)
-        c, s = math.cos(2 * time), math.sin(2 * time)
-        np.testing.assert_allclose(got.astype(float), [[c - 1, s / 2], [-2 * s, c - 1]], rtol=0, atol=2e-15)
+    for time, halvings in ((1e-6, 0), (0.1, 0), (0.1, 3), (0.12, 8)):
+        terms, order = taylor_terms(a, time, 4.0)
+        assert 4 <= order < len(terms)
+        got = doubled(delta_over(terms, 1.0), halvings)
+        t = time * 2**halvings
+        c, s = math.cos(2 * t), math.sin(2 * t)
+        np.testing.assert_allclose(got.astype(float), [[c - 1, s / 2], [-2 * s, c - 1]], rtol=0, atol=4e-15)
 
 
 @pytest.mark.parametrize("contact", CONTACT_LAWS)

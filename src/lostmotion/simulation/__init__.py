@@ -1,6 +1,7 @@
 """Exact simulation of drivetrains with backlash and set-valued friction, with or without a law in the loop."""
 
+from .batch import BatchResult, read_trajectories, simulate_batch
 from .sensors import Sensor, measure
 from .simulate import simulate
 
-__all__ = ["Sensor", "measure", "simulate"]
+__all__ = ["BatchResult", "Sensor", "measure", "read_trajectories", "simulate", "simulate_batch"]

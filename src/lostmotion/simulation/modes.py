@@ -19,8 +19,6 @@ MINUS, GAP, PLUS = 0, 1, 2
 _PIECE_NORM = 0.5
 #: The Taylor series ends where its terms fall below this part of the state (chosen: a hundredth of rounding).
 _LAST_TERM = 1e-18
-#: Grid cells per sample on which the largest derivative of a guard is looked for (chosen).
-_CELLS = 32
 
 
 @dataclass(frozen=True)
@@ -310,18 +308,36 @@ def _balanced_norm(a: NDArray[np.float64]) -> float:
     return float(np.linalg.norm(matrix_balance(a, permute=False)[0], 2))
 
 
-def delta_exponential(a: NDArray[Any], time: float, norm: float) -> NDArray[Any]:
-    """exp(a·time) − 1 in extended precision: Taylor series of a short piece, then (1 + D)² − 1 = 2 D + D²."""
-    halvings = max(0, math.ceil(math.log2(max(norm * time, 1e-300))))
-    step = a * (Long(time) / Long(2) ** halvings)
-    term = step.copy()
-    total = step.copy()
-    for n in range(2, 28):
-        term = term @ step / Long(n)
-        total = total + term
-    for _ in range(halvings):
-        total = 2 * total + total @ total
+def taylor_terms(a: NDArray[Any], time: float, norm: float) -> tuple[list[NDArray[Any]], int]:
+    """Terms (a·time)ⁿ/n! for n = 0 … in extended precision, and how many of them a double-precision sum needs.
+
+    norm·time is at most a half. The terms go on until they are below the rounding of the extended sum.
+    """
+    terms = [np.eye(len(a), dtype=Long)]
+    order = 0
+    size = 1.0
+    while size > 1e-22 or len(terms) < 5:
+        n = len(terms)
+        size *= norm * time / n
+        terms.append(terms[-1] @ a * (Long(time) / n))
+        if order == 0 and size * norm * time / (n + 1) < _LAST_TERM and n >= 4:
+            order = n
+    return terms, order
+
+
+def delta_over(terms: list[NDArray[Any]], fraction: float) -> NDArray[Any]:
+    """exp(a·fraction·time) − 1 from the terms over `time`, the smallest first."""
+    total = np.zeros_like(terms[0])
+    for n in range(len(terms) - 1, 0, -1):
+        total = total + terms[n] * Long(fraction) ** n
     return total
+
+
+def doubled(delta: NDArray[Any], times: int) -> NDArray[Any]:
+    """exp(a·2ᵏ·t) − 1 from exp(a·t) − 1: (1 + D)² − 1 = 2 D + D²."""
+    for _ in range(times):
+        delta = 2 * delta + delta @ delta
+    return delta
 
 
 def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ...], dt: float) -> Mode:
@@ -331,21 +347,17 @@ def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ..
     full = np.zeros((columns, columns), dtype=Long)
     full[:states] = rows.rates()
     norm = _balanced_norm(full[:states, :states].astype(float))
-    delta = delta_exponential(full, dt, norm)
+    halvings = max(0, math.ceil(math.log2(max(norm * dt, 1e-300) / _PIECE_NORM)))
+    length = dt / 2**halvings
+    terms, order = taylor_terms(full, length, norm)
+    delta = doubled(delta_over(terms, 1.0), halvings)
 
     guards = [rows.guard(e) for e in parts]
     guard = np.array([g[0] for g in guards], dtype=Long).reshape(len(parts), columns)
     guard_rate = guard @ full
     second = guard_rate @ full
     fourth = second @ full @ full
-    cell = (np.eye(columns, dtype=Long) + delta_exponential(full, dt / _CELLS, norm)).astype(float)
-    length = min(dt, _PIECE_NORM / norm) if norm > 0.0 else dt
-    order = next(
-        n for n in range(4, 25) if (norm * length) ** (n + 1) / math.factorial(n + 1) < _LAST_TERM or n == 24
-    )
-    terms = [np.eye(columns, dtype=Long)]
-    for n in range(1, order + 1):
-        terms.append(terms[-1] @ full * (Long(length) / n))
+    largest_second, largest_fourth = _largest((second, fourth), full, terms, halvings, dt)
     return Mode(
         delta=delta[:states].astype(float),
         rate=full[:states].astype(float),
@@ -353,24 +365,31 @@ def build_mode(layout: Layout, parts: tuple[Element, ...], digits: tuple[int, ..
         guard_rate=(guard_rate * Long(dt)).astype(float),
         lower=np.array([g[1] for g in guards], dtype=float),
         upper=np.array([g[2] for g in guards], dtype=float),
-        swing=0.5 * dt**2 * _largest(second, second @ full, cell, dt),
-        remainder=dt**4 / 384.0 * _largest(fourth, fourth @ full, cell, dt),
+        swing=0.5 * dt**2 * largest_second,
+        remainder=dt**4 / 384.0 * largest_fourth,
         piece=length,
-        guard_series=np.array([guard @ term for term in terms], dtype=float),
-        state_series=np.array([term[:states] for term in terms[1:]], dtype=float),
+        guard_series=np.array([guard @ term for term in terms[: order + 1]], dtype=float),
+        state_series=np.array([term[:states] for term in terms[1 : order + 1]], dtype=float),
         shaft_torques=np.array(rows.shaft_torques, dtype=float).reshape(layout.n - 1, columns),
     )
 
 
 def _largest(
-    rows: NDArray[Any], slopes: NDArray[Any], cell: NDArray[np.float64], dt: float
-) -> NDArray[np.float64]:
-    """Bound of |row · exp(F t)| over a sample, elementwise: the grid's largest plus half a cell of its slope."""
-    value, slope = rows.astype(float), slopes.astype(float)
-    largest, steepest = np.abs(value), np.abs(slope)
-    for _ in range(_CELLS):
-        value, slope = value @ cell, slope @ cell
-        largest = np.maximum(largest, np.abs(value))
-        steepest = np.maximum(steepest, np.abs(slope))
-    # 1.1: the slope between the grid points may exceed the grid's largest a little.
-    return np.asarray(largest + 1.1 * 0.5 * dt / _CELLS * steepest)
+    rows: tuple[NDArray[Any], ...], full: NDArray[Any], terms: list[NDArray[Any]], halvings: int, dt: float
+) -> list[NDArray[np.float64]]:
+    """Bounds of |row · exp(F t)| over a sample, elementwise: the grid's largest plus half a cell of its slope.
+
+    A cell is a quarter of a Taylor piece, or an eighth of the sample where that is shorter.
+    """
+    cells = max(8, 4 * 2**halvings)
+    cell = (terms[0] + delta_over(terms, 2**halvings / cells)).astype(float)
+    stacked = np.concatenate(rows)
+    value = np.concatenate([stacked, stacked @ full]).astype(float)
+    largest = np.abs(value)
+    for _ in range(cells):
+        value = value @ cell
+        np.maximum(largest, np.abs(value), out=largest)
+    # 1.2: the slope between the grid points may exceed the grid's largest a little.
+    half = len(stacked)
+    bound = largest[:half] + 1.2 * 0.5 * dt / cells * largest[half:]
+    return np.split(np.asarray(bound), len(rows))
