@@ -99,7 +99,7 @@ def lost_motion(
     Returns
     -------
     LostMotion
-        Intervals: sandwich over 20 blocks.
+        Intervals: jackknife over 20 blocks.
     """
     if len(recording) < MIN_ROWS:
         raise InvalidInput(

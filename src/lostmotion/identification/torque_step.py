@@ -48,7 +48,7 @@ def torque_step(
 
     It is linear in its parameters, so torque, speed and its central difference go through the same weighted average
     (Hann), over every stretch in which the drive turns in one direction; ripple and noise of the torque, which is what
-    is poorly measured, then are the residual of a least-squares fit. Intervals: sandwich over 20 blocks, valid for
+    is poorly measured, then are the residual of a least-squares fit. Intervals: jackknife over 20 blocks, valid for
     coloured residuals; friction that drifts over the whole recording (a bearing that warms up) is not in them.
 
     Parameters
