@@ -12,6 +12,7 @@ from lostmotion import rig
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.kernels import steppers_model as at
+from lostmotion.kernels.steppers_moving_horizon import FIRST_NODE, NODE
 from lostmotion.observers import extended_kalman, moving_horizon, unscented_kalman
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
@@ -111,14 +112,13 @@ def test_finds_the_backlash_of_other_rigs(seed):
         assert result["backlash_estimated"][-1] == pytest.approx(model.backlash, rel=0.03)
 
 
-@pytest.mark.parametrize("make", FAST)
-def test_follows_a_backlash_that_grows_by_wear(make):
+def test_follows_a_backlash_that_grows_by_wear():
     """10 % in 10 s, for 4 s: pieces of 0.1 s on the rig, each with a backlash 0.1 % larger."""
     new = rig.nominal_rig().drivetrain
     _, truth = rig.record(
         None, torque_motor=excitation(2.0, DT, seed=1, inertia=0.13, coulomb=2.0, viscous=0.02)
     )
-    estimator = make(Drivetrain.two_mass(**truth.parameters), dt=DT)
+    estimator = extended_kalman(Drivetrain.two_mass(**truth.parameters), dt=DT)
     rng = np.random.default_rng(3)
     state, final, errors = None, None, []
     for piece in range(40):
@@ -203,11 +203,37 @@ def test_a_horizon_has_a_longest_length():
         moving_horizon(TABLE_1, dt=DT, horizon=0.1)
 
 
-def test_a_longer_horizon_revises_more(experiment):
-    """The horizon is used: with three samples the estimate is another one than with twenty."""
-    rec = experiment.recording.window(0.0, 0.5)
-    short, long = (
-        moving_horizon(experiment.drivetrain, dt=DT, horizon=h).run(rec)["twist_estimated"]
-        for h in (3e-4, 2e-3)
+def test_the_trajectory_over_the_horizon_is_the_smoothed_one():
+    """Without gap and friction it is that of the Rauch–Tung–Striebel smoother."""
+    linear = TABLE_1.with_parameters(backlash=0.0, coulomb=0.0)
+    rng = np.random.default_rng(6)
+    torque, speed = 5.0 * rng.normal(size=20), 0.1 * rng.normal(size=20)
+    stepper = moving_horizon(linear, dt=DT, horizon=2e-3, drift=HELD, uncertainty=HELD)
+    state = stepper.run({"torque_motor": torque, "speed_motor": speed}).final_state["state"]
+    nodes = state[FIRST_NODE : FIRST_NODE + 20 * NODE].reshape(20, NODE)
+    assert nodes[:, :3] == pytest.approx(
+        smoothed(linear, stepper.parameters, torque, speed), rel=1e-6, abs=1e-9
     )
-    assert np.max(np.abs(short - long)) > 1e-6
+
+
+def smoothed(drivetrain, p, torque, speed):
+    """Twist and speeds of all samples from all samples, as one least-squares problem."""
+    a, b = drivetrain.linear()
+    phi, gamma = zero_order_hold(a, b, DT)
+    n = speed.size
+    rows, right = [], []
+    for i in range(3):
+        rows.append(np.eye(3 * n)[i] / np.sqrt(p[at.START_VARIANCE + i]))
+        right.append((0.0 if i == 0 else speed[0]) / np.sqrt(p[at.START_VARIANCE + i]))
+    for k in range(n):
+        rows.append(np.eye(3 * n)[3 * k + 1] / np.sqrt(p[at.VARIANCE]))
+        right.append(speed[k] / np.sqrt(p[at.VARIANCE]))
+    for k in range(n - 1):
+        for i in range(3):
+            row = np.zeros(3 * n)
+            row[3 * (k + 1) + i] = 1.0
+            row[3 * k : 3 * k + 3] -= phi[i]
+            weight = 1.0 / np.sqrt(p[at.PROCESS + i])
+            rows.append(weight * row)
+            right.append(weight * gamma[i, 0] * torque[k])
+    return np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0].reshape(n, 3)

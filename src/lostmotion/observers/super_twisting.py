@@ -48,8 +48,8 @@ def super_twisting(
     Returns
     -------
     Stepper
-        Inputs torque_motor, speed_motor; outputs ``OUTPUTS``: ``torque_unknown_estimated`` (Nm, on the motor) is what
-        the model misses.
+        Inputs torque_motor, speed_motor; outputs ``OUTPUTS``: ``torque_unknown_estimated`` (Nm) is what the
+        model misses on the motor; with the default bandwidth nothing of it goes into the load's speed.
 
     Notes
     -----
