@@ -25,7 +25,7 @@ from lostmotion.compare.scores import score
 from lostmotion.compare.statistics import median
 from lostmotion.observers import covariances, kalman
 
-PARTS = ("leaderboard", "targets", "torque-sensor", "weights", "covariances")
+PARTS = ("leaderboard", "targets", "torque-sensor", "weights", "covariances", "faults")
 CASE = {case.name: case for case in CASES}
 DURATION = 3.0
 NOISE = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
@@ -81,6 +81,51 @@ def covariances_of_rig(seed: int) -> tuple[dict[str, list[tuple[float, float, fl
     noise = {name: float(np.sqrt(value)) for name, value in found.process.items()}
     noise["sensor"] = float(np.sqrt(found.measurement["speed_motor"] / recording.dt))
     return rows, {**noise, **{f"curvature {n}": v for n, v in found.sensitivity.items()}}
+
+
+#: Faults of the motor speed: samples (at 0.1 ms) and what they show instead of y; one every 0.3 s.
+FAULTS: dict[str, tuple[int, Callable[[np.ndarray], Any]]] = {
+    "NaN, 20 ms": (200, lambda y: np.nan),
+    "frozen, 20 ms": (200, lambda y: y[0]),
+    "+200 rad/s, 2 ms": (20, lambda y: y + 200.0),
+    "zero, 20 ms": (200, lambda y: 0.0),
+}
+
+
+def faults(seed: int) -> dict[str, list[tuple[float, float]]]:
+    """Per observer and fault: error 50 to 70 ms after it over the normal error, and the share of samples flagged."""
+    data = experiment(CASE["nominal"], seed, DURATION)
+    begins = range(6000, len(data.recording) - 1500, 3000)
+    rows: dict[str, list[tuple[float, float]]] = {}
+    for entry in CONTESTANTS:
+        law = entry.make(data.drivetrain, data.sensing)
+        clean = law.run(data.recording.only(*law.inputs))
+        normal = np.sqrt(
+            np.mean((clean["speed_load_estimated"] - data.truth["speed_load"])[data.judged] ** 2)
+        )
+        if "input_fault" not in clean:
+            continue
+        rows[entry.name] = []
+        for length, shown in FAULTS.values():
+            speed, bad, after = data.recording["speed_motor"].copy(), [], []
+            for k in begins:
+                speed[k : k + length] = shown(speed[k : k + length])
+                bad += range(k, k + length)
+                after += range(k + length + 500, k + length + 700)
+            found = law.run(data.recording.with_signals("measured", speed_motor=speed).only(*law.inputs))
+            error = (found["speed_load_estimated"] - data.truth["speed_load"])[after]
+            rows[entry.name].append(
+                (float(np.sqrt(np.mean(error**2)) / normal), float(np.mean(found["input_fault"][bad])))
+            )
+    return rows
+
+
+def print_faults(results: list[dict[str, list[tuple[float, float]]]]) -> None:
+    rows = []
+    for name in results[0]:
+        values = np.median([r[name] for r in results], axis=0)
+        rows.append([name, *(f"{v[0]:.1f}, {100 * v[1]:.0f} %" for v in values)])
+    print(table(["error after / normal error, flagged", *FAULTS], rows))
 
 
 def over_seeds(job: Callable[[int], Any], seeds: int) -> list[Any]:
@@ -217,6 +262,9 @@ def main() -> None:
         print(
             table(["found", "median (95 %)"], [[n, cell([v[n] for _, v in found], 1.0)] for n in found[0][1]])
         )
+    if "faults" in arguments.only:
+        print("\n### Faults of the motor speed\n")
+        print_faults(over_seeds(faults, seeds))
 
 
 if __name__ == "__main__":
