@@ -88,8 +88,8 @@ def extended_kalman(
 
     Notes
     -----
-    After Lagerberg & Egardt 2007, IEEE Trans. Control Systems Technology 15, 97–106; dead zone by statistical
-    linearisation (Gelb 1974, Applied Optimal Estimation, section 6.2).
+    After Lagerberg & Egardt 2007, IEEE Trans. Control Systems Technology 15, 483–493; dead zone by statistical
+    linearisation (Gelb 1974, Applied Optimal Estimation, chapter 6).
     """
     measured = measured_sensors(measured)
     p = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)

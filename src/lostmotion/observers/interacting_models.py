@@ -71,7 +71,7 @@ def interacting_models(
     Notes
     -----
     Blom & Bar-Shalom 1988, IEEE Trans. Automatic Control 33, 780–783, with transitions that depend on the state; for
-    backlash as a hybrid system: Ferrari-Trecate & Gati 2006.
+    backlash as a hybrid system: Ferrari-Trecate & Gati 2006, Int. J. Control 79, 496–507.
     """
     from ..kernels import steppers_interacting_models as kernel
     from ..kernels import steppers_model as at

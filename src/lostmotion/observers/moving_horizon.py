@@ -56,7 +56,7 @@ def moving_horizon(
 
     Notes
     -----
-    Rostalski, Besselmann, Barić, van Belzen & Morari 2007, Int. J. Control 80, 1701–1712, estimate backlash so by mixed
+    Rostalski, Besselmann, Barić, van Belzen & Morari 2007, Int. J. Control 80, 1729–1740, estimate backlash so by mixed
     integers; here the regions are iterated along the trajectory (Gauss–Newton), which fits the time of a sample.
     """
     from ..kernels import steppers_model as at

@@ -58,7 +58,7 @@ def radial_basis(
 
     Notes
     -----
-    Schröder (ed.) 2000, Intelligent Observer and Control Design for Nonlinear Systems, chapters 3 to 5: separable
+    Schröder (ed.) 2000, Intelligent Observer and Control Design for Nonlinear Systems: separable
     nonlinearities at known places, error transfer function, normalised radial basis (GRNN). Gain: that of ``kalman``.
     """
     from ..kernels import steppers_radial_basis as kernel

@@ -53,8 +53,8 @@ def super_twisting(
 
     Notes
     -----
-    Levant 1998, Automatica 34, 379–384 (gains 1.5 and 1.1); for backlash: Djeziri et al. 2009. The sign is a line below
-    a tenth of the sensor noise. Defaults chosen.
+    Levant 1998, Automatica 34, 379–384 (gains 1.5 and 1.1); for backlash: Djeziri, Merzouki & Bouamama 2009, IEEE
+    Trans. Vehicular Technology 58, 4710–4719. The sign is a line below a tenth of the sensor noise. Defaults chosen.
     """
     from ..kernels import steppers_super_twisting as kernel
 
