@@ -223,9 +223,10 @@ def _dead_zone(
     bent = _fit({**gap, "rising": m * np.abs(m)}, y, sure)
     i = list(gap).index("backlash")
     change = abs(float(bent.values[i] - fit.values[i]))
-    margin = float(np.hypot(fit.margins[i], change))
-    low, high = float(fit.values[i]) - margin, float(fit.values[i]) + margin
     scatter = 1.4826 * float(np.median(np.abs(fit.residual)))
+    # Bounces that were not left out lie to one side, within the scatter: half of it is allowed for (chosen).
+    margin = float(np.linalg.norm([fit.margins[i], change, 0.5 * scatter]))
+    low, high = float(fit.values[i]) - margin, float(fit.values[i]) + margin
     if low > 0.0 and fit.values[i] > CLAIM * scatter and bent.values[i] > bent.margins[i]:
         return gap, fit, (low, high)
     return dict(columns), without, (min(low, 0.0), high)
