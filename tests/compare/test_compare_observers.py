@@ -252,3 +252,16 @@ def test_figure(small):
     assert axis.get_yticklabels()[0].get_text().startswith("Observer 1")
     with pytest.raises(InvalidInput, match="no backlash_error"):
         leaderboard(board.to_dict(), metric="backlash_error")
+
+
+def test_figure_shows_the_worst_case_of_a_group():
+    from lostmotion.plot import leaderboard
+
+    def case(name, value):
+        return {"name": name, "group": "both", "observers": {"one": {"speed_load": [value, value, value]}}}
+
+    board = {
+        "observers": [{"name": "one", "overall_ratio": None}], "seeds": [1], "reference": "one",
+        "cases": [case("a", 0.002), case("b", 0.03), case("c", 0.01)],
+    }  # fmt: skip
+    assert [text.get_text() for text in leaderboard(board).axes[0].texts] == ["3"]

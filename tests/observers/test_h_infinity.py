@@ -46,6 +46,20 @@ def test_the_bound_holds_and_kalman_breaks_it(margin):
     assert worst_gain(found, q, r, w, calm) > 1.02 * smallest
 
 
+def test_the_gain_is_that_of_the_recursion():
+    """P and K by iterating the docstring's equations from P = 0."""
+    found, q, r, w = design()
+    level = 1.1 * _smallest_level(found, q, r, w)
+    phi, noise, r_d = found.step(found.model.A), found.noise(found.model.A, q), r / DT
+    information = found.c.T @ np.linalg.inv(r_d) @ found.c - w.T @ w / level**2
+    p = np.zeros((3, 3))
+    for _ in range(10_000):
+        filtered = p @ np.linalg.inv(np.eye(3) + information @ p)
+        p = phi @ filtered @ phi.T + noise
+    wanted = phi @ p @ np.linalg.inv(np.eye(3) + information @ p) @ found.c.T @ np.linalg.inv(r_d)
+    np.testing.assert_allclose(_gain(found, q, r, w, level), wanted, rtol=1e-6)
+
+
 def test_below_the_smallest_level_there_is_no_gain():
     found, q, r, w = design()
     smallest = _smallest_level(found, q, r, w)
