@@ -6,7 +6,20 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from . import controllers, export, io, metrics, observers, plot, report, rig, signals
+    from . import (
+        compare,
+        controllers,
+        export,
+        identification,
+        io,
+        metrics,
+        observers,
+        plot,
+        report,
+        rig,
+        signals,
+        structure,
+    )
     from .curves import PiecewiseLinear
     from .drivetrain import Actuator, Drivetrain, Friction, Shaft
     from .errors import InputProblems, InvalidInput, LostMotionError, Problem
@@ -56,14 +69,18 @@ _HOME = {
     "shaft_stiffness": "identification",
     "simulate": "simulation",
 }
-_FOLDERS = ("controllers", "export", "io", "metrics", "observers", "plot", "report", "rig", "signals")
+_FOLDERS = (
+    "compare", "controllers", "export", "identification", "io", "metrics", "observers", "plot", "report", "rig",
+    "signals", "structure",
+)  # fmt: skip
 
 __all__ = [
-    "Actuator", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Identification", "InputProblems", "InvalidInput",
-    "LostMotionError", "PiecewiseLinear", "Problem", "Recording", "Sensor", "Shaft", "connect", "controllers", "export",
-    "identify", "io", "load_drivetrain", "load_law", "load_recording", "metrics", "observers", "one_sample_delay",
-    "plot", "read_recording", "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording",
-    "shaft_stiffness", "signals", "simulate",
+    "Actuator", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Identification", "InputProblems",
+    "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem", "Recording", "Sensor", "Shaft",
+    "compare", "connect", "controllers", "export", "identification", "identify", "io", "load_drivetrain",
+    "load_law", "load_recording", "metrics", "observers", "one_sample_delay", "plot", "read_recording",
+    "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
+    "signals", "simulate", "structure",
 ]  # fmt: skip
 
 
