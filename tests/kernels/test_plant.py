@@ -19,11 +19,8 @@ def polynomial(*coefficients: float) -> np.ndarray:
 
 
 def first(p: np.ndarray, sign: float, bound: float, until: float = 1.0) -> float:
-    k = np.arange(p.size)
-    size = np.abs(p)
-    spread, bend, third = size[1:].sum(), (k * size)[2:].sum(), (k * (k - 1) * (k - 2) * size).sum()
-    tolerance = 4.5e-16 * (spread + size[0])
-    return _first_crossing(p, 0, MAX_ORDER, sign, bound, until, bend, third, tolerance)
+    tolerance = 4.5e-16 * np.abs(p).sum()
+    return _first_crossing(p, 0, MAX_ORDER, sign, bound, until, tolerance)
 
 
 def test_crossing_of_a_line():

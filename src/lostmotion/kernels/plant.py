@@ -203,14 +203,22 @@ def _only_crossing(p, c, order, sign, bound, until, third, tolerance):
 
 
 @njit(**_PLANT)
-def _first_crossing(p, start, order, sign, bound, until, bend, third, tolerance):
+def _first_crossing(p, start, order, sign, bound, until, tolerance):
     """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
 
-    p holds polynomial coefficients from `start` on, on the normalised piece [0, 1]; bend, third: sums of k·|p[k]| from
-    k = 2, k (k − 1) (k − 2)·|p[k]| from k = 3; tolerance: rounding of q. A monotone q has one root at most.
-    Otherwise each step ends before the first root of a quadratic that lies below q, so that no root is jumped over.
+    p holds polynomial coefficients from `start` on, on the normalised piece [0, 1]; tolerance: rounding of q. A
+    monotone q has one root at most. Otherwise each step ends before the first root of a quadratic that lies below q,
+    so that no root is jumped over.
     """
     c = uint64(start)
+    bend = 2.0 * abs(p[c + uint64(2)])  # bounds |q' − q'(0)|
+    third = 0.0  # bounds |q'''|
+    weight = 2.0
+    for k in range(3, order + 1):
+        weight += 1.0
+        term = weight * abs(p[c + uint64(k)])
+        bend += term
+        third += (weight - 1.0) * (weight - 2.0) * term
     q0 = sign * (p[c] - bound)
     if q0 >= -tolerance:
         slope = sign * p[c + uint64(1)]
@@ -255,24 +263,33 @@ def _first_crossing(p, start, order, sign, bound, until, bend, third, tolerance)
 
 @njit(inline="always", **_PLANT)
 def _expand(flat, at, first, stop, width, s, C, idle, series):
-    """Taylor coefficients number `first` to `stop` out of the mode's table, which holds `width` for each column."""
-    column = at + uint64((C - 1) * width)  # of the constant one
+    """Taylor coefficients number `first` to `stop` out of the mode's table, which holds `width` for each column.
+
+    Three columns in each pass over the coefficients; the first pass brings in the constant one as well.
+    """
+    constant = at + uint64((C - 1) * width)
+    a = s[0] if idle != 0 else 0.0
+    b = s[1] if idle != 1 else 0.0
+    c = s[2] if idle != 2 else 0.0
+    at_b = at + uint64(width)
+    at_c = at_b + uint64(width)
     for v in range(first, stop):
-        series[v] = flat[column + uint64(v)]
-    j = 0
-    while j + 2 < C - 1:
-        a, b = s[j], s[j + 1] if j + 1 != idle else 0.0
-        if j == idle:
-            a = 0.0
-        c = s[j + 2] if j + 2 != idle else 0.0
-        at_a = at + uint64(j * width)
-        at_b = at_a + uint64(width)
-        at_c = at_b + uint64(width)
-        for v in range(first, stop):
-            n = uint64(v)
-            series[v] += flat[at_a + n] * a + flat[at_b + n] * b + flat[at_c + n] * c
-        j += 3
+        n = uint64(v)
+        series[v] = (flat[constant + n] + flat[at + n] * a) + (flat[at_b + n] * b + flat[at_c + n] * c)
+    j = 3
     while j < C - 1:
+        if j + 2 < C - 1:
+            a = s[j] if j != idle else 0.0
+            b = s[j + 1] if j + 1 != idle else 0.0
+            c = s[j + 2] if j + 2 != idle else 0.0
+            at_a = at + uint64(j * width)
+            at_b = at_a + uint64(width)
+            at_c = at_b + uint64(width)
+            for v in range(first, stop):
+                n = uint64(v)
+                series[v] += flat[at_a + n] * a + (flat[at_b + n] * b + flat[at_c + n] * c)
+            j += 3
+            continue
         if j != idle:
             a = s[j]
             at_a = at + uint64(j * width)
@@ -311,14 +328,8 @@ def _next_event(flat, rows, bounds, s, series, order, until, C, E):
     for e in range(E):
         c = uint64(e * (order + 1))
         spread = 0.0
-        bend = 0.0
-        third = 0.0
         for n in range(1, order + 1):
-            size = abs(series[c + uint64(n)])
-            spread += size
-            if n > 1:
-                bend += n * size
-                third += n * (n - 1) * (n - 2) * size
+            spread += abs(series[c + uint64(n)])
         lower, upper = flat[bounds + uint64(2 * e)], flat[bounds + uint64(2 * e + 1)]
         # What the guard's sum may be wrong by; a bound is a number of the same size.
         terms = 0.0
@@ -329,11 +340,11 @@ def _next_event(flat, rows, bounds, s, series, order, until, C, E):
         start = series[c]
         reach = spread * first + tolerance
         if start - reach <= lower:
-            found = _first_crossing(series, c, order, 1.0, lower, first, bend, third, tolerance)
+            found = _first_crossing(series, c, order, 1.0, lower, first, tolerance)
             if found <= first:
                 first, which, direction = found, e, -1
         if start + reach >= upper:
-            found = _first_crossing(series, c, order, -1.0, upper, first, bend, third, tolerance)
+            found = _first_crossing(series, c, order, -1.0, upper, first, tolerance)
             if found <= first:
                 first, which, direction = found, e, 1
     return first, which, direction

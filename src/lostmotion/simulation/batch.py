@@ -154,7 +154,7 @@ class _Work:
     def run(self, part: Sequence[Drivetrain], first: int, file: Path | None) -> list[dict[str, Any]]:
         """Summaries of a chunk; a variant that fails leaves its message."""
         rows: list[dict[str, Any]] = []
-        kept: dict[str, Array] = {}
+        kept: dict[str, Any] = {}
         for index, drivetrain in enumerate(part, first):
             try:
                 recording = simulate(drivetrain, dt=self.dt, **self.arguments)
