@@ -86,10 +86,9 @@ class Leaderboard:
         return counts
 
     def time_per_sample(self, observer: str) -> float | None:
-        """Smallest processor time of a sample over all runs, s: the least disturbed."""
-        times = [
-            t for case in self.cases for t in self.values(observer, case.name, "time_per_sample").values()
-        ]
+        """Smallest processor time of a sample over all runs at the first case's sample time, s: the least disturbed."""
+        cases = [case.name for case in self.cases if case.dt == self.cases[0].dt]
+        times = [t for case in cases for t in self.values(observer, case, "time_per_sample").values()]
         return min(times) if times else None
 
     def ranking(self) -> list[str]:
@@ -212,4 +211,6 @@ def _plain(found: Estimate | None) -> list[float] | None:
 
 
 def _percent(value: float | None) -> str:
-    return "–" if value is None else f"{100.0 * value:.2g}"
+    if value is None:
+        return "–"
+    return f"{100.0 * value:.2g}" if value < 0.995 else f"{100.0 * value:.0f}"
