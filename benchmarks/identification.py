@@ -1,8 +1,10 @@
-"""Identification on the virtual rig: error of every parameter against the equivalent two-mass drivetrain.
+"""Identification: errors on the virtual rig, and how often the intervals hold the truth without model error.
 
-    python benchmarks/identification.py --seeds 20
+    python benchmarks/identification.py --seeds 20             # the rig in open loop
+    python benchmarks/identification.py --seeds 20 --closed    # the rig under PI control with dither
+    python benchmarks/identification.py --coverage 100         # two masses, exactly simulated, 20 bit counts
 
-Prints a Markdown table: error in %, ✗ where the 95 % interval misses the truth, – where nothing was
+The first two print a Markdown table: error in %, ✗ where the 95 % interval misses the truth, – where nothing was
 identified. The start values are off by exactly a factor of two, up or down at random.
 """
 
@@ -16,6 +18,13 @@ import numpy as np
 import lostmotion as lm
 from lostmotion.identification import Identification
 from lostmotion.identification.predictor import NAMES
+
+DT = 1e-4
+#: Table I of Fietzek & Rinderknecht, and a torque lag.
+TABLE_I = {
+    "inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397, "backlash": 0.012,
+    "coulomb": 2.0, "viscous": 0.0175, "lag": 3e-4,
+}  # fmt: skip
 
 
 def start_off_by(truth: dict[str, float], factor: float, seed: int) -> lm.Drivetrain:
@@ -37,17 +46,22 @@ def cell(found: Identification, truth: dict[str, float], name: str) -> tuple[str
     return f"{error:+.2f} ± {half:.1f}{'' if hit else ' ✗'}", error, hit
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=20, help="rigs 1 to SEEDS")
-    parser.add_argument("--factor", type=float, default=2.0, help="how far the start values are off")
-    arguments = parser.parse_args()
+def closed_loop(seed: int) -> tuple[lm.Recording, lm.rig.Truth]:
+    """Ramps between speed levels under PI control, with noise on the set-point."""
+    levels = np.repeat([10.0, 25.0, -10.0, -25.0, 15.0, -15.0], 16667)[:100000]
+    ramps = np.convolve(np.r_[np.zeros(5000), levels], np.ones(5000) / 5000.0, "valid")[:100000]
+    dither = lm.signals.noise(2.0, 120.0, 0.8, 10.0, DT, seed=seed)
+    law = lm.controllers.pi(kp=10.0, ki=20.0, dt=DT, torque_limit=lm.rig.TORQUE_LIMIT)
+    return lm.rig.record(seed, law=law, speed_reference=ramps + dither)
+
+
+def on_the_rig(seeds: int, factor: float, closed: bool) -> None:
     print("| rig | " + " | ".join(NAMES) + " | time s |")
     print("|---" * (len(NAMES) + 2) + "|")
     errors, hits, times = [], [], []
-    for seed in range(1, arguments.seeds + 1):
-        recording, truth = lm.rig.record(seed)
-        start = start_off_by(truth.parameters, arguments.factor, seed)
+    for seed in range(1, seeds + 1):
+        recording, truth = closed_loop(seed) if closed else lm.rig.record(seed)
+        start = start_off_by(truth.parameters, factor, seed)
         before = time.perf_counter()
         found = lm.identify(recording, start=start)
         times.append(time.perf_counter() - before)
@@ -66,6 +80,55 @@ def main() -> None:
         for column in zip(*hits, strict=True)
     ]
     print("| **in interval** | " + " | ".join(counts) + " | |")
+
+
+def exact_recording(seed: int) -> lm.Recording:
+    """Two masses, excitation of the seed, torque and speed from 20 bit counts: nothing that the model leaves out."""
+    torque = lm.signals.excitation(10.0, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(lm.Drivetrain.two_mass(**TABLE_I), torque_motor=torque, dt=DT)
+    count = 2.0 * np.pi / 2**20
+    counts = np.floor(run["angle_motor"] / count + np.random.default_rng([seed, 5]).uniform())
+    speed = np.diff(counts, prepend=counts[0]) * count / DT
+    return run.only("torque_motor").with_signals("measured", speed_motor=speed)
+
+
+def coverage(seeds: int) -> None:
+    """Share of the 95 % intervals that hold the truth, in %, and their median half widths."""
+    hits, statistical, half = [], [], []
+    start = lm.Drivetrain.two_mass(**TABLE_I)
+    for seed in range(1, seeds + 1):
+        found = lm.identify(exact_recording(seed), start=start)
+        low, high = np.array([found.intervals[n] for n in NAMES]).T
+        truth = np.array([TABLE_I[n] for n in NAMES])
+        hits.append((low <= truth) & (truth <= high))
+        half.append(50.0 * (high - low) / truth)
+        value = np.array([found.values[n] for n in NAMES])
+        # The covariance is that of the logarithms, of lag + sample time for the lag.
+        shift = np.log(value + DT * (truth == TABLE_I["lag"])) - np.log(
+            truth + DT * (truth == TABLE_I["lag"])
+        )
+        statistical.append(np.abs(shift) <= 2.18 * np.sqrt(np.diag(found.covariance)))
+    print("| | " + " | ".join(NAMES) + " | pooled |")
+    print("|---" * (len(NAMES) + 2) + "|")
+    for title, table in (("in interval, %", hits), ("in statistical part alone, %", statistical)):
+        share = 100.0 * np.mean(table, axis=0)
+        print(f"| {title} | " + " | ".join(f"{s:.0f}" for s in share) + f" | {np.mean(share):.1f} |")
+    print("| median half width, % | " + " | ".join(f"{h:.2f}" for h in np.median(half, axis=0)) + " | |")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=20, help="rigs 1 to SEEDS")
+    parser.add_argument("--factor", type=float, default=2.0, help="how far the start values are off")
+    parser.add_argument("--closed", action="store_true", help="under PI control with dither")
+    parser.add_argument(
+        "--coverage", type=int, default=0, metavar="N", help="exact recordings 1 to N instead"
+    )
+    arguments = parser.parse_args()
+    if arguments.coverage:
+        coverage(arguments.coverage)
+    else:
+        on_the_rig(arguments.seeds, arguments.factor, arguments.closed)
 
 
 if __name__ == "__main__":

@@ -92,7 +92,13 @@ def test_allowance_grows_with_the_square_of_the_frequency_ratio():
     names = ("inertia_motor", "inertia_load", "coulomb")
     pole = drivetrain.pole_frequency
     near, far = (model_allowance(names, drivetrain, 1e-6, factor * pole) for factor in (5.0, 10.0))
-    assert near == pytest.approx([2.0 / 25.0, 2.0 / 25.0 / 5.0, 0.0], rel=1e-3, abs=1e-6)
+    assert near == pytest.approx([2.0 / 25.0, 2.0 / 25.0 / 5.0, 0.015], rel=1e-3, abs=1e-6)
+    rubbing = drivetrain.with_parameters(coulomb=2.0, viscous=0.02)
+    assert model_allowance(("viscous",), rubbing, 1e-6, 5.0 * pole, speed=20.0) == pytest.approx(
+        [0.075], rel=1e-3
+    )
+    more = model_allowance(names, drivetrain, 1e-6, 5.0 * pole, further=True)
+    assert more == pytest.approx(near * [1.0, 2.0, 1.0])
     assert far[0] == pytest.approx(near[0] / 4.0, rel=1e-3)
     assert model_allowance(names, drivetrain, DT, None) == pytest.approx(
         [0.5 * (2.0 * np.pi * pole * DT) ** 2] * 3

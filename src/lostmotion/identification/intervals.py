@@ -39,7 +39,11 @@ def half_widths(predictor: Predictor, stage: Stage) -> tuple[Array, Array]:
     statistical = student_factor(len(stage.free)) * np.sqrt(np.diag(covariance))
     names = tuple(NAMES[i] for i in stage.free)
     mode = higher_mode(predictor, stage)
-    allowance = model_allowance(names, predictor.drivetrain(stage.fit.theta), predictor.dt, mode)
+    further = residual.size > predictor.speed.size
+    usual = float(np.sqrt(np.mean(np.square(predictor.speed))))
+    allowance = model_allowance(
+        names, predictor.drivetrain(stage.fit.theta), predictor.dt, mode, further, usual
+    )
     parts = [statistical, by_gain, by_speed, *by_nameplate, allowance]
     return covariance, np.sqrt(np.sum(np.square(parts), axis=0))
 

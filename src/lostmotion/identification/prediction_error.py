@@ -10,11 +10,19 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
 from . import findings, starts
+from .channel_fit import refine
+from .channel_predictor import ChannelPredictor
 from .intervals import half_widths, higher_mode, without_unexcited
 from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend
 from .pieces import Pieces, join
 from .predictor import NAMES, Predictor, from_theta
 from .result import Identification, Prediction, Source
+
+#: Signals that may be measured beside the motor speed.
+FURTHER = ("speed_load", "twist", "torque_shaft", "angle_motor")
+
+#: Contact laws that the observer can have.
+CONTACTS = ("viscoelastic", "dead_zone")
 
 #: Fewest rows and shortest time that are accepted (chosen: five periods of a 10 Hz mode).
 MIN_ROWS, MIN_TIME = 2000, 0.5
@@ -29,10 +37,13 @@ def identify(
     *,
     start: Drivetrain,
     fixed: Collection[str] = (),
+    measured: Sequence[str] = ("speed_motor",),
+    load_torque: bool = False,
+    contact: str = "viscoelastic",
     count_averaged: bool | None = None,
     progress: Progress | None = None,
 ) -> Identification:
-    """Find the two-mass drivetrain whose observer predicts the motor speed best.
+    """Find the two-mass drivetrain whose observer predicts the motor speed, and what else is measured, best.
 
     The innovations of ``observers.kalman`` (motor torque and motor speed alone) are minimised over the
     logarithms of the parameters. A grid over motor inertia, stiffness and backlash around the nameplate
@@ -48,15 +59,22 @@ def identify(
     Parameters
     ----------
     recording : Recording, or several of one sample time
-        ``torque_motor`` (Nm, held from row to row) and ``speed_motor`` (rad/s); nothing else is looked at. Rows with
+        ``torque_motor`` (Nm, held from row to row) and the ``measured`` signals; nothing else is looked at. Rows with
         a NaN and missing rows are gaps: the observer starts anew after each.
     start : Drivetrain
         Two masses, nameplate values, right within a factor of two. A zero for backlash, damping, coulomb,
         viscous or lag means "not known".
     fixed : collection of str
         Names out of ``predictor.NAMES`` that keep their nameplate value.
+    measured : sequence of str
+        ``speed_motor`` (rad/s), and any of ``FURTHER``: speed_load (rad/s), twist, angle_motor (rad), torque_shaft
+        (Nm), free of bias. Each counts by its own noise, which is estimated.
+    load_torque : bool
+        Whether an unknown, slowly changing torque acts on the load. How slowly is estimated.
+    contact : {"viscoelastic", "dead_zone"}
+        Contact law of the observer; see ``compare_contacts``.
     count_averaged : bool, optional
-        Whether the speed is an encoder's count difference, so a mean over the sample before. Default: what
+        Whether the speeds are an encoder's count difference, so a mean over the sample before. Default: what
         ``recording.meta["count_averaged"]`` says, else found from the quantisation of the signal.
     progress : callable, optional
         Called with a fraction from 0 to 1 and a text.
@@ -69,7 +87,7 @@ def identify(
     ------
     InvalidInput
         If a signal is missing, not finite or constant, the raster is not uniform within 5 %, the recording is
-        too short, or a name in ``fixed`` is unknown.
+        too short, or a name in ``fixed`` or ``measured`` or a contact law is unknown.
 
     Notes
     -----
@@ -79,10 +97,10 @@ def identify(
     """
     say = progress or (lambda fraction, text: None)
     recordings = [recording] if isinstance(recording, Recording) else list(recording)
-    _check(start, fixed)
+    _check(start, fixed, measured, contact)
     for one in recordings:
-        findings.check_recording(one, ("torque_motor", "speed_motor"))
-    pieces = join(recordings, ("torque_motor", "speed_motor"))
+        findings.check_recording(one, ("torque_motor", *measured))
+    pieces = join(recordings, ("torque_motor", *measured))
     findings.check_length(pieces.time.size, pieces.dt, MIN_ROWS, MIN_TIME)
     predictor = _predictor(pieces, recordings[0], start, count_averaged)
     free = [i for i, name in enumerate(NAMES) if name not in fixed]
@@ -91,6 +109,10 @@ def identify(
     box = Box.around(theta, predictor.dt)
     theta = starts.search(theta, total, predictor, start, fixed, bandwidth_for(start, LADDER[0]))
     stage = descend(predictor, theta, free, box, say)
+    if load_torque or contact != "viscoelastic" or len(measured) > 1:
+        say(0.7, "fitting all channels")
+        wide = _channel_predictor(predictor, pieces, recordings[0], measured, contact, count_averaged)
+        predictor, stage = refine(wide, stage, box, load_torque)
     say(0.8, "computing the intervals")
     stage = without_unexcited(predictor, stage, start, box)
     found = _result(pieces, predictor, stage, start, fixed, total)
@@ -98,7 +120,17 @@ def identify(
     return found
 
 
-def _check(start: Drivetrain, fixed: Collection[str]) -> None:
+def _check(start: Drivetrain, fixed: Collection[str], measured: Sequence[str], contact: str) -> None:
+    known = ("speed_motor", *FURTHER)
+    if "speed_motor" not in measured or not set(measured) <= set(known) or len(set(measured)) < len(measured):
+        raise InvalidInput(
+            "identify.measured",
+            f"{tuple(measured)}",
+            f"speed_motor, and any of {FURTHER}",
+            "Check the names.",
+        )
+    if contact not in CONTACTS:
+        raise InvalidInput("identify.contact", repr(contact), f"one of {CONTACTS}", "Check the name.")
     unknown = sorted(set(fixed) - set(NAMES))
     if unknown:
         raise InvalidInput("identify.fixed", f"{unknown}", f"names out of {NAMES}", "Check the names.")
@@ -123,6 +155,27 @@ def _predictor(
     return Predictor(torque, speed, pieces.dt, count_averaged, base, skip, pieces.bounds, later)
 
 
+def _channel_predictor(
+    predictor: Predictor,
+    pieces: Pieces,
+    recording: Recording,
+    measured: Sequence[str],
+    contact: str,
+    count_averaged: bool | None,
+) -> ChannelPredictor:
+    channels = {name: pieces.signals[name] for name in measured if name != "speed_motor"}
+    averaged = ["speed_motor"] if predictor.count_averaged else []
+    if "speed_load" in channels:
+        stated = recording.meta.get("count_averaged") if count_averaged is None else count_averaged
+        if findings.is_quantised(channels["speed_load"]) if stated is None else stated:
+            averaged.append("speed_load")
+    return ChannelPredictor(
+        predictor.torque, predictor.speed, predictor.dt, predictor.count_averaged,
+        predictor.base.with_contact(contact), predictor.skip, predictor.bounds, predictor.skip_later,
+        channels=channels, averaged=tuple(averaged),
+    )  # fmt: skip
+
+
 def _result(
     pieces: Pieces,
     predictor: Predictor,
@@ -137,15 +190,17 @@ def _result(
     full = np.zeros(theta.size)
     full[stage.free] = half
     low, high = (from_theta(theta + sign * full, predictor.dt) for sign in (-1.0, 1.0))
-    rms = float(np.sqrt(np.mean(residual[predictor.settled()] ** 2)))
+    innovation = predictor.speed_residual(residual)
+    rms = float(np.sqrt(np.mean(innovation[predictor.settled()] ** 2)))
     prediction = Prediction(
         time=pieces.time,
-        speed_motor=predictor.speed - residual,
-        residual=residual,
+        speed_motor=predictor.speed - innovation,
+        residual=innovation,
         rms=rms,
         fit=1.0 - rms / float(np.std(predictor.speed)),
         iterations=stage.iterations,
         unmodelled_frequency=higher_mode(predictor, stage),
+        levels=predictor.noise_levels(residual),
     )
     sources: dict[str, Source] = {
         name: "identified" if name in names else "nameplate" if name in fixed else "not excited"

@@ -83,6 +83,10 @@ class Predictor:
         """(n,) innovations of the motor speed out of a residual, rad/s."""
         return residual
 
+    def noise_levels(self, residual: Array) -> dict[str, float]:
+        """Rms of each channel's innovations in its own unit."""
+        return {"speed_motor": float(np.sqrt(np.mean(residual[self.settled()] ** 2)))}
+
     def settling(self) -> list[slice]:
         """Rows of each piece in which the observer settles; they do not count."""
         skips = [self.skip] + [self.skip_later] * (len(self.bounds) - 2)

@@ -33,6 +33,8 @@ class Prediction:
         Gauss–Newton steps over the whole recording.
     unmodelled_frequency : float, optional, Hz
         Peak of the innovations' spectrum above the torsional mode, if one stands out.
+    levels : mapping of name → float
+        Rms of the innovations of each measured channel, in its own unit.
     """
 
     time: NDArray[np.float64]
@@ -42,6 +44,7 @@ class Prediction:
     fit: float
     iterations: int
     unmodelled_frequency: float | None
+    levels: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +54,7 @@ class Identification:
     Parameters
     ----------
     drivetrain : Drivetrain
-        Contact "viscoelastic". What was not identified has its nameplate value here.
+        With the contact law that was asked for. What was not identified has its nameplate value here.
     values : mapping of name → float or None
         Identified and nameplate values, SI; None where the recording does not excite the parameter.
     intervals : mapping of name → (low, high)
