@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ class Layout:
     drivetrain: Drivetrain
     inputs: tuple[str, ...]
 
-    @property
+    @cached_property
     def n(self) -> int:
         return len(self.drivetrain.inertias)
 
@@ -45,7 +46,7 @@ class Layout:
     def angle_motor(self) -> int:
         return 2 * self.n - 1
 
-    @property
+    @cached_property
     def physical(self) -> tuple[int, ...]:
         """Shafts that carry a state of their own."""
         return tuple(i for i, shaft in enumerate(self.drivetrain.shafts) if relaxes(shaft))
@@ -53,15 +54,15 @@ class Layout:
     def shaft_angle(self, shaft: int) -> int:
         return 2 * self.n + self.physical.index(shaft)
 
-    @property
+    @cached_property
     def actuator(self) -> int | None:
         return 2 * self.n + len(self.physical) if self.drivetrain.actuator.lag > 0.0 else None
 
-    @property
+    @cached_property
     def states(self) -> int:
         return 2 * self.n + len(self.physical) + (self.actuator is not None)
 
-    @property
+    @cached_property
     def columns(self) -> int:
         return self.states + len(self.inputs) + 1
 

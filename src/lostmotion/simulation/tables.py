@@ -37,6 +37,7 @@ class Plant:
             )
         self.row_of_mode = np.full(count, -1, dtype=np.int64)
         self.modes: list[Mode] = []
+        self._blocks: dict[tuple[int, int], NDArray[np.float64]] = {}
 
     def digits_of(self, mode: int) -> tuple[int, ...]:
         return tuple((mode // int(r)) % e.digits for r, e in zip(self.radix, self.elements, strict=True))
@@ -110,9 +111,12 @@ class Plant:
                     reset_row[j, digit, layout.twist(i)] = 1.0
                     reset_row[j, digit, n] = -(digit - GAP) * 0.5 * self.drivetrain.shafts[i].backlash
         order = max(len(mode.state_series) for mode in self.modes)
+        for i, mode in enumerate(self.modes):
+            if (i, order) not in self._blocks:
+                self._blocks[i, order] = self._block(mode, order)
         kinds = {"shaft": SHAFT, "friction": FRICTION}
         return PlantTables(
-            flat=np.concatenate([self._block(mode, order) for mode in self.modes]),
+            flat=np.concatenate([self._blocks[i, order] for i in range(len(self.modes))]),
             row=self.row_of_mode.copy(),
             radix=self.radix,
             kind=np.array([kinds.get(x.kind, BRANCH) for x in self.elements], dtype=np.int64),
