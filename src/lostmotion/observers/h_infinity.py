@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ TOLERANCE = 1.005
 def h_infinity(
     drivetrain: Drivetrain,
     *,
-    measured: tuple[str, ...] = ("speed_motor",),
+    measured: Sequence[str] = ("speed_motor",),
     dt: float,
     weights: Mapping[str, float] | None = None,
     margin: float = MARGIN,
