@@ -13,8 +13,8 @@ from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.kernels import steppers_model as at
 from lostmotion.kernels.steppers_moving_horizon import FIRST_NODE, NODE
-from lostmotion.observers import extended_kalman, moving_horizon, unscented_kalman
-from lostmotion.signals import excitation
+from lostmotion.observers import extended_kalman, kalman, moving_horizon, unscented_kalman
+from lostmotion.signals import excitation, noise
 from lostmotion.simulation import simulate
 from lostmotion.systems import zero_order_hold
 
@@ -237,3 +237,17 @@ def smoothed(drivetrain, p, torque, speed):
             rows.append(weight * row)
             right.append(weight * gamma[i, 0] * torque[k])
     return np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0].reshape(n, 3)
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_a_load_that_sticks_half_of_the_time_is_followed_better_than_by_observer_1(seed):
+    """The rig breaks away at 1.15 of its Coulomb level; the filter finds that level instead of a load torque."""
+    _, _, model = rig_experiment(seed, 2.0)
+    time = np.arange(20000) * DT
+    wave = np.sign(np.sin(2.0 * np.pi * 5.0 * time))
+    torque = noise(2.0, 140.0, 1.2, 2.0, DT, seed=seed) + wave
+    rec, truth = rig.record(seed, torque_motor=torque)
+    tracked = extended_kalman(model, dt=DT, count_averaged=True).run(rec)
+    first = kalman(model, dt=DT, count_averaged=True).run(rec)
+    errors = [relative_rmse(r, truth.signals, "speed_load") for r in (tracked, first)]
+    assert errors[0] < 0.5 * errors[1]

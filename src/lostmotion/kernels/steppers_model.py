@@ -27,7 +27,8 @@ START, START_VARIANCE, PROCESS = 48, 56, 64  # 8 each
 KIND, VARIANCE, N_SENSORS = 72, 76, 80  # 4 each: what sensor i measures, variance of a sample
 DT = 81
 MISMATCH = 82  # standard deviations of the sensor that the model's own error may add to an innovation
-OWN = 83  # first place that an observer may use for itself
+COULOMB_BOUND = 83  # Nm: largest Coulomb level that is believed
+OWN = 84  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3

@@ -18,6 +18,7 @@ from numba import njit
 from .steppers import INIT, STEP
 from .steppers_extended_kalman import jacobian, propagate
 from .steppers_model import (
+    COULOMB_BOUND,
     DOUBT,
     DT,
     FROZEN,
@@ -261,7 +262,7 @@ def step(p, s, inputs, faults, outputs):
         for j in range(N + N * N):
             s[j] = w[j]
         s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
-        s[COULOMB] = max(s[COULOMB], 0.0)
+        s[COULOMB] = clip(s[COULOMB], 0.0, p[COULOMB_BOUND])
     recover(p, s)
     write(p, s, work[0], outputs)
     n0, n1, n2, n3, load = _move(p, s, 0, torque, f)

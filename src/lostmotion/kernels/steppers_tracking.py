@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from .steppers_model import (
+    COULOMB_BOUND,
     DAMPING,
     DOUBT,
     DT,
@@ -185,7 +186,7 @@ def correct_all(p, s, inputs, torque_faults, work):
         if verdict == USE:
             correct(s, h, innovation, variance, gain)
             s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
-            s[COULOMB] = max(s[COULOMB], 0.0)
+            s[COULOMB] = clip(s[COULOMB], 0.0, p[COULOMB_BOUND])
         else:
             faults |= 2 << i
         if verdict in (FROZEN, JUMP):

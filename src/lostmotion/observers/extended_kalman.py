@@ -36,7 +36,11 @@ TRACKING_OUTPUTS = (
 DRIFT: Mapping[str, float] = MappingProxyType({"backlash": 0.02, "coulomb": 0.02, "torque_load": 0.5})
 
 #: How well each is known at the start (standard deviation), in the same units (chosen).
-UNCERTAINTY: Mapping[str, float] = MappingProxyType({"backlash": 0.5, "coulomb": 0.3, "torque_load": 1.0})
+UNCERTAINTY: Mapping[str, float] = MappingProxyType({"backlash": 0.5, "coulomb": 0.15, "torque_load": 0.1})
+
+#: The Coulomb level stays within this many start deviations above its start value (chosen). An estimate that is far too
+#: high would hold the load for ever and never learn otherwise.
+COULOMB_REACH = 4.0
 
 
 def extended_kalman(
@@ -124,6 +128,7 @@ def fill_tracking(
     p[at.START + 5 : at.START + 8] = 0.0, backlash, coulomb
     # At the start the twist lies anywhere in the gap, the load turns about as fast as the motor.
     p[at.START_VARIANCE : at.START_VARIANCE + 5] = (0.5 * backlash) ** 2 + 1e-8, 0.25, 0.25, 0.25, 0.25
+    p[at.COULOMB_BOUND] = (1.0 + COULOMB_REACH * known["coulomb"]) * coulomb
     p[at.START_VARIANCE + 5 : at.START_VARIANCE + 8] = (units * [known[n] for n in names]) ** 2
     p[at.PROCESS : at.PROCESS + 5] = 1e-14, q_motor, q_load, 0.0, 0.0
     p[at.PROCESS + 5 : at.PROCESS + 8] = (units * [wander[n] for n in names]) ** 2 * dt
