@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         structure,
     )
     from .curves import PiecewiseLinear
-    from .drivetrain import Actuator, Drivetrain, Friction, Shaft
+    from .drivetrain import Actuator, Drivetrain, Friction, Gear, Shaft
     from .errors import InputProblems, InvalidInput, LostMotionError, Problem
     from .identification import Identification, identify, ring_down, shaft_stiffness
     from .io import (
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         save_recording,
     )
     from .recording import Event, Recording
-    from .simulation import Sensor, simulate
+    from .simulation import BatchResult, Sensor, simulate, simulate_batch
     from .systems import DiscreteSystem, connect, one_sample_delay
 
 __version__ = "0.1.0"
@@ -42,10 +42,12 @@ __version__ = "0.1.0"
 # Public names and the module that holds each, loaded when first used: importing the package stays fast.
 _HOME = {
     "Actuator": "drivetrain",
+    "BatchResult": "simulation",
     "DiscreteSystem": "systems",
     "Drivetrain": "drivetrain",
     "Event": "recording",
     "Friction": "drivetrain",
+    "Gear": "drivetrain",
     "Identification": "identification",
     "InputProblems": "errors",
     "InvalidInput": "errors",
@@ -68,6 +70,7 @@ _HOME = {
     "save_recording": "io",
     "shaft_stiffness": "identification",
     "simulate": "simulation",
+    "simulate_batch": "simulation",
 }
 _FOLDERS = (
     "compare", "controllers", "export", "identification", "io", "metrics", "observers", "plot", "report", "rig",
@@ -75,12 +78,12 @@ _FOLDERS = (
 )  # fmt: skip
 
 __all__ = [
-    "Actuator", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Identification", "InputProblems",
-    "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem", "Recording", "Sensor", "Shaft",
-    "compare", "connect", "controllers", "export", "identification", "identify", "io", "load_drivetrain",
-    "load_law", "load_recording", "metrics", "observers", "one_sample_delay", "plot", "read_recording",
-    "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
-    "signals", "simulate", "structure",
+    "Actuator", "BatchResult", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Gear",
+    "Identification", "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem",
+    "Recording", "Sensor", "Shaft", "compare", "connect", "controllers", "export", "identification",
+    "identify", "io", "load_drivetrain", "load_law", "load_recording", "metrics", "observers",
+    "one_sample_delay", "plot", "read_recording", "report", "rig", "ring_down", "save_drivetrain",
+    "save_law", "save_recording", "shaft_stiffness", "signals", "simulate", "simulate_batch", "structure",
 ]  # fmt: skip
 
 

@@ -41,7 +41,8 @@ def chains(draw: st.DrawFn) -> Drivetrain:
             for _ in range(count - 1)
         ),
         tuple(Friction(draw(coulomb), draw(level), breakaway, stribeck) for _ in range(count)),
-        Actuator(draw(level), draw(st.one_of(positive, st.just(math.inf)))),
+        Actuator(*(draw(st.one_of(positive, st.just(math.inf))) if i else draw(level) for i in range(3))),
+        locked=draw(st.sampled_from([None, "motor", "load"])) if count > 1 else None,
     )
 
 

@@ -21,9 +21,10 @@ def save_drivetrain(drivetrain: Drivetrain, path: str | Path) -> None:
         "# A chain of inertias joined by shafts, motor first, load last. SI units.",
         'kind = "drivetrain"',
         f"schema_version = {SCHEMA_VERSION}",
+        *([_entry("locked", drivetrain.locked, "this end is held")] if drivetrain.locked else []),
         "",
         "[actuator]",
-        *_entries(drivetrain.actuator, {"lag": "s, first-order torque lag", "torque_limit": "Nm"}),
+        *_entries(drivetrain.actuator, _ACTUATOR_UNITS),
     ]
     count = len(drivetrain.inertias)
     for i, (inertia, friction) in enumerate(zip(drivetrain.inertias, drivetrain.frictions, strict=True)):
@@ -50,17 +51,18 @@ def load_drivetrain(path: str | Path) -> Drivetrain:
             where, f"broken TOML: {error}", "a drivetrain as TOML", "Write it again."
         ) from None
     content = unwrapped(content, "drivetrain", where)
-    _known(content, ("actuator", "inertia", "shaft"), where)
+    _known(content, ("actuator", "inertia", "locked", "shaft"), where)
     inertias = _tables(content, "inertia", {"inertia", *_FRICTION_UNITS}, {"inertia"}, where)
     shafts = _tables(content, "shaft", set(_SHAFT_UNITS), {"stiffness"}, where)
     actuator = content.get("actuator", {})
-    _known(actuator, ("lag", "torque_limit"), f"{where}, actuator")
+    _known(actuator, tuple(_ACTUATOR_UNITS), f"{where}, actuator")
     try:
         return Drivetrain(
             tuple(entry.pop("inertia") for entry in inertias),
             tuple(Shaft(**entry) for entry in shafts),
             tuple(Friction(**entry) for entry in inertias),
             Actuator(**actuator),
+            locked=content.get("locked"),
         )
     except (TypeError, ValueError) as error:
         if isinstance(error, InvalidInput):
@@ -69,6 +71,7 @@ def load_drivetrain(path: str | Path) -> Drivetrain:
         raise InvalidInput(where, f"a value of the wrong type ({error})", "numbers", "Correct it.") from None
 
 
+_ACTUATOR_UNITS = {"lag": "s, first-order torque lag", "torque_limit": "Nm", "rate_limit": "Nm/s"}
 _FRICTION_UNITS = {
     "coulomb": "Nm, or [at positive, at negative] speed",
     "viscous": "Nm s/rad",
