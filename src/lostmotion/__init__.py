@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     )
     from .recording import Event, Recording
     from .simulation import BatchResult, Sensor, simulate, simulate_batch
-    from .systems import DiscreteSystem, connect, one_sample_delay
+    from .systems import DiscreteSystem, Stepper, connect, one_sample_delay
 
 __version__ = "0.1.0"
 
@@ -57,6 +57,7 @@ _HOME = {
     "Recording": "recording",
     "Sensor": "simulation",
     "Shaft": "drivetrain",
+    "Stepper": "systems",
     "connect": "systems",
     "identify": "identification",
     "load_drivetrain": "io",
@@ -80,7 +81,7 @@ _FOLDERS = (
 __all__ = [
     "Actuator", "BatchResult", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Gear",
     "Identification", "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem",
-    "Recording", "Sensor", "Shaft", "compare", "connect", "controllers", "export", "identification",
+    "Recording", "Sensor", "Shaft", "Stepper", "compare", "connect", "controllers", "export", "identification",
     "identify", "io", "load_drivetrain", "load_law", "load_recording", "metrics", "observers",
     "one_sample_delay", "plot", "read_recording", "report", "rig", "ring_down", "save_drivetrain",
     "save_law", "save_recording", "shaft_stiffness", "signals", "simulate", "simulate_batch", "structure",
