@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .channel_predictor import ChannelPredictor
-from .ladder import Box, Stage, fit
+from .ladder import Box, Stage, descend, fit
+
+Array = NDArray[np.float64]
 
 #: Rates at which an unknown load torque is followed, 1/s (chosen). The slowest is taken that predicts not much worse
 #: than the best: a faster one also takes away what is friction.
-LOAD_RATES = (3.0, 10.0, 30.0, 100.0)
+LOAD_RATES = (10.0, 30.0)
 
 #: Largest ratio of innovations to the best ones that counts as not much worse (chosen).
 MUCH_WORSE = 1.2
@@ -24,18 +27,29 @@ DEAF = 1e4
 
 
 def refine(
-    predictor: ChannelPredictor, stage: Stage, box: Box, load_torque: bool
+    predictor: ChannelPredictor, theta: Array, stage: Stage, box: Box, load_torque: bool
 ) -> tuple[ChannelPredictor, Stage]:
-    """Fit and noise levels in turn, for each rate of the load torque if there is one."""
+    """Fit and noise levels in turn, from the stage that motor torque and motor speed told.
+
+    With an unknown load torque that stage is biased: the gain is lowered anew from the start theta, for each rate.
+    """
     if not load_torque:
         return _settled(predictor, stage, box)
-    tried = [_settled(replace(predictor, load_rate=rate), stage, box) for rate in LOAD_RATES]
+    tried = []
+    for rate in LOAD_RATES:
+        following = replace(predictor, load_rate=rate)
+        tried.append(_settled(following, descend(following, theta, stage.free, box, _silent), box))
     # With normal innovations of the levels σ, the likelihood falls with the sum of log σ over the channels.
     scores = [float(np.sum(np.log(list(found.levels.values())))) for found, _ in tried]
     return next(t for t, score in zip(tried, scores, strict=True) if score < min(scores) + np.log(MUCH_WORSE))
 
 
+def _silent(fraction: float, text: str) -> None:
+    """The progress of a search within a stage is not told."""
+
+
 def _settled(predictor: ChannelPredictor, stage: Stage, box: Box) -> tuple[ChannelPredictor, Stage]:
+    # A descent with all channels would weigh them by wrong levels: first listen to the motor speed alone.
     deaf = {name: DEAF * float(np.std(values)) for name, values in predictor.channels.items()}
     predictor = replace(predictor, levels={"speed_motor": 1.0, **deaf})
     residual = predictor.residual(stage.fit.theta, stage.bandwidth)
@@ -44,8 +58,6 @@ def _settled(predictor: ChannelPredictor, stage: Stage, box: Box) -> tuple[Chann
         found = fit(predictor, stage.fit.theta, stage.free, box, stage.bandwidth)
         stage = replace(stage, fit=found, iterations=stage.iterations + found.iterations)
         levels = predictor.noise_levels(found.residual)
-        if len(levels) == 1 and found.converged:
-            return replace(predictor, levels=levels), stage
         moved = max(abs(np.log(levels[name] / predictor.levels[name])) for name in levels)
         if moved < SETTLED:
             break

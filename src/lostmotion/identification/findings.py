@@ -22,6 +22,16 @@ CORRELATED = 0.98
 #: of two that a start may be off).
 FAR = 2.2
 
+#: Innovations count as not white if the lower tenth of the band has more than so many times white noise's share of the
+#: power (chosen; without model error it is 1 for white noise and 0.05 for count noise, on finer plants 3).
+NOT_WHITE = 2.0
+
+#: Innovations below this share of the speed's deviation are not looked at (chosen: below every real sensor's noise).
+NEGLIGIBLE = 1e-4
+
+#: An encoder is too coarse if the rounding of its counts is more than this share of the speed's deviation (chosen).
+COARSE = 0.3
+
 #: A torsional mode needs this many samples per period for the observer's discretisation (chosen).
 SAMPLES_PER_PERIOD = 15.0
 
@@ -88,6 +98,18 @@ def is_quantised(speed: NDArray[np.float64]) -> bool:
     return bool(np.max(np.abs(counts - np.round(counts))) < 0.02)
 
 
+def low_frequency_excess(residual: NDArray[np.float64]) -> float:
+    """Power of a residual in the lower tenth of the band, as a multiple of what white noise would have there.
+
+    From 1 % of the band on: slower parts are what the observer corrects anyway.
+    """
+    from scipy.signal import welch
+
+    frequency, power = welch(residual, nperseg=min(2048, residual.size))
+    slow = (frequency >= 0.005) & (frequency < 0.05)
+    return float(np.mean(power[slow]) / max(float(np.mean(power[1:])), 1e-300))
+
+
 def warnings(
     start: Drivetrain,
     found: Drivetrain,
@@ -116,6 +138,26 @@ def warnings(
             Problem(
                 "warning", "identification", "a fit that was still moving", "convergence",
                 "Check the nameplate values and the sign of the torque.",
+            )
+        )  # fmt: skip
+    excess = low_frequency_excess(prediction.residual)
+    if excess > NOT_WHITE and prediction.rms > NEGLIGIBLE * float(np.std(prediction.speed_motor)):
+        problems.append(
+            Problem(
+                "warning", "identification", f"innovations with {excess:.1f} times white noise's share of slow ones",
+                f"at most {NOT_WHITE:g}",
+                "Friction, load or shaft are not as the model has them: try load_torque=True, another contact law, or "
+                "less speed and torque. The intervals allow for a coloured residual.",
+            )
+        )  # fmt: skip
+    if prediction.levels.get("speed_motor", 0.0) > COARSE * float(np.std(prediction.speed_motor)):
+        problems.append(
+            Problem(
+                "warning", "speed_motor",
+                f"innovations of {prediction.levels['speed_motor']:.3g} rad/s in a speed that varies by "
+                f"{float(np.std(prediction.speed_motor)):.3g} rad/s",
+                f"at most {100.0 * COARSE:g} %",
+                "The resolution is too low: take a finer encoder or a longer sample time.",
             )
         )  # fmt: skip
     if prediction.unmodelled_frequency is not None:
@@ -174,3 +216,16 @@ def _correlated(names: tuple[str, ...], covariance: NDArray[np.float64]) -> list
             "Only combinations of them are known well: fix one from the nameplate, or record a richer torque.",
         )
     ]  # fmt: skip
+
+
+def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
+    """A warning that other values predict the recording nearly as well."""
+    texts = [
+        f"{name} {other[name]:.4g} {PARAMETER_UNITS[name]}"
+        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")
+        if abs(np.log(other[name] / getattr(found, name))) > 0.1
+    ]
+    return Problem(
+        "warning", "identification", f"a second minimum: {', '.join(texts)} predict nearly as well",
+        "one minimum", "Fix what the nameplate knows well, or record more reversals and a wider band of torque.",
+    )  # fmt: skip

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Problem
 from ..recording import Recording
 from . import findings, starts
 from .channel_fit import refine
 from .channel_predictor import ChannelPredictor
 from .intervals import half_widths, higher_mode, without_unexcited
-from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend
+from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend, fit
 from .pieces import Pieces, join
 from .predictor import NAMES, Predictor, from_theta
 from .result import Identification, Prediction, Source
+
+Array = NDArray[np.float64]
 
 #: Signals that may be measured beside the motor speed.
 FURTHER = ("speed_load", "twist", "torque_shaft", "angle_motor")
@@ -107,15 +111,17 @@ def identify(
     say(0.0, "searching the start")
     theta, total = starts.complete(start, predictor, fixed)
     box = Box.around(theta, predictor.dt)
-    theta = starts.search(theta, total, predictor, start, fixed, bandwidth_for(start, LADDER[0]))
+    theta, second = starts.search(theta, total, predictor, start, fixed, bandwidth_for(start, LADDER[0]))
     stage = descend(predictor, theta, free, box, say)
+    ambiguous = _second_minimum(predictor, second, stage, box)
     if load_torque or contact != "viscoelastic" or len(measured) > 1:
         say(0.7, "fitting all channels")
         wide = _channel_predictor(predictor, pieces, recordings[0], measured, contact, count_averaged)
-        predictor, stage = refine(wide, stage, box, load_torque)
+        predictor, stage = refine(wide, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
     stage = without_unexcited(predictor, stage, start, box)
     found = _result(pieces, predictor, stage, start, fixed, total)
+    found = replace(found, problems=(*found.problems, *ambiguous))
     say(1.0, "identified")
     return found
 
@@ -153,6 +159,17 @@ def _predictor(
     base = start.with_contact("viscoelastic")
     torque = pieces.signals["torque_motor"]
     return Predictor(torque, speed, pieces.dt, count_averaged, base, skip, pieces.bounds, later)
+
+
+def _second_minimum(predictor: Predictor, second: Array | None, stage: Stage, box: Box) -> list[Problem]:
+    """A warning if the search's second minimum is one of the whole recording too."""
+    if second is None:
+        return []
+    other = fit(predictor, second, stage.free, box, stage.bandwidth)
+    if starts.rival([stage.fit, other]) is None:
+        return []
+    values = dict(zip(NAMES, from_theta(other.theta, predictor.dt), strict=True))
+    return [findings.second_minimum(predictor.drivetrain(stage.fit.theta), values)]
 
 
 def _channel_predictor(

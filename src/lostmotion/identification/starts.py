@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
-from .gauss_newton import minimise, sum_of_squares
+from .gauss_newton import Fit, minimise, sum_of_squares
 from .predictor import NAMES, Bandwidth, Predictor, to_theta
 
 Array = NDArray[np.float64]
@@ -25,6 +25,10 @@ SEARCH_TIME, SEARCH_ROWS = 3.0, 5000
 
 #: Points of the search from which a short fit starts (chosen).
 CANDIDATES = 3
+
+#: A second minimum predicts nearly as well (sum of squares within this factor), and differs by this much in a logarithm
+#: of inertia, stiffness or backlash (chosen).
+RIVAL_COST, RIVAL_DISTANCE = 1.1, 0.2
 
 #: Damping ratio where the nameplate has no damping (Fietzek & Rinderknecht, section II).
 DAMPING_RATIO = 0.02
@@ -89,8 +93,14 @@ def search(
     start: Drivetrain,
     fixed: Collection[str],
     bandwidth: Bandwidth,
-) -> Array:
-    """The best of a grid over motor inertia, stiffness and backlash, each with the given total inertia."""
+) -> tuple[Array, Array | None]:
+    """The best of a grid over motor inertia, stiffness and backlash, each with the given total inertia.
+
+    Returns
+    -------
+    (Array, Array or None)
+        Start of the fit, and a second minimum of the search if there is one, see ``rival``.
+    """
     factors = {
         "inertia_motor": FACTORS,
         "stiffness": FACTORS,
@@ -111,7 +121,7 @@ def search(
     free = [i for i in (0, 1, 2, 4, 5) if NAMES[i] not in fixed]
     best = [points[i] for i in np.argsort(costs)[:CANDIDATES]]
     if not free:
-        return best[0]
+        return best[0], None
     fits = [
         minimise(
             lambda t: part.residual(t, bandwidth),
@@ -120,7 +130,21 @@ def search(
         )
         for point in best
     ]  # fmt: skip
-    return min(fits, key=lambda fit: fit.cost).theta
+    return min(fits, key=lambda fit: fit.cost).theta, rival(fits)
+
+
+def rival(fits: Sequence[Fit]) -> Array | None:
+    """The best fit that predicts nearly as well as the best of all, and is far from it."""
+    best = min(fits, key=lambda fit: fit.cost)
+    core = [NAMES.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
+    core = [i for i in core if np.isfinite(best.theta[i])]  # a fixed zero has no logarithm
+    others = [
+        fit
+        for fit in fits
+        if fit.cost < RIVAL_COST * best.cost
+        and np.max(np.abs((fit.theta - best.theta)[core])) > RIVAL_DISTANCE
+    ]
+    return min(others, key=lambda fit: fit.cost).theta if others else None
 
 
 def _liveliest(torque: Array, dt: float) -> slice:
