@@ -104,9 +104,15 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
 
 
 def test_intervals_shrink_with_the_recording():
-    short = lm.identify(counted(simulated(1, 2.5)), start=PLANT)
-    i = NAMES.index("viscous")
-    assert short.covariance[i, i] > 1.3**2 * found_from_counts().covariance[i, i]
+    """The recording of 10 s tells more of every kind of motion than its first second alone."""
+    short = lm.identify(counted(simulated()).window(0.0, 1.0), start=PLANT)
+    wider = [
+        name
+        for name in short.names
+        if np.ptp(short.intervals[name]) > 1.3 * np.ptp(found_from_counts().intervals[name])
+    ]
+    assert "coulomb" in wider or short.sources["coulomb"] == "not excited"
+    assert "viscous" in wider or short.sources["viscous"] == "not excited"
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
@@ -135,14 +141,13 @@ def test_rig_says_what_is_poorly_known():
     assert any("peak at" in p.got for p in found.problems)
 
 
-def test_nearly_any_start_within_a_factor_of_two_gives_the_same():
-    """One of these five ends in another minimum, whose innovations are a third larger."""
+def test_any_start_within_a_factor_of_two_gives_the_same():
+    """One descent from the last of these starts ends in another minimum, whose innovations are a third larger."""
     recording, truth = lm.rig.record(2)
     values = [lm.identify(recording, start=off_by_two(truth.parameters, s)).values for s in range(20, 25)]
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash", "coulomb"):
         column = [v[name] for v in values]
-        middle = np.median(column)
-        assert np.sum(np.abs(np.array(column) / middle - 1.0) < 2e-3) >= 4, name
+        assert max(column) / min(column) - 1.0 < 2e-3, name
 
 
 def test_nothing_but_torque_and_speed_is_used():

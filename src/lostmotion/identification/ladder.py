@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,10 @@ LADDER = (Bandwidth(2.5, 0.38), Bandwidth(0.85, 0.11), Bandwidth(0.45, 0.06))
 #: A lower gain is kept only while the innovations grow by no more than this factor (chosen). Above it the
 #: observer no longer follows, because of disturbances or of a rugged cost.
 LARGEST_GROWTH = 1.5
+
+#: The descent is repeated until the sum of squares no longer falls below this fraction, at most so many times (chosen:
+#: on finer plants one fit in ten to twenty is caught in a poor minimum, and leaves it at high gain).
+WORTHWHILE, DESCENTS = 0.99, 4
 
 #: Steps at most for each gain of the ladder (chosen; three are usual).
 ITERATIONS = 15
@@ -93,3 +97,14 @@ def descend(predictor: Predictor, theta: Array, free: list[int], box: Box, say: 
         stages.append(Stage(found, bandwidth, free, done))
         theta = found.theta
     return stages[-1]
+
+
+def descend_again(predictor: Predictor, theta: Array, free: list[int], box: Box, say: Progress) -> Stage:
+    """Descend, then from the high gain again: a minimum that only the low gain has is left this way."""
+    stage = descend(predictor, theta, free, box, say)
+    for _ in range(DESCENTS - 1):
+        other = descend(predictor, stage.fit.theta, free, box, lambda fraction, text: None)
+        if not other.fit.cost < WORTHWHILE * stage.fit.cost:
+            break
+        stage = replace(other, iterations=stage.iterations + other.iterations)
+    return stage

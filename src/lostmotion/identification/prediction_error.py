@@ -15,7 +15,7 @@ from . import findings, starts
 from .channel_fit import refine
 from .channel_predictor import ChannelPredictor
 from .intervals import half_widths, higher_mode, without_unexcited
-from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend, fit
+from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend_again, fit
 from .pieces import Pieces, join
 from .predictor import NAMES, Predictor, from_theta
 from .result import Identification, Prediction, Source
@@ -112,7 +112,7 @@ def identify(
     theta, total = starts.complete(start, predictor, fixed)
     box = Box.around(theta, predictor.dt)
     theta, second = starts.search(theta, total, predictor, start, fixed, bandwidth_for(start, LADDER[0]))
-    stage = descend(predictor, theta, free, box, say)
+    stage = descend_again(predictor, theta, free, box, say)
     ambiguous = _second_minimum(predictor, second, stage, box)
     if load_torque or contact != "viscoelastic" or len(measured) > 1:
         say(0.7, "fitting all channels")

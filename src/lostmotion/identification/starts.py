@@ -142,7 +142,7 @@ def rival(fits: Sequence[Fit]) -> Array | None:
         fit
         for fit in fits
         if fit.cost < RIVAL_COST * best.cost
-        and np.max(np.abs((fit.theta - best.theta)[core])) > RIVAL_DISTANCE
+        and np.max(np.abs(fit.theta[core] - best.theta[core])) > RIVAL_DISTANCE
     ]
     return min(others, key=lambda fit: fit.cost).theta if others else None
 

@@ -47,7 +47,8 @@ class ExcitationDesign:
     predicted : Recording
         What the sensors of the plant with the nameplate's values will show (origin "simulated").
     half_widths : mapping of name → float
-        Expected half width of the 95 % interval relative to the value; what will not be told is missing.
+        Expected half width of the 95 % interval relative to the nameplate's value; what will not be told, or is zero on
+        the nameplate, is missing.
     intervals : mapping of name → (low, high)
         The same around the nameplate's values, SI.
     not_excited : tuple of str
@@ -144,8 +145,8 @@ def design_excitation(
     torque_at = shape(kind, nameplate, limits, band, duration, dt, seed)
     scale, runs = _largest(torque_at, rigs, limits, dt)
     found = [identify(run.only("torque_motor", "speed_motor"), start=nameplate) for run, _ in runs]
-    half_widths, not_excited = _expected(found)
     values = nameplate.parameters()
+    half_widths, not_excited = _expected(found, values)
     peaks = {name: max(p[name] for _, p in runs) for name in ("torque", "speed", "angle")}
     torque = runs[0][0].only("torque_motor")
     return ExcitationDesign(
@@ -242,16 +243,19 @@ def _played(
     return runs
 
 
-def _expected(found: list[Identification]) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Median relative half widths, and what half of the rehearsals or more could not tell."""
+def _expected(
+    found: list[Identification], values: Mapping[str, float]
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Median half widths relative to the nameplate, and what half of the rehearsals or more could not tell."""
     half_widths: dict[str, float] = {}
     for name in NAMES:
+        if values[name] == 0.0:
+            continue  # nothing to be relative to
         told = [f.intervals[name] for f in found if name in f.intervals]
-        values = [getattr(f.drivetrain, name) for f in found if name in f.intervals]
-        if 2 * len(told) > len(found) and min(values) > 0.0:
-            relative = [(b - a) / (2.0 * v) for (a, b), v in zip(told, values, strict=True)]
-            half_widths[name] = float(np.median(relative))
-    return half_widths, tuple(name for name in NAMES if name not in half_widths)
+        if 2 * len(told) > len(found):
+            half_widths[name] = float(np.median([(b - a) / 2.0 for a, b in told])) / values[name]
+    missing = tuple(name for name in NAMES if name not in half_widths and values[name] > 0.0)
+    return half_widths, missing
 
 
 def _problems(
