@@ -16,7 +16,7 @@ NAMEPLATE = lm.Drivetrain.two_mass(
     inertia_motor=0.0196, inertia_load=0.1096, stiffness=6570.0, damping=0.39, backlash=0.012, coulomb=2.0,
     viscous=0.0175, lag=3e-4, torque_limit=40.0,
 )  # fmt: skip
-WELL_KNOWN = ("inertia_motor", "inertia_load", "stiffness", "backlash", "coulomb")
+WELL_KNOWN = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash")
 
 
 @cache
