@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -46,6 +47,28 @@ def test_parameters_round_trip():
     assert plant.with_parameters(backlash=0.02).backlash == 0.02
     assert plant.with_contact("physical").contact == "physical"
     assert plant.with_parameters(lag=0.0).actuator.lag == 0.0
+
+
+def test_with_parameters_keeps_what_is_not_named():
+    plant = Drivetrain(
+        (0.02, 0.1),
+        (Shaft(6000.0, 0.3, 0.01, "clipped"),),
+        (Friction((0.2, 0.1)), Friction((2.0, 1.5), 0.02, 3.0, ((0.0, 0.3), (1.0, 0.0)))),
+        Actuator(1e-3, 70.0, 500.0),
+        locked="load",
+    )
+    assert plant.with_parameters() == plant
+    changed = plant.with_parameters(backlash=0.02, viscous=0.03, torque_limit=50.0)
+    assert changed == replace(
+        plant,
+        shafts=(replace(plant.shaft, backlash=0.02),),
+        frictions=(plant.frictions[0], replace(plant.frictions[1], viscous=0.03)),
+        actuator=Actuator(1e-3, 50.0, 500.0),
+    )
+    assert plant.with_parameters(coulomb_motor=0.3).frictions == (Friction(0.3), plant.frictions[1])
+    assert plant.with_parameters(coulomb=2.5).frictions[1] == replace(plant.frictions[1], coulomb=2.5)
+    too_low = plant.with_parameters(coulomb=2.8).frictions[1]  # 2.8 + 0.3 Nm exceed the breakaway level
+    assert too_low == replace(plant.frictions[1], coulomb=2.8, breakaway=None)
 
 
 def test_chain_has_no_two_mass_names():

@@ -142,6 +142,13 @@ class Friction:
         """Whether there is a set-valued part: anything but viscous friction."""
         return max(self.level_at_rest) > 0.0 or bool(self.breakaway)
 
+    def _changed(self, values: dict[str, Any]) -> Friction:
+        """A copy with some fields changed; the breakaway level is dropped where it is now too low."""
+        changed = replace(self, **values, breakaway=None)
+        if self.breakaway is None or self.breakaway < max(changed.level_at_rest):
+            return changed
+        return replace(changed, breakaway=self.breakaway)
+
     def torque(self, speed: float) -> float:
         """Friction torque (Nm) against the motion at a speed ≠ 0 (rad/s); 0 at rest."""
         if speed == 0.0:
@@ -386,15 +393,34 @@ class Drivetrain:
         return {name: float(getattr(self, name)) for name in PARAMETER_UNITS}
 
     def with_parameters(self, **values: Any) -> Drivetrain:
-        """A two-mass copy with some parameters of ``two_mass`` changed."""
-        known: dict[str, Any] = self.parameters()
-        known.update(torque_limit=self.actuator.torque_limit, contact=self.contact)
+        """A two-mass copy with the named parameters of ``two_mass`` changed and all else kept.
+
+        ``coulomb`` and ``coulomb_motor`` set both directions. A breakaway level that the new friction just above rest
+        exceeds becomes None, its default.
+        """
+        self._two_mass_only("with_parameters")
+        known = (*PARAMETER_UNITS, "torque_limit", "contact")
         unknown = sorted(set(values) - set(known))
         if unknown:
             raise InvalidInput(
                 "Drivetrain.with_parameters", f"{unknown}", f"names out of {sorted(known)}", "Check it."
             )
-        return Drivetrain.two_mass(**{**known, **values})
+
+        def given(*names: str, ending: str = "") -> dict[str, Any]:
+            return {name: values[name + ending] for name in names if name + ending in values}
+
+        motor, load = self.frictions
+        inertias = {"inertia_motor": self.inertia_motor, "inertia_load": self.inertia_load}
+        return replace(
+            self,
+            inertias=tuple((inertias | given(*inertias)).values()),
+            shafts=(replace(self.shaft, **given("stiffness", "damping", "backlash", "contact")),),
+            frictions=(
+                motor._changed(given("coulomb", "viscous", ending="_motor")),
+                load._changed(given("coulomb", "viscous")),
+            ),
+            actuator=replace(self.actuator, **given("lag", "torque_limit")),
+        )
 
     def with_contact(self, contact: str) -> Drivetrain:
         """A copy with every shaft under the given contact law."""
