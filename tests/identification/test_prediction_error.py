@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification import Identification
 from lostmotion.identification.predictor import NAMES
+from lostmotion.io import read_recording, write_csv
 from lostmotion.recording import Recording
 
 DT = 1e-4
@@ -128,6 +131,23 @@ def test_rig_within_the_targets(seed: int):
     assert {n: error(found, truth, n) for n, most in targets.items() if error(found, truth, n) > most} == {}
     outside = [n for n, (low, high) in found.intervals.items() if not low <= truth[n] <= high]
     assert outside == []
+
+
+def test_counts_are_recognised_in_a_file_that_does_not_say_so(tmp_path: Path):
+    recording, truth = lm.rig.record(1)
+    write_csv(tmp_path / "rig.csv", recording, names=("torque_motor", "speed_motor"))
+    found = lm.identify(read_recording(tmp_path / "rig.csv"), start=off_by_two(truth.parameters, 1))
+    assert found.count_averaged is True
+    low, high = found.intervals["lag"]
+    assert truth.parameters["lag"] == pytest.approx(3e-4) and low <= 3e-4 <= high
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_what_is_stated_of_counts_is_kept(stated: bool):
+    recording = counted(simulated()).window(0.0, 1.0)
+    argument = lm.identify(recording, start=PLANT, count_averaged=stated)
+    meta = lm.identify(replace(recording, meta={"count_averaged": stated}), start=PLANT)
+    assert argument.count_averaged is stated and meta.count_averaged is stated
 
 
 def test_rig_says_what_is_poorly_known():

@@ -171,6 +171,13 @@ def test_sample_time_instead_of_a_time_column(tmp_path: Path) -> None:
     assert recording.meta["count_averaged"] is True
 
 
+def test_whether_the_speed_is_a_mean_is_left_open_unless_it_is_said(tmp_path: Path) -> None:
+    path = write(tmp_path, lines())
+    assert "count_averaged" not in read_recording(path, time=0, channels=NUMBERED).meta
+    said = read_recording(path, time=0, channels=NUMBERED, count_averaged=False)
+    assert said.meta["count_averaged"] is False
+
+
 def test_window_is_half_open_and_hides_what_lies_outside(tmp_path: Path) -> None:
     torque = TORQUE.copy()
     torque[[3, 180]] = np.nan

@@ -245,4 +245,5 @@ def _result(
         prediction=prediction,
         names=names,
         covariance=covariance,
+        count_averaged=predictor.count_averaged,
     )

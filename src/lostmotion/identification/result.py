@@ -67,6 +67,9 @@ class Identification:
         Identified parameters in the order of ``covariance``.
     covariance : (m, m) array
         Of the logarithms of the parameters (of lag + sample time for the lag); statistical part alone.
+    count_averaged : bool
+        Whether the motor speed was taken as a mean over the sample before: as stated, else as found from its
+        quantisation. Observers of the same sensor need it too.
     """
 
     drivetrain: Drivetrain
@@ -77,6 +80,7 @@ class Identification:
     prediction: Prediction
     names: tuple[str, ...] = ()
     covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    count_averaged: bool = False
 
     def __post_init__(self) -> None:
         for name in ("values", "intervals", "sources"):

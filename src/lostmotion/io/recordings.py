@@ -53,14 +53,15 @@ def read_recording(
     resample : str, float or bool
         Sample time of a new raster (``"0.1 ms"``, or s), True for the median step: linear interpolation.
     count_averaged : bool, optional
-        Whether the file's motor speed is a mean over the last sample (count difference / step).
+        Whether the file's motor speed is a mean over the last sample (count difference / step). Default: not
+        said, unless the file itself says it or the speed is derived here; ``identify`` then finds it.
 
     Returns
     -------
     Recording
         SI; origin ``measured`` or ``derived``. ``meta`` holds ``file``, ``sha256``, ``sources``, ``problems``
-        (the warnings), ``count_averaged``, and for each derived speed how it was made. A speed that is
-        missing is the difference of its angle over the last sample; the first row has none and is left out.
+        (the warnings), ``count_averaged`` where it is known, and for each derived speed how it was made. A
+        speed that is missing is the difference of its angle over the last sample; the first row has none and is left out.
 
     Raises
     ------
@@ -83,9 +84,9 @@ def read_recording(
         raise InputProblems([error.problem]) from None
     meta.update(file=where, sha256=hashlib.sha256(data).hexdigest(), sources=raw.sources)
     recording = _with_derived_speeds(Recording(raw.time, raw.signals, origin, meta=meta))
-    averaged = recording.meta.get("count_averaged", False) if count_averaged is None else count_averaged
+    said = {} if count_averaged is None else {"count_averaged": bool(count_averaged)}
     problems = (*raw.warnings, *check_recording(recording))
-    return replace(recording, meta={**recording.meta, "count_averaged": bool(averaged), "problems": problems})
+    return replace(recording, meta={**recording.meta, **said, "problems": problems})
 
 
 @dataclass(frozen=True, eq=False)
