@@ -168,7 +168,7 @@ inertia_load = 0.13
 stiffness = 5000
 backlash = "1 deg"
 [[recording]]
-file = "rig.csv"
+file = "data/rig.csv"
 use = "identify"
 count_averaged = true
 time = { column = "time" }
@@ -183,11 +183,12 @@ torque_limit = 73.5
 
 def test_own_recording_with_its_last_part_for_validation(tmp_path: Path) -> None:
     recording, truth = lm.rig.record(3)
-    write_csv(recording, tmp_path / "rig.csv", ("torque_motor", "speed_motor", "speed_load"))
+    (tmp_path / "data").mkdir()
+    write_csv(recording, tmp_path / "data" / "rig.csv", ("torque_motor", "speed_motor", "speed_load"))
     (tmp_path / "rig.toml").write_text(TOML)
     results = run(tmp_path / "rig.toml", out=tmp_path / "out")
     assert "truth" not in results
-    assert set(results["inputs"]) == {"rig.toml", "rig.csv"}
+    assert set(results["inputs"]) == {"rig.toml", "data/rig.csv"}
     assert abs(results["parameters"]["backlash"]["value"] / truth.parameters["backlash"] - 1.0) < 0.05
     first = results["observers"]["observer_1"]
     assert first["speed_load"]["rmse"] / first["speed_load"]["range"] < 0.003

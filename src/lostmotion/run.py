@@ -113,7 +113,7 @@ def _read(configuration: str | Path | Configuration | None, seed: int | None) ->
 def _results(
     material: Material, found: Found, laws: Design, validation: Validation, code: Mapping[str, Any]
 ) -> dict[str, Any]:
-    problems = (*material.problems, *found.problems, *laws.problems)
+    problems = (*material.problems, *found.problems, *laws.problems, *validation.problems)
     fits = dict(found.fits)
     if found.skipped:
         fits["prediction error"] = {"skipped": found.skipped}

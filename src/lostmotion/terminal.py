@@ -63,7 +63,9 @@ def summary(results: Mapping[str, Any], out: Path) -> None:
             )
     for name in ("pi", "pole_placement"):
         row = results["controllers"].get(name, {})
-        if row.get("overshoot") is not None:
+        if "skipped" in row:
+            console.print(f"  {name}: {row['skipped']}")
+        elif row.get("overshoot") is not None:
             console.print(f"  {name}: overshoot {row['overshoot']:.1f} % of the step")
     for name, fit in results["fits"].items():
         if "skipped" in fit:

@@ -73,3 +73,14 @@ def test_a_complete_nameplate_is_enough_for_a_design() -> None:
 def test_missing_start_values_are_named(material: Material) -> None:
     found = find_parameters(replace(material, nameplate={"stiffness": 6000.0}))
     assert found.skipped == "no start value for inertia_motor, inertia_load: add it to [nameplate]"
+
+
+def test_a_recording_that_cannot_be_identified_skips_the_stage(material: Material) -> None:
+    """A constant torque, or one second: the reason stands in the result, the run goes on."""
+    assert material.identify is not None
+    constant = material.identify.with_signals("measured", torque_motor=np.full(len(material.identify), 3.0))
+    for recording in (constant, material.identify.window(0.0, 0.02)):
+        found = find_parameters(replace(material, identify=recording))
+        assert found.identification is None
+        assert found.skipped
+        assert found.table["inertia_motor"]["source"] == "nameplate"

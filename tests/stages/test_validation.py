@@ -56,7 +56,7 @@ def test_user_plant_is_finer_than_the_model_and_within_the_intervals(prepared) -
         low, high = found.intervals["inertia_load"]
         assert low <= plant.inertias[3] <= high
     assert len({plant.shafts[1].stiffness for plant in plants}) == 20
-    table, _ = validate_controllers(replace(material, virtual=False), found, design(material, found))
+    table, _, _ = validate_controllers(replace(material, virtual=False), found, design(material, found))
     assert "simulated" in table["plant"]
     assert table["pole_placement"]["overshoot"] < 3.0
 
@@ -64,7 +64,7 @@ def test_user_plant_is_finer_than_the_model_and_within_the_intervals(prepared) -
 def test_no_gap_and_no_friction_validate_as_well(prepared) -> None:
     material, found, _ = prepared
     plain = replace(found, drivetrain=found.drivetrain.with_parameters(backlash=0.0, coulomb=0.0), table={})
-    table, _ = validate_controllers(replace(material, virtual=False), plain, design(material, plain))
+    table, _, _ = validate_controllers(replace(material, virtual=False), plain, design(material, plain))
     assert table["pi"]["steady_error"] < 0.01
 
 
@@ -86,3 +86,34 @@ def test_torque_of_the_rig_reaches_the_observer_in_time(prepared) -> None:
             np.sqrt(np.mean((estimate["speed_load_estimated"] - recording["speed_load"])[3000:] ** 2))
         )
     assert errors[1] < min(errors[0], errors[2])
+
+
+def test_a_loop_that_runs_away_is_a_result_with_a_warning(prepared) -> None:
+    """A PI far too strong for the drive: no overshoot of 0 %, no abort, the other law stays."""
+    material, found, _ = prepared
+    wild = replace(
+        material, virtual=False, settings=replace(material.settings, kp=400.0, torque_limit=np.inf)
+    )
+    unlimited = replace(found, drivetrain=found.drivetrain.with_parameters(torque_limit=np.inf))
+    table, responses, problems = validate_controllers(wild, unlimited, design(wild, unlimited))
+    assert "unstable" in table["pi"]["skipped"]
+    assert set(responses) == {"pole_placement"}
+    assert any("pi" in p.where for p in problems)
+    assert table["pole_placement"]["overshoot"] < 3.0
+
+
+def test_a_loop_that_never_arrives_has_no_overshoot(prepared) -> None:
+    material, found, _ = prepared
+    slow = replace(material, settings=replace(material.settings, poles=(-0.01, -0.01, -0.01)))
+    table, _, problems = validate_controllers(slow, found, design(slow, found))
+    assert table["pole_placement"]["overshoot"] is None
+    assert any("pole_placement" in p.where for p in problems)
+
+
+def test_a_pi_that_cannot_be_designed_leaves_the_law(prepared) -> None:
+    material, found, _ = prepared
+    laws = design(replace(material, settings=replace(material.settings, ki=20_000.0)), found)
+    assert laws.pi is None
+    assert "pi.ki" in laws.pi_skipped
+    assert laws.law is not None
+    assert [p.severity for p in laws.problems] == ["warning"]

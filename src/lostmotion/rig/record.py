@@ -101,6 +101,7 @@ def record(
             "rig_seed": seed,
             "noise_seed": noise_seed,
             "count_averaged": rig.sensors["speed_motor"].difference,
+            "averaged": tuple(name for name in channels if rig.sensors[name].difference),
         },
     )
     return recording, Truth(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 from ..controllers import pi, pole_placement
 from ..drivetrain import Drivetrain
@@ -27,7 +28,7 @@ ESTIMATES = (
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """The laws, or the reason why there are none.
+    """The laws, or for each the reason why there is none.
 
     Parameters
     ----------
@@ -37,7 +38,7 @@ class Design:
         The same law with its estimates as further outputs.
     pi : DiscreteSystem or None
     dt : float, s
-    skipped : str
+    skipped, pi_skipped : str
     problems : tuple of Problem
     """
 
@@ -46,33 +47,47 @@ class Design:
     pi: DiscreteSystem | None = None
     dt: float = 0.0
     skipped: str = ""
+    pi_skipped: str = ""
     problems: tuple[Problem, ...] = ()
 
 
 def design(material: Material, found: Found) -> Design:
     """The laws for an identified drivetrain; what cannot be designed is a result, not an exception."""
-    if found.drivetrain is None:
-        return Design(skipped=found.missing)
-    settings = material.settings
+    drivetrain, settings = found.drivetrain, material.settings
+    if drivetrain is None:
+        return Design(skipped=found.missing, pi_skipped=found.missing)
     recording = material.identify or material.validate
     dt = settings.sample_time or (recording.dt if recording is not None else None)
     if dt is None:
-        return Design(skipped="no sample time: give sample_time in [law]")
+        reason = "no sample time: give sample_time in [law]"
+        return Design(skipped=reason, pi_skipped=reason)
     averaged = is_averaged(material)
+
+    def target(outputs: tuple[str, ...]) -> DiscreteSystem:
+        return target_law(drivetrain, settings, dt, averaged, outputs)
+
+    law, law_problem = _tried(lambda: target(("torque_motor",)))
+    watched, _ = _tried(lambda: target(("torque_motor", *ESTIMATES)))
+    controller, pi_problem = _tried(
+        lambda: pi(dt=dt, kp=settings.kp, ki=settings.ki, torque_limit=settings.torque_limit)
+    )
+    return Design(
+        law=law,
+        watched=watched,
+        pi=controller,
+        dt=dt,
+        skipped=str(law_problem or ""),
+        pi_skipped=str(pi_problem or ""),
+        problems=tuple(p for p in (law_problem, pi_problem) if p is not None),
+    )
+
+
+def _tried(make: Callable[[], DiscreteSystem]) -> tuple[DiscreteSystem | None, Problem | None]:
+    """A law, or as a warning why it cannot be made."""
     try:
-        return Design(
-            law=target_law(found.drivetrain, settings, dt, averaged, ("torque_motor",)),
-            watched=target_law(found.drivetrain, settings, dt, averaged, ("torque_motor", *ESTIMATES)),
-            pi=pi(dt=dt, kp=settings.kp, ki=settings.ki, torque_limit=settings.torque_limit),
-            dt=dt,
-        )
+        return make(), None
     except InvalidInput as error:
-        return Design(skipped=str(error), problems=(Problem("warning", *_parts(error)),))
-
-
-def _parts(error: InvalidInput) -> tuple[str, str, str, str]:
-    p = error.problem
-    return p.where, p.got, p.expected, p.remedy
+        return None, replace(error.problem, severity="warning")
 
 
 def is_averaged(material: Material) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -100,8 +99,11 @@ def from_rig(seed: int, dt: float = 1e-4) -> tuple[Material, rig.Truth]:
     return material, truth
 
 
-def from_configuration(configuration: Configuration, seed: int | None = None) -> Material:
-    """The user's recordings; raises ``InputProblems`` with all errors of all files."""
+def from_configuration(configuration: Configuration, seed: int | None = None, split: bool = True) -> Material:
+    """The user's recordings; raises ``InputProblems`` with all errors of all files.
+
+    With one recording only, its last part is kept for the validation if `split`.
+    """
     loaded = load_recordings(configuration)
     law = configuration.law
     settings = Settings(
@@ -118,7 +120,7 @@ def from_configuration(configuration: Configuration, seed: int | None = None) ->
         unused = [str(r.meta.get("file", "")) for u, r in loaded if u == use][1:]
         problems += [_unused(file, use) for file in unused]
     identify, validate = first["identify"], first["validate"]
-    if identify is not None and validate is None:
+    if split and identify is not None and validate is None:
         cut = identify.time[-1] - VALIDATION_PART * (identify.time[-1] - identify.time[0])
         identify, validate = identify.window(stop=cut), identify.window(start=cut)
     return Material(
@@ -131,7 +133,7 @@ def from_configuration(configuration: Configuration, seed: int | None = None) ->
         recordings={f"recording_{i + 1}": recording for i, (_, recording) in enumerate(loaded)},
         uses={f"recording_{i + 1}": use for i, (use, _) in enumerate(loaded)},
         problems=tuple(problems),
-        inputs=_hashes([configuration.path, *(source.file for source in configuration.recordings)]),
+        inputs=_hashes(configuration),
     )
 
 
@@ -145,5 +147,11 @@ def _unused(file: str, use: str) -> Problem:
     )
 
 
-def _hashes(files: list[Path]) -> dict[str, str]:
-    return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+def _hashes(configuration: Configuration) -> dict[str, str]:
+    """sha256 of the TOML and of every recording, by its path as seen from the TOML."""
+    home = configuration.path.parent
+    files = {configuration.path.name: configuration.path}
+    for source in configuration.recordings:
+        inside = source.file.is_relative_to(home)
+        files[source.file.relative_to(home).as_posix() if inside else str(source.file)] = source.file
+    return {name: hashlib.sha256(file.read_bytes()).hexdigest() for name, file in files.items()}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..drivetrain import PARAMETER_UNITS, Drivetrain
-from ..errors import Problem
+from ..errors import InvalidInput, Problem
 from ..identification import (
     Identification,
     RingDown,
@@ -77,7 +77,11 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
 
     reason = _reason_against(recording, material.nameplate)
     if not reason:
-        found = identify(recording, start=two_mass(material.nameplate), progress=progress)
+        try:
+            found = identify(recording, start=two_mass(material.nameplate), progress=progress)
+        except InvalidInput as error:
+            reason = str(error)
+    if not reason:
         problems += found.problems
         for name in found.values:
             table[name] = _entry(name, found.values[name], found.sources[name], found.intervals.get(name))

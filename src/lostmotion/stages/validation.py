@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import rig, signals
 from ..drivetrain import Drivetrain
+from ..errors import InvalidInput, Problem
 from ..metrics import compare, step_metrics
 from ..recording import Recording
 from ..systems import DiscreteSystem
@@ -23,6 +24,10 @@ WITHHELD = ("speed_load", "torque_shaft", "twist")
 SETTLING = 0.3
 #: The judged step lasts until this time, s; then the set-point goes back and makes a pulse (Fig. 15).
 PULSE_END, PULSE_DURATION = 1.5, 2.0
+#: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target.
+STEADY = 0.01
+#: A load speed beyond this many times the set-point counts as a loop that runs away (chosen).
+RUNAWAY = 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,14 +40,14 @@ class Validation:
         Tables of metrics, or {"skipped": reason}.
     estimates : mapping of observer → Recording
     responses : mapping of controller → Recording
-    plant : str
-        What the controllers ran against.
+    problems : tuple of Problem
     """
 
     observers: Mapping[str, Any]
     controllers: Mapping[str, Any]
     estimates: Mapping[str, Recording] = field(default_factory=dict)
     responses: Mapping[str, Recording] = field(default_factory=dict)
+    problems: tuple[Problem, ...] = ()
 
 
 def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any], dict[str, Recording]]:
@@ -63,7 +68,11 @@ def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any]
         if absent:
             table[name] = {"skipped": f"no {' and no '.join(absent)} in the recording"}
             continue
-        law = observer(found.drivetrain, name, recording.dt, averaged)
+        try:
+            law = observer(found.drivetrain, name, recording.dt, averaged)
+        except InvalidInput as error:
+            table[name] = {"skipped": str(error)}
+            continue
         estimates[name] = law.run(recording.only("torque_motor", *measured))
         table[name] = _compared(estimates[name], recording, found)
     table["baselines"] = _baselines(recording, found.drivetrain, averaged, found)
@@ -80,10 +89,18 @@ def _compared(estimate: Recording, recording: Recording, found: Found) -> dict[s
         if signal not in recording:
             rows[signal] = {"skipped": f"no {signal} in the recording"}
         elif f"{signal}_estimated" in estimate:
-            values = estimate[f"{signal}_estimated"][judged]
+            values = _as_recorded(estimate[f"{signal}_estimated"], signal, recording)[judged]
             row = compare(values, recording[signal][judged], recording.dt)
             rows[signal] = {name: row[name] for name in ("rmse", "range", "max", "lag")}
     return rows
+
+
+def _as_recorded(values: np.ndarray, signal: str, recording: Recording) -> np.ndarray:
+    """An estimate as the sensor shows it: a speed from counts is the mean over the sample that just ended."""
+    derived = str(recording.meta.get(signal, "")).startswith("mean over the sample")
+    if not derived and signal not in recording.meta.get("averaged", ()):
+        return values
+    return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1])])
 
 
 def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool, found: Found) -> dict[str, Any]:
@@ -100,10 +117,13 @@ def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool, fou
 
 def validate_controllers(
     material: Material, found: Found, laws: Design
-) -> tuple[dict[str, Any], dict[str, Recording]]:
-    """PI and the target's law on the step −2 → 2 rad/s (and back) against the rig, or a finer plant."""
-    if laws.law is None or laws.watched is None or laws.pi is None or found.drivetrain is None:
-        return {"skipped": laws.skipped}, {}
+) -> tuple[dict[str, Any], dict[str, Recording], tuple[Problem, ...]]:
+    """PI and the target's law on the step −2 → 2 rad/s (and back) against the rig, or a finer plant.
+
+    A loop that is unstable or does not settle is a result, with a warning.
+    """
+    if found.drivetrain is None:
+        return {"skipped": found.missing}, {}, ()
     if material.virtual:
         plant, label = rig.varied_rig(material.seed), "virtual rig (simulated), which the design has not seen"
     else:
@@ -111,10 +131,48 @@ def validate_controllers(
         label = "simulated: a finer plant of four inertias, perturbed within the intervals"
     table: dict[str, Any] = {"plant": label}
     responses: dict[str, Recording] = {}
-    for name, law in (("pi", laws.pi), ("pole_placement", laws.watched)):
-        responses[name] = control_step(plant, law, laws.dt)
-        table[name] = judged_step(responses[name])
-    return table, responses
+    problems: list[Problem] = []
+    for name, law, reason in (
+        ("pi", laws.pi, laws.pi_skipped),
+        ("pole_placement", laws.watched, laws.skipped),
+    ):
+        if law is None:
+            table[name] = {"skipped": reason}
+            continue
+        response, trouble = _stable_response(plant, law, laws.dt)
+        if response is None:
+            table[name] = {"skipped": f"unstable loop: {trouble}"}
+            problems.append(_loop_problem(name, trouble))
+            continue
+        responses[name] = response
+        table[name] = judged_step(response)
+        if not table[name]["steady_error"] < STEADY:
+            problems.append(
+                _loop_problem(name, f"a steady error of {table[name]['steady_error']:.2g} of the step")
+            )
+    return table, responses, tuple(problems)
+
+
+def _stable_response(plant: rig.Rig, law: DiscreteSystem, dt: float) -> tuple[Recording | None, str]:
+    """The response, or why there is none worth showing."""
+    try:
+        response = control_step(plant, law, dt)
+    except InvalidInput as error:
+        return None, error.problem.got
+    largest = float(np.max(np.abs(response["speed_load"])))
+    if not largest < RUNAWAY * STEP_SPEED:
+        return None, f"the load speed reaches {largest:.2g} rad/s"
+    return response, ""
+
+
+def _loop_problem(name: str, got: str) -> Problem:
+    return Problem(
+        "warning",
+        f"controller {name} in the simulated loop",
+        got,
+        "a load speed that settles at the set-point",
+        "Set kp and ki, poles, torque_limit or a shorter sample_time in [law] to suit this drivetrain.",
+    )
 
 
 def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float) -> Recording:
@@ -138,14 +196,14 @@ def judged_step(response: Recording) -> dict[str, float | None]:
         torque=response["torque_motor"],
         stop_time=PULSE_END,
     )
-    return {
-        name: None if value is None or not np.isfinite(value) else value
-        for name, value in metrics.as_dict().items()
-    }
+    judged = metrics.as_dict()
+    if judged["rise_time"] is None:
+        judged["overshoot"] = None  # a response that never arrives has none
+    return judged
 
 
 def validate(material: Material, found: Found, laws: Design) -> Validation:
     """Both validations."""
     observers, estimates = validate_observers(material, found)
-    controllers, responses = validate_controllers(material, found, laws)
-    return Validation(observers, controllers, estimates, responses)
+    controllers, responses, problems = validate_controllers(material, found, laws)
+    return Validation(observers, controllers, estimates, responses, problems)
