@@ -247,6 +247,17 @@ def test_recordings_are_loaded_and_the_problems_of_all_files_come_together(
     assert [p.got for p in problems] == ["no column 'm'", "no such file"]
 
 
+def test_warnings_of_a_good_file_are_shown_with_the_errors_of_another(
+    tmp_path: Path, problems_of: Problems
+) -> None:
+    table = np.column_stack([0.01 * np.arange(200), np.full(200, 2.5)])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="t,speed_load", comments="")
+    text = '[[recording]]\nfile = "a.csv"\n[[recording]]\nfile = "none.csv"\n'
+    problems = problems_of(lambda: load_recordings(read(tmp_path, text)))
+    found = [(p.severity, p.got) for p in problems]
+    assert ("warning", "the constant 2.5") in found and ("error", "no such file") in found
+
+
 def test_pydantic_is_loaded_only_when_a_toml_is_read() -> None:
     code = "import sys; from lostmotion.io import RecordingSource; print('pydantic' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)

@@ -229,6 +229,21 @@ def test_time_must_increase(tmp_path: Path, problems_of: Problems) -> None:
     assert "0.049 s after 0.049 s in line 51 (1 such steps)" in problem.got
 
 
+@pytest.mark.parametrize("bad_time", [0.049, math.nan])
+def test_problems_of_time_and_signals_come_together(
+    tmp_path: Path, bad_time: float, problems_of: Problems
+) -> None:
+    time, torque = TIME.copy(), TORQUE.copy()
+    time[50], torque[[7, 90]] = bad_time, math.nan
+    path = write(tmp_path, lines(columns=(time, SPEED, torque)))
+    first, second = problems_of(lambda: read_recording(path, time=0, channels=NUMBERED))
+    assert first.where.endswith("time") and "line 51 " in first.got
+    assert second.where.endswith("torque_motor") and "line 8, line 91 (2 values)" in second.got
+    # Outside the window nothing is said of the signals.
+    _, part = problems_of(lambda: read_recording(path, time=0, channels=NUMBERED, window=(0.02, 0.15)))
+    assert "line 91 (1 values)" in part.got
+
+
 @pytest.mark.parametrize(("jitter", "fails"), [(0.04, False), (0.06, True)])
 def test_raster_is_kept_within_five_percent(tmp_path: Path, jitter: float, fails: bool) -> None:
     time = TIME.copy()

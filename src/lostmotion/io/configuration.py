@@ -137,16 +137,18 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
     Raises
     ------
     InputProblems
-        The problems of all files together.
+        If a file has an error: the problems of all files together, warnings included.
     """
     loaded: list[tuple[str, Recording]] = []
     problems: list[Problem] = []
     for source in configuration.recordings:
         try:
-            loaded.append((source.use, source.read()))
+            recording = source.read()
+            loaded.append((source.use, recording))
+            problems.extend(recording.meta["problems"])
         except InputProblems as error:
             problems.extend(error.problems)
-    if problems:
+    if any(problem.severity == "error" for problem in problems):
         raise InputProblems(problems)
     return loaded
 

@@ -61,7 +61,8 @@ def read_recording(
     Recording
         SI; origin ``measured`` or ``derived``. ``meta`` holds ``file``, ``sha256``, ``sources``, ``problems``
         (the warnings), ``count_averaged`` where it is known, and for each derived speed how it was made. A
-        speed that is missing is the difference of its angle over the last sample; the first row has none and is left out.
+        speed that is missing is the difference of its angle over the last sample; the first row has none and
+        is left out.
 
     Raises
     ------
@@ -215,7 +216,12 @@ def _checked(
     problems = check_finite("time", raw.time, where, raw.place) or check_increasing(
         raw.time, where, raw.place
     )
-    _stop_at_errors(problems)
+    if problems:
+        # A window is no range of rows then; what lies in it by its own times is still checked.
+        inside = _inside(raw.time, window, where)
+        for name, values in raw.signals.items():
+            problems += check_finite(name, np.where(inside, values, 0.0), where, raw.place)
+        raise InputProblems(problems)
     rows = _rows(raw.time, window, where)
     time = raw.time[rows]
 
@@ -235,6 +241,14 @@ def _checked(
     if resample is not None and resample is not False:
         part, warnings = _resampled(part, where, resample)
     return replace(part, warnings=tuple(warnings))
+
+
+def _inside(time: NDArray[np.float64], window: tuple[float, float] | None, where: str) -> NDArray[np.bool_]:
+    """Rows whose time lies in the window, whatever their order."""
+    if window is None:
+        return np.ones(time.size, dtype=bool)
+    start, stop = (parse_quantity(edge, "s", f"{where}, window") for edge in window)
+    return (time >= start) & (time < stop)
 
 
 def _rows(time: NDArray[np.float64], window: tuple[float, float] | None, where: str) -> slice:
