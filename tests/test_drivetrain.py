@@ -140,10 +140,21 @@ def test_gear_keeps_kinetic_energy_power_and_frequency():
     behind = Drivetrain((2.0, 3.0), (Shaft(1e4, 2.0, 0.01),), (Friction(), Friction(5.0, 0.1)))
     gear = Gear(8.0)
     torque = 400.0 * np.sign(np.sin(np.arange(2000) * 0.01))
-    direct = lm.simulate(behind, torque_motor=torque, dt=1e-4)
-    seen = lm.simulate(gear.refer(behind), torque_motor=torque / 8.0, dt=1e-4)
-    for name in ("speed_load", "twist", "torque_shaft"):
+    direct = lm.simulate(behind, torque_motor=torque, dt=1e-4, energy=True)
+    seen = lm.simulate(gear.refer(behind), torque_motor=torque / 8.0, dt=1e-4, energy=True)
+    for name in ("speed_load", "twist", "torque_shaft", "energy_stored", "energy_dissipated"):
         np.testing.assert_allclose(gear.behind(name, seen[name]), direct[name], rtol=0.0, atol=1e-9)
+
+
+def test_gear_scales_a_signal_by_its_unit():
+    values, gear = np.array([6.0]), Gear(-2.0)
+    for name in ("friction_load", "friction_load_estimated", "torque_shaft_2", "torque_3"):
+        assert gear.behind(name, values) == -12.0, name
+    for name in ("speed_2", "twist_1", "angle_load", "speed_load_estimated"):
+        assert gear.behind(name, values) == -3.0, name
+    assert gear.behind("energy_input", values) == 6.0
+    with pytest.raises(lm.InvalidInput, match="behind"):
+        gear.behind("input_fault", values)
 
 
 def test_gear_joins_two_sides():

@@ -95,3 +95,18 @@ def test_bounces_merge_into_one_impact():
         (0.2, "shaft 1", 1.0, 1.5),
     ]
     assert len(made.impacts(merge=0.0)) == 6
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("twist_1", "rad"),
+        ("torque_shaft_12", "Nm"),
+        ("speed_2", "rad/s"),
+        ("torque_3", "Nm"),
+        ("speed", ""),
+        ("x_1", ""),
+    ],
+)
+def test_units_of_a_chains_numbered_signals(name, unit):
+    assert unit_of(name) == unit

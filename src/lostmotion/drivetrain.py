@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InvalidInput
+from .recording import unit_of
 
 Contact = Literal["viscoelastic", "dead_zone", "limited", "clipped", "physical"]
 CONTACT_LAWS: tuple[str, ...] = get_args(Contact)
@@ -487,8 +488,20 @@ class Gear:
         )
 
     def behind(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """A simulated signal of the referred part (``speed_load``, ``torque_shaft_2`` …) as it is behind the gear."""
-        return np.asarray(values * self.ratio if name.startswith("torque") else values / self.ratio)
+        """A simulated signal of the referred part (``speed_load``, ``torque_shaft_2`` …) as it is behind the gear.
+
+        By the unit of its name: angles and speeds are divided by the ratio, torques multiplied; energies stay.
+        """
+        factors = {"rad": 1.0 / self.ratio, "rad/s": 1.0 / self.ratio, "Nm": self.ratio, "J": 1.0}
+        unit = unit_of(name)
+        if unit not in factors:
+            raise InvalidInput(
+                "Gear.behind",
+                repr(name),
+                "the name of an angle, a speed, a torque or an energy",
+                "Rename it.",
+            )
+        return np.asarray(factors[unit] * values)
 
     def _friction(self, friction: Friction) -> Friction:
         i = abs(self.ratio)

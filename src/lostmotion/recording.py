@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -33,12 +34,18 @@ SIGNAL_UNITS: Mapping[str, str] = MappingProxyType(
 )
 
 
+#: Of the names that a chain numbers (``speed_2``) beside those above (``twist_1``).
+NUMBERED_UNITS: Mapping[str, str] = MappingProxyType({"torque": "Nm", "speed": "rad/s"})
+
+
 def unit_of(signal: str) -> str:
-    """Unit of a signal by its name, "" where the name says nothing."""
-    base = signal.removesuffix("_estimated").removesuffix("_reference")
+    """Unit of a signal by its name, "" where the name says nothing; a number at its end counts a chain's parts."""
     if signal in SIGNAL_UNITS:
         return SIGNAL_UNITS[signal]
-    return SIGNAL_UNITS.get(base, "")
+    base = signal.removesuffix("_estimated").removesuffix("_reference")
+    bare = re.sub(r"_\d+$", "", base)
+    known = SIGNAL_UNITS if bare == base else {**NUMBERED_UNITS, **SIGNAL_UNITS}
+    return known.get(bare, "")
 
 
 @dataclass(frozen=True)
@@ -193,7 +200,7 @@ class Recording:
         return MappingProxyType({"input": given, "stored": stored, "dissipated": lost, "balance": balance})
 
     def window(self, start: float = -np.inf, stop: float = np.inf) -> Recording:
-        """The rows with start ≤ time < stop (s); half a sample of tolerance, so that rounding drops no row."""
+        """The rows with start ≤ time < stop (s), within a millionth of a sample for rounding."""
         slack = 1e-6 * self.dt
         keep = (self.time >= start - slack) & (self.time < stop - slack)
         if np.count_nonzero(keep) < 2:
