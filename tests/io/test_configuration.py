@@ -164,6 +164,8 @@ def test_the_examples_of_the_documentation_are_valid(tmp_path: Path, monkeypatch
         (MINIMAL + "[law]\ntorque_limit = 0", "line 4, law.torque_limit", "0"),
         (MINIMAL + "[law]\nkp = 3", "line 3, law", "kp 3.0, ki None"),
         (MINIMAL + "[law]\nkp = '3'\nki = 1", "line 4, law.kp", "'3'"),
+        (MINIMAL + "[law]\nkp = 0\nki = 1", "line 4, law.kp", "0"),
+        (MINIMAL + "[law]\nkp = 3\nki = -1", "line 5, law.ki", "-1"),
         (MINIMAL + "[run]\nseed = 1.5", "line 4, run.seed", "1.5"),
         (MINIMAL + "[run]\nseed = -1", "line 4, run.seed", "-1"),
         ("bogus = 1\n" + MINIMAL, "line 1, bogus", "unknown key 'bogus'"),
@@ -181,6 +183,10 @@ def test_problems_point_at_line_and_key(
     (problem,) = problems_of(lambda: read(tmp_path, text))
     assert problem.where.endswith(where) and problem.got.startswith(got)
     assert problem.severity == "error" and problem.expected and problem.remedy
+
+
+def test_a_controller_without_integral_part_is_allowed(tmp_path: Path) -> None:
+    assert read(tmp_path, MINIMAL + "[law]\nkp = 3\nki = 0").law.ki == 0.0
 
 
 def test_all_problems_come_together_with_suggestions(tmp_path: Path, problems_of: Problems) -> None:

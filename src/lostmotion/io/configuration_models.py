@@ -40,6 +40,17 @@ def _gain(value: object) -> float:
     return float(value)
 
 
+def _proportional_gain(value: object) -> float:
+    if (gain := _gain(value)) == 0.0:
+        raise InvalidInput(
+            "",
+            repr(value),
+            "a positive number in SI units",
+            "Leave kp and ki out for the package's own gains.",
+        )
+    return gain
+
+
 def _poles(value: object) -> tuple[float, ...]:
     """Three poles: as many as a two-mass drivetrain has states."""
     good = isinstance(value, list | tuple) and len(value) == 3
@@ -165,7 +176,7 @@ class LawModel(_Model):
     sample_time: Annotated[float | None, _quantity("s", positive=True)] = None
     torque_limit: Annotated[float | None, _quantity("Nm", positive=True)] = None
     poles: Annotated[tuple[float, ...], BeforeValidator(_poles)] = DEFAULT_POLES
-    kp: Annotated[float | None, BeforeValidator(_gain)] = None
+    kp: Annotated[float | None, BeforeValidator(_proportional_gain)] = None
     ki: Annotated[float | None, BeforeValidator(_gain)] = None
 
     @model_validator(mode="after")
