@@ -78,7 +78,13 @@ def test_same_seed_same_bytes():
         lambda: signals.steps((0.2, 0.1), (0, 1, 2), 1.0, DT),
         lambda: signals.steps((0.1,), (0, 1, 2), 1.0, DT),
         lambda: signals.chirp(1, 2, 1.0, 0.0, DT),
+        lambda: signals.chirp(1, 2, 1.0, 1.0, 0.0),
+        lambda: signals.chirp(1, 2, 1.0, 1.0, np.nan),
+        lambda: signals.chirp(1, 2, 1.0, np.inf, DT),
+        lambda: signals.chirp(1, 2, 1.0, 1.0, -DT),
         lambda: signals.multisine(0.1, 0.2, 1.0, 1.0, DT, seed=0),
+        lambda: signals.noise(0.1, 0.2, 1.0, 1.0, DT, seed=0),
+        lambda: signals.excitation(1.0, 0.1, seed=0, inertia=1.0, coulomb=0.0, viscous=0.0, band=(6.0, 9.0)),
     ],
 )
 def test_misuse_is_refused(make):

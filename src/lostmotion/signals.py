@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +15,23 @@ Array = NDArray[np.float64]
 
 
 def _length(duration: float, dt: float) -> int:
-    n = round(duration / dt)
-    if not (dt > 0.0 and n >= 2):
+    samples = duration / dt if dt > 0.0 else math.nan
+    if not math.isfinite(samples) or not math.isfinite(dt) or samples < 1.5:  # 1.5 rounds to two
         raise InvalidInput(
-            "duration, dt", f"{duration} s, {dt} s", "at least two samples", "Lengthen the signal."
+            "duration, dt",
+            f"{duration} s, {dt} s",
+            "finite, positive, at least two samples",
+            "Lengthen the signal.",
         )
-    return int(n)
+    return round(samples)
+
+
+def _band(where: str, frequency: NDArray[np.floating[Any]], low: float, high: float) -> NDArray[np.bool_]:
+    """The lines (Hz) of a spectrum from low to high."""
+    band = (frequency >= low) & (frequency <= high)
+    if not band.any():
+        raise InvalidInput(where, f"{low} … {high} Hz", "a band with at least one line", "Widen the band.")
+    return np.asarray(band)
 
 
 def steps(times: Sequence[float], values: Sequence[float], duration: float, dt: float) -> Array:
@@ -45,11 +58,7 @@ def multisine(low: float, high: float, rms: float, duration: float, dt: float, *
     """All multiples of 1/duration from low to high (Hz) with equal amplitudes and random phases."""
     n = _length(duration, dt)
     frequency = np.fft.rfftfreq(n, dt)
-    band = (frequency >= low) & (frequency <= high)
-    if not band.any():
-        raise InvalidInput(
-            "multisine", f"{low} … {high} Hz", "a band with at least one line", "Widen the band."
-        )
+    band = _band("multisine", frequency, low, high)
     phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, frequency.size)
     signal = np.fft.irfft(np.where(band, np.exp(1j * phase), 0.0), n)
     return np.asarray(rms * signal / np.sqrt(np.mean(signal**2)))
@@ -67,9 +76,10 @@ def noise(low: float, high: float, rms: float, duration: float, dt: float, *, se
     """Gaussian noise with a flat spectrum between low and high (Hz) and nothing outside."""
     n = _length(duration, dt)
     frequency = np.fft.rfftfreq(n, dt)
+    band = _band("noise", frequency, low, high)
     rng = np.random.default_rng(seed)
     lines = rng.standard_normal(frequency.size) + 1j * rng.standard_normal(frequency.size)
-    signal = np.fft.irfft(np.where((frequency >= low) & (frequency <= high), lines, 0.0), n)
+    signal = np.fft.irfft(np.where(band, lines, 0.0), n)
     return np.asarray(rms * signal / np.sqrt(np.mean(signal**2)))
 
 
