@@ -16,6 +16,7 @@ from lostmotion.rig.nominal import (
     STIFFNESSES,
     VISCOUS,
 )
+from lostmotion.run import run
 
 MODEL_LAWS = ("viscoelastic", "dead_zone")
 
@@ -75,6 +76,12 @@ def test_family_varies_within_its_ranges():
     assert varied_rig(7) == varied_rig(7)
 
 
+def test_a_negative_seed_is_refused(tmp_path):
+    for make in (varied_rig, lm.rig.record, lambda seed: run(seed=seed, out=tmp_path / "out")):
+        with pytest.raises(lm.InvalidInput, match="seed"):
+            make(-1)
+
+
 def torque(n: int = 3000) -> np.ndarray:
     return 8.0 * np.sign(np.sin(np.arange(n) * 0.01)) + np.random.default_rng(0).standard_normal(n)
 
@@ -83,7 +90,7 @@ def test_recording_holds_no_truth():
     recording, truth = lm.rig.record(2, torque_motor=torque())
     assert set(recording.names) == {"torque_motor", "speed_motor", "speed_load", "torque_shaft", "twist"}
     assert recording.events == () and not recording.final_state
-    assert set(recording.meta) == {"source", "rig_seed", "noise_seed", "count_averaged"}
+    assert set(recording.meta) == {"source", "rig_seed", "noise_seed", "count_averaged", "averaged"}
     assert set(recording.origin.values()) == {"measured"}
     for name in ("speed_motor", "speed_load", "torque_shaft", "twist"):
         assert np.any(recording[name] != truth.signals[name])

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..drivetrain import Actuator, Drivetrain, Friction, Shaft
+from ..errors import InvalidInput
 from ..simulation import Sensor
 
 #: Motor; clutch and intermediate shaft; joint piece at the end of the side shaft; hub with brake disc. kg m².
@@ -56,6 +57,8 @@ def nominal_rig() -> Rig:
 
 def varied_rig(seed: int) -> Rig:
     """One rig of the family: every inertia and stiffness within ±10 %, friction and backlash within ±20 %."""
+    if seed < 0:
+        raise InvalidInput("varied_rig: seed", f"{seed}", "0 or a positive number", "Choose another seed.")
     rng = np.random.default_rng([seed, 20])
     structure = 1.0 + SPREAD_STRUCTURE * rng.uniform(-1.0, 1.0, 7)
     friction = 1.0 + SPREAD_FRICTION * rng.uniform(-1.0, 1.0, 3)
