@@ -203,7 +203,13 @@ def test_all_problems_come_together_with_suggestions(tmp_path: Path, problems_of
 
 def test_missing_configuration(tmp_path: Path, problems_of: Problems) -> None:
     (problem,) = problems_of(lambda: read_configuration(tmp_path / "none.toml"))
-    assert "none.toml" in problem.where and "No such file" in problem.got
+    assert "none.toml" in problem.where and problem.got == "no such file"
+
+
+def test_a_configuration_that_is_not_utf_8(tmp_path: Path, problems_of: Problems) -> None:
+    (tmp_path / "rig.toml").write_bytes("# Prüfstand".encode("cp1252"))
+    (problem,) = problems_of(lambda: read_configuration(tmp_path / "rig.toml"))
+    assert problem.got == "text that is not UTF-8"
 
 
 def test_files_are_relative_to_the_toml_and_take_environment_variables(

@@ -97,3 +97,9 @@ def test_broken_files_are_refused(tmp_path: Path, old: str, new: str, match: str
     with pytest.raises(InvalidInput, match=match) as caught:
         load_drivetrain(path)
     assert str(path) in str(caught.value)
+
+
+def test_a_missing_file_is_not_called_broken(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput) as caught:
+        load_drivetrain(tmp_path / "none.toml")
+    assert caught.value.problem.got == "no such file"

@@ -65,3 +65,8 @@ def test_missing_parts(tmp_path):
         read_torsional_model(tmp_path / "m.csv")
     with pytest.raises(InvalidInput):
         read_torsional_model(tmp_path / "nowhere.npz")
+
+
+def test_a_missing_file_is_not_called_broken(tmp_path):
+    with pytest.raises(InvalidInput, match="got no such file, "):
+        read_torsional_model(tmp_path / "none.npz")

@@ -15,6 +15,7 @@ from ..errors import InputProblems, InvalidInput, Problem
 from ..recording import Recording
 from .channels import Channel
 from .recordings import read_recording
+from .whole_files import read_bytes
 
 #: Poles of the state feedback, 1/s: Fietzek & Rinderknecht, section V.
 DEFAULT_POLES = (-400.0, -400.0, -400.0)
@@ -103,10 +104,12 @@ def read_configuration(path: str | Path) -> Configuration:
     """
     path = Path(path)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        got = getattr(error, "strerror", None) or "text that is not UTF-8"
-        raise InputProblems([_problem(str(path), got, "a readable TOML file", "Check the path.")]) from None
+        text = read_bytes(path).decode("utf-8-sig")
+    except InvalidInput as error:
+        raise InputProblems([error.problem]) from None
+    except UnicodeDecodeError:
+        got = "text that is not UTF-8"
+        raise InputProblems([_problem(str(path), got, "a TOML file", "Save it as UTF-8.")]) from None
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -44,8 +44,9 @@ def load_drivetrain(path: str | Path) -> Drivetrain:
         If the file cannot be read, a key is missing or unknown, or a value is out of range.
     """
     where = str(path)
+    raw = read_bytes(Path(path))
     try:
-        content = tomllib.loads(read_bytes(Path(path)).decode("utf-8-sig"))
+        content = tomllib.loads(raw.decode("utf-8-sig"))
     except ValueError as error:
         raise InvalidInput(
             where, f"broken TOML: {error}", "a drivetrain as TOML", "Write it again."

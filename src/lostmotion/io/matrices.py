@@ -67,8 +67,9 @@ def save_torsional_model(model: TorsionalModel, path: str | Path) -> None:
 
 
 def _npz(path: Path) -> dict[str, Floats]:
+    raw = read_bytes(path)
     try:
-        with np.load(io.BytesIO(read_bytes(path)), allow_pickle=False) as file:
+        with np.load(io.BytesIO(raw), allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
     except (ValueError, OSError, EOFError, zipfile.BadZipFile):
         raise InvalidInput(str(path), "a file that cannot be read", _EXPECTED, "Write it again.") from None

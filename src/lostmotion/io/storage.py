@@ -50,8 +50,9 @@ def load_json(path: str | Path, kind: str) -> dict[str, Any]:
     InvalidInput
         If the file cannot be read, is no JSON, or is of another kind or a newer schema version.
     """
+    raw = read_bytes(Path(path))
     try:
-        content = json.loads(read_bytes(Path(path)))
+        content = json.loads(raw)
     except ValueError as error:
         raise InvalidInput(
             str(path), f"broken JSON: {error}", f"a {kind} as JSON", "Write it again."

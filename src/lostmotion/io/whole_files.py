@@ -12,6 +12,8 @@ def read_bytes(path: Path) -> bytes:
     """The file's content; raises ``InvalidInput`` where it cannot be read."""
     try:
         return path.read_bytes()
+    except FileNotFoundError:
+        raise InvalidInput(str(path), "no such file", "a readable file", "Check the path.") from None
     except OSError as error:
         raise InvalidInput(
             str(path), str(error.strerror or error), "a readable file", "Check path and permissions."
