@@ -185,6 +185,42 @@ def test_problems_point_at_line_and_key(
     assert problem.severity == "error" and problem.expected and problem.remedy
 
 
+def parameters() -> list[tuple[str, float, float]]:
+    from lostmotion.io.configuration_models import PLAUSIBLE
+
+    return [(name, low, high) for name, (low, high) in PLAUSIBLE.items()]
+
+
+@pytest.mark.parametrize(("name", "low", "high"), parameters())
+def test_absurd_nameplate_values_are_refused(
+    tmp_path: Path, name: str, low: float, high: float, problems_of: Problems
+) -> None:
+    for good in (low, high):
+        assert read(tmp_path, f"[nameplate]\n{name} = {good}\n" + MINIMAL).nameplate[name] == good
+    for bad in (1e-300, 0.9 * low, 1.1 * high, 1e300):
+        text = f"[nameplate]\n{name} = {bad!r}\n" + MINIMAL
+        (problem,) = problems_of(lambda text=text: read(tmp_path, text))
+        assert problem.where.endswith(f"line 2, nameplate.{name}") and problem.got == repr(bad)
+        assert f"{low:g} to {high:g} " in problem.expected and "unit" in problem.remedy
+
+
+@pytest.mark.parametrize(("name", "low", "high"), parameters())
+def test_zero_and_the_bounds_are_as_documented(
+    tmp_path: Path, name: str, low: float, high: float, problems_of: Problems
+) -> None:
+    text = f"[nameplate]\n{name} = 0\n" + MINIMAL
+    zero = ""
+    if name in ("inertia_motor", "inertia_load", "stiffness"):
+        assert problems_of(lambda: read(tmp_path, text))[0].got == "0"
+    else:
+        assert read(tmp_path, text).nameplate[name] == 0.0
+        zero = "0, "
+    assert re.search(
+        rf"\| `{name}` \| [^|]+ \| {re.escape(f'{zero}{low:g} to {high:g}')} \|",
+        DOCUMENT.read_text(encoding="utf-8"),
+    )
+
+
 def test_a_controller_without_integral_part_is_allowed(tmp_path: Path) -> None:
     assert read(tmp_path, MINIMAL + "[law]\nkp = 3\nki = 0").law.ki == 0.0
 

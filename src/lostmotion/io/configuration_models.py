@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
@@ -17,14 +18,49 @@ from .units import parse_quantity
 
 Place = Callable[[tuple[str | int, ...]], str]
 
+#: Smallest and largest plausible start value, in the unit of ``PARAMETER_UNITS``; zero is judged apart. Chosen:
+#: far beyond watch gears at the one end and wind turbines at the other.
+PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "inertia_motor": (1e-12, 1e10),
+        "inertia_load": (1e-12, 1e10),
+        "stiffness": (1e-6, 1e12),
+        "damping": (1e-12, 1e9),
+        "backlash": (1e-9, 10.0),
+        "coulomb": (1e-12, 1e9),
+        "viscous": (1e-12, 1e9),
+        "coulomb_motor": (1e-12, 1e9),
+        "viscous_motor": (1e-12, 1e9),
+        "lag": (1e-9, 10.0),
+    }
+)
 
-def _quantity(dimension: str, *, positive: bool = False) -> BeforeValidator:
+
+def _positive(dimension: str) -> BeforeValidator:
     def convert(value: object) -> float:
         number = parse_quantity(value, dimension)
-        if number < 0.0 or (positive and number == 0.0):
-            raise InvalidInput(
-                "", repr(value), "a positive number" if positive else "zero or more", "Check the sign."
+        if number <= 0.0:
+            raise InvalidInput("", repr(value), "a positive number", "Check the sign.")
+        return number
+
+    return BeforeValidator(convert)
+
+
+def _parameter(name: str, *, positive: bool = False) -> BeforeValidator:
+    """A nameplate value within its plausible bounds."""
+    low, high = PLAUSIBLE[name]
+    unit = PARAMETER_UNITS[name]
+
+    def convert(value: object) -> float:
+        number = parse_quantity(value, unit)
+        if not (low <= number <= high or (number == 0.0 and not positive)):
+            zero = "" if positive else "zero, or "
+            remedy = (
+                "Check the sign."
+                if number < 0.0
+                else f"Check the unit and the power of ten: it is in {unit}."
             )
+            raise InvalidInput("", repr(value), f"{zero}{low:g} to {high:g} {unit}", remedy)
         return number
 
     return BeforeValidator(convert)
@@ -134,18 +170,18 @@ class _Model(BaseModel):
 
 
 class NameplateModel(_Model):
-    """Start values, and what a recording cannot tell; units as in ``PARAMETER_UNITS``."""
+    """Start values, and what a recording cannot tell; units as in ``PARAMETER_UNITS``, bounds in ``PLAUSIBLE``."""
 
-    inertia_motor: Annotated[float | None, _quantity("kg m2", positive=True)] = None
-    inertia_load: Annotated[float | None, _quantity("kg m2", positive=True)] = None
-    stiffness: Annotated[float | None, _quantity("Nm/rad", positive=True)] = None
-    damping: Annotated[float | None, _quantity("Nm s/rad")] = None
-    backlash: Annotated[float | None, _quantity("rad")] = None
-    coulomb: Annotated[float | None, _quantity("Nm")] = None
-    viscous: Annotated[float | None, _quantity("Nm s/rad")] = None
-    coulomb_motor: Annotated[float | None, _quantity("Nm")] = None
-    viscous_motor: Annotated[float | None, _quantity("Nm s/rad")] = None
-    lag: Annotated[float | None, _quantity("s")] = None
+    inertia_motor: Annotated[float | None, _parameter("inertia_motor", positive=True)] = None
+    inertia_load: Annotated[float | None, _parameter("inertia_load", positive=True)] = None
+    stiffness: Annotated[float | None, _parameter("stiffness", positive=True)] = None
+    damping: Annotated[float | None, _parameter("damping")] = None
+    backlash: Annotated[float | None, _parameter("backlash")] = None
+    coulomb: Annotated[float | None, _parameter("coulomb")] = None
+    viscous: Annotated[float | None, _parameter("viscous")] = None
+    coulomb_motor: Annotated[float | None, _parameter("coulomb_motor")] = None
+    viscous_motor: Annotated[float | None, _parameter("viscous_motor")] = None
+    lag: Annotated[float | None, _parameter("lag")] = None
 
 
 class RecordingModel(_Model):
@@ -173,8 +209,8 @@ class RecordingModel(_Model):
 class LawModel(_Model):
     """What the law shall do."""
 
-    sample_time: Annotated[float | None, _quantity("s", positive=True)] = None
-    torque_limit: Annotated[float | None, _quantity("Nm", positive=True)] = None
+    sample_time: Annotated[float | None, _positive("s")] = None
+    torque_limit: Annotated[float | None, _positive("Nm")] = None
     poles: Annotated[tuple[float, ...], BeforeValidator(_poles)] = DEFAULT_POLES
     kp: Annotated[float | None, BeforeValidator(_proportional_gain)] = None
     ki: Annotated[float | None, BeforeValidator(_gain)] = None
