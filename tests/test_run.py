@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +78,35 @@ def test_identification_on_other_rigs(seed: int) -> None:
     found = lm.identify(recording, start=lm.Drivetrain.two_mass(**RIG_NAMEPLATE))
     for name, limit in LIMITS.items():
         assert abs(found.values[name] / truth.parameters[name] - 1.0) < limit, name
+
+
+def test_readme_tells_the_numbers_of_this_run(finished_run: Finished) -> None:
+    readme = (Path(__file__).resolve().parent.parent / "README.md").read_text().replace("\n", " ")
+    _, results = finished_run
+
+    def told(pattern: str) -> float:
+        found = re.search(pattern.replace("#", r"([+-]?\d+(?:\.\d+)?) %"), readme)
+        assert found is not None, pattern
+        return float(found[1])
+
+    def share(rows: dict[str, Any], signal: str) -> float:
+        return 100.0 * rows[signal]["rmse"] / rows[signal]["range"]
+
+    # Within one unit of the last digit shown.
+    found, truth = results["parameters"], results["truth"]["parameters"]
+    for name in ("backlash", "stiffness", "inertia_motor", "inertia_load", "coulomb"):
+        assert told(f"{name} #") == pytest.approx(100.0 * (found[name]["value"] / truth[name] - 1.0), abs=0.1)
+    first, naive = results["observers"]["observer_1"], results["observers"]["baselines"]
+    assert told("load speed comes out to #") == pytest.approx(share(first, "speed_load"), abs=0.01)
+    assert told("shaft torque to #") == pytest.approx(share(first, "torque_shaft"), abs=0.01)
+    assert told("taken as estimate: #") == pytest.approx(share(naive["motor_speed"], "speed_load"), abs=0.1)
+    assert told("without backlash: #") == pytest.approx(share(naive["no_backlash"], "speed_load"), abs=0.01)
+    assert told(r"\[Step of the load speed: #") == pytest.approx(
+        results["controllers"]["pi"]["overshoot"], abs=0.1
+    )
+    assert told("PI control, #") == pytest.approx(
+        results["controllers"]["pole_placement"]["overshoot"], abs=0.1
+    )
 
 
 def test_files_can_be_read_back(finished_run: Finished) -> None:

@@ -74,25 +74,29 @@ def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any]
             table[name] = {"skipped": str(error)}
             continue
         estimates[name] = law.run(recording.only("torque_motor", *measured))
-        table[name] = _compared(estimates[name], recording, found)
-    table["baselines"] = _baselines(recording, found.drivetrain, averaged, found)
+        table[name] = _compared(estimates[name], recording)
+    table["baselines"] = _baselines(recording, found.drivetrain, averaged)
     return table, estimates
 
 
-def _compared(estimate: Recording, recording: Recording, found: Found) -> dict[str, Any]:
-    """Metrics of every withheld signal that the recording holds, from SETTLING after its start on."""
-    judged = recording.time >= recording.time[0] + min(
-        SETTLING, 0.3 * (recording.time[-1] - recording.time[0])
-    )
+def _compared(estimate: Recording, recording: Recording) -> dict[str, Any]:
+    """Metrics of every withheld signal that the recording holds."""
     rows: dict[str, Any] = {}
     for signal in WITHHELD:
-        if signal not in recording:
-            rows[signal] = {"skipped": f"no {signal} in the recording"}
-        elif f"{signal}_estimated" in estimate:
-            values = _as_recorded(estimate[f"{signal}_estimated"], signal, recording)[judged]
-            row = compare(values, recording[signal][judged], recording.dt)
-            rows[signal] = {name: row[name] for name in ("rmse", "range", "max", "lag")}
+        if f"{signal}_estimated" in estimate:
+            values = _as_recorded(estimate[f"{signal}_estimated"], signal, recording)
+            rows[signal] = _row(values, signal, recording)
     return rows
+
+
+def _row(values: np.ndarray, signal: str, recording: Recording) -> dict[str, Any]:
+    """Metrics of one signal, from SETTLING after the recording's start on."""
+    if signal not in recording:
+        return {"skipped": f"no {signal} in the recording"}
+    duration = recording.time[-1] - recording.time[0]
+    judged = recording.time >= recording.time[0] + min(SETTLING, 0.3 * duration)
+    row = compare(values[judged], recording[signal][judged], recording.dt)
+    return {name: row[name] for name in ("rmse", "range", "max", "lag")}
 
 
 def _as_recorded(values: np.ndarray, signal: str, recording: Recording) -> np.ndarray:
@@ -103,15 +107,12 @@ def _as_recorded(values: np.ndarray, signal: str, recording: Recording) -> np.nd
     return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1])])
 
 
-def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool, found: Found) -> dict[str, Any]:
+def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool) -> dict[str, Any]:
     """Naive estimates that keep the numbers honest: the motor speed itself, and an observer that knows no gap."""
-    motor = Recording(time=recording.time, signals={"speed_load_estimated": recording["speed_motor"]})
     without = observer(drivetrain.with_parameters(backlash=0.0), "observer_1", recording.dt, averaged)
     return {
-        "motor_speed": {"speed_load": _compared(motor, recording, found).get("speed_load")},
-        "no_backlash": _compared(
-            without.run(recording.only("torque_motor", "speed_motor")), recording, found
-        ),
+        "motor_speed": {"speed_load": _row(recording["speed_motor"], "speed_load", recording)},
+        "no_backlash": _compared(without.run(recording.only("torque_motor", "speed_motor")), recording),
     }
 
 
