@@ -145,6 +145,28 @@ def test_equivalent_keeps_sums_and_the_pole():
         two_mass_equivalent(two_gaps, np.ones(3))
 
 
+@pytest.mark.parametrize(
+    "speeds", [[], [0.0, 0.0], [2.0, -2.0, 0.0], [np.nan, np.inf, -np.inf], [np.inf, 3.0, 3.0, -3.0]]
+)
+def test_friction_that_the_motion_does_not_tell_is_left_open(speeds):
+    found = two_mass_equivalent(nominal_rig().drivetrain, np.array(speeds))
+    assert found["coulomb"] is None and found["viscous"] is None
+    assert found["inertia_load"] == INERTIAS[3]
+
+
+def test_friction_is_told_by_the_finite_speeds():
+    plant = lm.Drivetrain((0.02, 0.1), (lm.Shaft(5e3),), (lm.Friction(), lm.Friction(1.0, 0.02)))
+    found = two_mass_equivalent(plant, np.array([np.nan, 3.0, np.inf, -7.0, 5.0]))
+    assert (found["coulomb"], found["viscous"]) == pytest.approx((1.0, 0.02))
+    huge = two_mass_equivalent(plant, np.array([1e200, -3e250, 1e300]))
+    assert huge["viscous"] == pytest.approx(0.02)
+
+
+def test_a_load_that_never_moves_is_recorded():
+    _, truth = lm.rig.record(1, torque_motor=np.zeros(100))
+    assert truth.parameters["coulomb"] is None
+
+
 def test_finer_rig_lies_within_the_intervals():
     model = lm.Drivetrain.two_mass(
         inertia_motor=0.0182,

@@ -67,7 +67,8 @@ def experiment(case: Case, seed: int, duration: float) -> Experiment:
     resolution = 2.0 * math.pi / 2**case.encoder_bits
     plant = _rig(case, seed, resolution)
     recording, true = _record(plant, case, seed, duration)
-    parameters = rig.two_mass_equivalent(plant.drivetrain, np.linspace(-LEVELS[1], LEVELS[1], 2000))
+    equivalent = rig.two_mass_equivalent(plant.drivetrain, np.linspace(-LEVELS[1], LEVELS[1], 2000))
+    parameters = {name: value for name, value in equivalent.items() if value is not None}  # speeds tell all
     shown = _disturbed(recording, true, plant, case, seed)
     truth = _truth(plant, true)
     told = _identified(seed, parameters) if case.parameters == "identified" else parameters

@@ -7,8 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..drivetrain import Drivetrain
+from ..drivetrain import Drivetrain, Friction
 from ..errors import InvalidInput
+
+
+#: Friction is told only where the recorded speeds' magnitudes differ by this share of the largest (chosen).
+LEAST_SPREAD = 1e-6
 
 
 def modes(drivetrain: Drivetrain) -> NDArray[np.float64]:
@@ -33,12 +37,13 @@ def _frequencies(drivetrain: Drivetrain, locked_motor: bool) -> NDArray[np.float
     return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(scaled), 0.0)) / (2.0 * math.pi))
 
 
-def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64]) -> dict[str, float]:
+def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64]) -> dict[str, float | None]:
     """Parameters of the equivalent two-mass drivetrain, by name, SI.
 
     Inertias: the sums on each side of the gap, or of the softest shaft where there is no gap. Stiffness: from
     the first pole with the gap closed and those inertias. Damping: from the series of the shafts. Coulomb and
-    viscous: least-squares line through the true friction curve at the recorded load speeds (n,), rad/s.
+    viscous: least-squares line through the true friction curve at the recorded load speeds (n,), rad/s, as far as
+    they are finite; None for both where the load never moves, or at one speed only.
     """
     gaps = [i for i, shaft in enumerate(drivetrain.shafts) if shaft.has_backlash]
     if len(gaps) > 1:
@@ -55,20 +60,30 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
     # In series the compliances add, and in slow motion each shaft dissipates d·(share of the twist)².
     compliance = math.fsum(1.0 / shaft.stiffness for shaft in drivetrain.shafts)
     damping = math.fsum(s.damping * (1.0 / s.stiffness / compliance) ** 2 for s in drivetrain.shafts)
-    friction = drivetrain.frictions[-1]
-    moving = speed_load[speed_load != 0.0]
-    if moving.size > 5000:
-        moving = moving[:: moving.size // 5000]
-    torque = np.array([friction.torque(float(w)) for w in moving])
-    columns = np.column_stack([np.sign(moving), moving])
-    coulomb, viscous = np.linalg.lstsq(columns, torque, rcond=None)[0]
+    coulomb, viscous = _friction_line(drivetrain.frictions[-1], speed_load)
     return {
         "inertia_motor": motor,
         "inertia_load": load,
         "stiffness": stiffness,
         "damping": damping,
         "backlash": drivetrain.shafts[joint].backlash,
-        "coulomb": float(coulomb),
-        "viscous": float(viscous),
+        "coulomb": coulomb,
+        "viscous": viscous,
         "lag": drivetrain.actuator.lag,
     }
+
+
+def _friction_line(friction: Friction, speed: NDArray[np.float64]) -> tuple[float | None, float | None]:
+    """Coulomb (Nm) and viscous friction (Nm s/rad) of the line closest to the friction curve at these speeds."""
+    moving = speed[np.isfinite(speed) & (speed != 0.0)]
+    size = np.abs(moving)
+    if moving.size == 0 or np.ptp(size) <= LEAST_SPREAD * np.max(size):
+        return None, None
+    if moving.size > 5000:
+        moving = moving[:: moving.size // 5000]
+    # In units of the largest speed: an unstable loop's speeds are too large to be squared.
+    largest = float(np.max(size))
+    torque = np.array([friction.torque(float(w)) for w in moving])
+    columns = np.column_stack([np.sign(moving), moving / largest])
+    coulomb, viscous = np.linalg.lstsq(columns, torque, rcond=None)[0]
+    return float(coulomb), float(viscous) / largest

@@ -28,14 +28,15 @@ class Truth:
     Parameters
     ----------
     parameters : dict
-        The equivalent two-mass parameters, see ``two_mass_equivalent``.
+        The equivalent two-mass parameters, see ``two_mass_equivalent``: ``coulomb`` and ``viscous`` are None where the
+        load's motion does not tell them.
     drivetrain : Drivetrain
         The rig's own chain.
     signals : Recording
         The exact signals.
     """
 
-    parameters: dict[str, float]
+    parameters: dict[str, float | None]
     drivetrain: Drivetrain
     signals: Recording
 

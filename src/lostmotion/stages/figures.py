@@ -16,7 +16,7 @@ CONTROLLERS = {"pi": "PI", "pole_placement": "Observer 1 + pole placement"}
 
 
 def figures(
-    material: Material, found: Found, validation: Validation, truth: dict[str, float] | None
+    material: Material, found: Found, validation: Validation, truth: dict[str, float | None] | None
 ) -> list[ReportFigure]:
     """All figures for which there is something to show, in the report's order."""
     return [
@@ -41,7 +41,7 @@ def _recordings(material: Material) -> list[ReportFigure]:
     ]
 
 
-def _parameters(found: Found, truth: dict[str, float] | None) -> list[ReportFigure]:
+def _parameters(found: Found, truth: dict[str, float | None] | None) -> list[ReportFigure]:
     made = []
     if any(entry["low"] is not None for entry in found.table.values()):
         made.append(
