@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from lostmotion.io.checks import check_recording, torque_agreement
+from lostmotion.cli import app
+from lostmotion.identification.prediction_error import MIN_ROWS, MIN_TIME
+from lostmotion.io.checks import (
+    IDENTIFIABLE_ROWS,
+    IDENTIFIABLE_TIME,
+    check_identifiable,
+    check_recording,
+    torque_agreement,
+)
 from lostmotion.recording import Recording
 
 DT = 1e-3
@@ -96,3 +108,31 @@ def test_a_torque_in_both_directions_is_not_warned_of() -> None:
         TIME, {"torque_shaft": np.sin(TIME) + 0.9, "torque_motor": np.where(TIME < 7.9, 1.0, -0.1)}
     )
     assert check_recording(rec) == ()
+
+
+def test_the_limits_are_those_of_the_identification() -> None:
+    assert (IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME) == (MIN_ROWS, MIN_TIME)
+
+
+@pytest.mark.parametrize(
+    ("rows", "dt", "short"),
+    [(2000, 1e-3, False), (1999, 1e-3, True), (4000, 1e-4, True), (5001, 1e-4, False)],
+)
+def test_too_short_to_identify_from(rows: int, dt: float, short: bool) -> None:
+    found = check_identifiable(Recording(dt * np.arange(rows), {"speed_motor": np.zeros(rows)}))
+    assert [p.got for p in found] == ([f"{rows} rows, {rows * dt:g} s"] if short else [])
+
+
+@pytest.mark.parametrize(("use", "warned"), [("identify", True), ("validate", False)])
+def test_check_warns_of_short_recordings_and_constant_channels(
+    tmp_path: Path, use: str, warned: bool
+) -> None:
+    time = 1e-3 * np.arange(500)
+    table = np.column_stack([time, np.sin(40 * time), np.zeros(500)])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="t,torque_motor,speed_motor", comments="")
+    (tmp_path / "rig.toml").write_text(f'[[recording]]\nfile = "a.csv"\nuse = "{use}"\n')
+    done = CliRunner().invoke(app, ["check", str(tmp_path / "rig.toml"), "--json"])
+    problems = json.loads(done.stdout)
+    assert done.exit_code == 0 and {p["severity"] for p in problems} == {"warning"}
+    assert "the constant 0.0" in [p["got"] for p in problems]
+    assert ("500 rows, 0.5 s" in [p["got"] for p in problems]) is warned

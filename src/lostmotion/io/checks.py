@@ -13,6 +13,8 @@ from .columns import short_list
 
 #: Fewest samples of a recording. Chosen: less than a few periods of any shaft at any sensible sample time.
 MINIMUM_SAMPLES = 100
+#: Fewest rows and shortest time (s) of a recording to identify from: what ``identify`` itself asks for.
+IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME = 2000, 0.5
 #: Largest deviation of a step from the median step, as a fraction of it. Chosen: the error of a speed derived
 #: with the mean step stays below it; logging clocks that drift by 2 % pass.
 RASTER_TOLERANCE = 0.05
@@ -133,6 +135,22 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
             )
         )
     return tuple(found)
+
+
+def check_identifiable(recording: Recording) -> tuple[Problem, ...]:
+    """The warning that a recording is too short to identify from, if it is."""
+    rows, duration = len(recording), len(recording) * recording.dt
+    if rows >= IDENTIFIABLE_ROWS and duration >= IDENTIFIABLE_TIME:
+        return ()
+    return (
+        Problem(
+            "warning",
+            str(recording.meta.get("file", "recording")),
+            f"{rows} rows, {duration:g} s",
+            f"at least {IDENTIFIABLE_ROWS} rows and {IDENTIFIABLE_TIME:g} s to identify from",
+            'Record longer, widen the window, or set use = "validate". 10 s at 10 kHz are good.',
+        ),
+    )
 
 
 def _reverses(torque: NDArray[np.float64]) -> bool:

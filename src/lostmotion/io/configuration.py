@@ -6,7 +6,7 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 from ..errors import InputProblems, InvalidInput, Problem
 from ..recording import Recording
 from .channels import Channel
+from .checks import check_identifiable
 from .recordings import read_recording
 from .whole_files import read_bytes
 
@@ -147,6 +148,9 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
     for source in configuration.recordings:
         try:
             recording = source.read()
+            if source.use == "identify":
+                found = (*recording.meta["problems"], *check_identifiable(recording))
+                recording = replace(recording, meta={**recording.meta, "problems": found})
             loaded.append((source.use, recording))
             problems.extend(recording.meta["problems"])
         except InputProblems as error:
