@@ -200,7 +200,6 @@ backlash = "1 deg"
 [[recording]]
 file = "data/rig.csv"
 use = "identify"
-count_averaged = true
 time = { column = "time" }
 channels.torque_motor = { column = "torque_motor" }
 channels.speed_motor = { column = "speed_motor" }
@@ -220,6 +219,10 @@ def test_own_recording_with_its_last_part_for_validation(tmp_path: Path) -> None
     assert "truth" not in results
     assert set(results["inputs"]) == {"rig.toml", "data/rig.csv"}
     assert abs(results["parameters"]["backlash"]["value"] / truth.parameters["backlash"] - 1.0) < 0.05
+    # That the speed comes from counts is seen from the signal; the law's observer then expects it too.
+    lag = results["parameters"]["lag"]
+    assert lag["low"] < truth.parameters["lag"] < lag["high"]
+    assert "speed_motor_previous" in str(lm.load_law(tmp_path / "out" / "law.json").states)
     first = results["observers"]["observer_1"]
     assert first["speed_load"]["rmse"] / first["speed_load"]["range"] < 0.003
     assert first["torque_shaft"] == {"skipped": "no torque_shaft in the recording"}

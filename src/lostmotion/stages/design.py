@@ -9,6 +9,7 @@ from ..controllers import pi, pole_placement
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, Problem
 from ..observers import kalman
+from ..recording import Recording
 from ..systems import DiscreteSystem, connect, one_sample_delay
 from .material import Material, Settings
 from .parameters import Found
@@ -61,7 +62,7 @@ def design(material: Material, found: Found) -> Design:
     if dt is None:
         reason = "no sample time: give sample_time in [law]"
         return Design(skipped=reason, pi_skipped=reason)
-    averaged = is_averaged(material)
+    averaged = is_averaged(recording, found)
 
     def target(outputs: tuple[str, ...]) -> DiscreteSystem:
         return target_law(drivetrain, settings, dt, averaged, outputs)
@@ -90,10 +91,10 @@ def _tried(make: Callable[[], DiscreteSystem]) -> tuple[DiscreteSystem | None, P
         return None, replace(error.problem, severity="warning")
 
 
-def is_averaged(material: Material) -> bool:
-    """Whether the drive's motor speed is a mean over the last sample."""
-    recording = material.identify or material.validate
-    return bool(recording is not None and recording.meta.get("count_averaged", False))
+def is_averaged(recording: Recording | None, found: Found) -> bool:
+    """Whether a recording's motor speed is a mean over the sample: as it says, else as identification saw it."""
+    seen = found.identification is not None and found.identification.count_averaged
+    return seen if recording is None else bool(recording.meta.get("count_averaged", seen))
 
 
 def observer(drivetrain: Drivetrain, name: str, dt: float, averaged: bool) -> DiscreteSystem:

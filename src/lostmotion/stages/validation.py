@@ -14,7 +14,7 @@ from ..errors import InvalidInput, Problem
 from ..metrics import compare, step_metrics
 from ..recording import Recording
 from ..systems import DiscreteSystem
-from .design import OBSERVERS, Design, observer
+from .design import OBSERVERS, Design, is_averaged, observer
 from .material import STEP_SPEED, STEP_TIME, Material
 from .parameters import Found
 
@@ -60,7 +60,7 @@ def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any]
     missing = [name for name in ("torque_motor", "speed_motor") if name not in recording]
     if missing:
         return {"skipped": f"no {' and no '.join(missing)} in the recording"}, {}
-    averaged = bool(recording.meta.get("count_averaged", False))
+    averaged = is_averaged(recording, found)
     table: dict[str, Any] = {}
     estimates: dict[str, Recording] = {}
     for name, measured in OBSERVERS.items():
