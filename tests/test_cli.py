@@ -50,6 +50,37 @@ def test_help_states_the_exit_codes() -> None:
         assert "130" in done.stdout
 
 
+def test_exit_codes_promise_an_untouched_output_of_a_run_alone() -> None:
+    texts = {c: " ".join(call(c, "--help").stdout.replace("│", " ").split()) for c in ("run", "identify")}
+    assert "nothing was written" in texts["run"]
+    assert "nothing was written" not in texts["identify"]
+
+
+def test_simulate_names_both_files(tmp_path: Path) -> None:
+    plant = lm.Drivetrain.two_mass(inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, damping=0.3)
+    lm.save_drivetrain(plant, tmp_path / "plant.toml")
+    done = call("simulate", "plant.toml", "--duration", "0.1", "--out", "a.csv", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "written: a.csv, a.png" in done.stdout
+    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml", "a.csv", "a.png"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (["--dt", "0"], 1),
+        (["--duration", "nan"], 1),
+        (["--encoder-bits", "-3"], 2),
+        (["--encoder-bits", "99"], 2),
+    ],
+)
+def test_excite_refuses_impossible_numbers(tmp_path: Path, arguments: list[str], code: int) -> None:
+    done = call("excite", "--out", tmp_path / "x", *arguments)
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_wrong_usage() -> None:
     assert call("run", "--sed", "3").returncode == 2
     assert call("frobnicate").returncode == 2

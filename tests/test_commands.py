@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import lostmotion as lm
 from lostmotion.commands.excite import excitation_file
 from lostmotion.commands.frf import frequency_response_file
 from lostmotion.commands.identify import identify_file
+from lostmotion.commands.recordings import beside, create_folder_of, material_of, recording_of, save_picture
 from lostmotion.commands.simulate import simulate_file
 from lostmotion.io import load_json
+from lostmotion.plot import recording_overview
 
 
 def is_picture(path: Path) -> bool:
@@ -65,3 +68,60 @@ def test_a_nameplate_that_says_too_little_is_refused(tmp_path: Path) -> None:
             tmp_path / "rig.toml", tmp_path / "x", kind="noise", duration=2.0, dt=1e-4, torque_limit=5.0,
             speed_limit=5.0,
         )  # fmt: skip
+
+
+TOML = """
+[nameplate]
+inertia_motor = 0.02
+[[recording]]
+file = "short.csv"
+time = { column = 0, unit = "s" }
+channels.speed_motor = { column = 1, unit = "rad/s" }
+"""
+
+
+def test_one_recording_is_used_whole_and_its_warnings_go_on(tmp_path: Path) -> None:
+    stuck = [f"{k * 1e-3:.3f},{0 if k < 900 else k % 7}" for k in range(1000)]
+    (tmp_path / "short.csv").write_text("\n".join(stuck) + "\n")
+    (tmp_path / "rig.toml").write_text(TOML)
+    assert len(material_of(tmp_path / "rig.toml", None).identify) == 1000
+    recording, warnings = recording_of(tmp_path / "rig.toml", None)
+    assert len(recording) == 1000
+    assert warnings == material_of(tmp_path / "rig.toml", None).problems != ()
+    result = frequency_response_file(
+        tmp_path / "rig.toml", tmp_path / "frf", input="speed_motor", output="speed_motor"
+    )
+    assert all(warning.as_dict() in result["problems"] for warning in warnings)
+
+
+def plant_file(folder: Path) -> Path:
+    plant = lm.Drivetrain.two_mass(inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, damping=0.3)
+    lm.save_drivetrain(plant, folder / "plant.toml")
+    return folder / "plant.toml"
+
+
+@pytest.mark.parametrize("name", ["run.png", "run", "run.txt"])
+def test_simulate_refuses_a_name_that_its_picture_would_take(tmp_path: Path, name: str) -> None:
+    with pytest.raises(lm.InvalidInput, match="ending"):
+        simulate_file(plant_file(tmp_path), tmp_path / name, duration=0.1)
+    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml"}
+
+
+@pytest.mark.parametrize("dt", [0.0, np.nan, -1e-4])
+def test_impossible_sample_times_are_refused(tmp_path: Path, dt: float) -> None:
+    with pytest.raises(lm.InvalidInput, match="dt"):
+        simulate_file(plant_file(tmp_path), tmp_path / "run.csv", duration=1.0, dt=dt)
+
+
+def test_places_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "ex.csv").write_text("")
+    (tmp_path / "dd.png").mkdir()
+    for place in (lambda: beside(tmp_path / "ex.csv" / "x", ".json"), lambda: beside(Path("."), ".json")):
+        with pytest.raises(lm.InvalidInput, match="expected"):
+            place()
+    with pytest.raises(lm.InvalidInput, match="ex.csv"):
+        create_folder_of(tmp_path / "ex.csv" / "deep" / "x.csv")
+    recording = lm.Recording(np.arange(3.0), {"speed_motor": np.zeros(3)})
+    with pytest.raises(lm.InvalidInput, match="dd.png"):
+        save_picture(recording_overview(recording, title="x"), tmp_path / "dd.png")
+    assert {p.name for p in tmp_path.iterdir()} == {"ex.csv", "dd.png"}

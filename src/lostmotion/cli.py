@@ -15,9 +15,10 @@ from . import __version__
 from .errors import InputProblems, LostMotionError, Problem
 
 EXIT_CODES = (
-    "Exit codes: 0 done (warnings included), 1 the input or the output folder has errors and nothing was written, "
-    "2 wrong usage, 130 interrupted; an earlier output stays whole in all cases but 0."
+    "Exit codes: 0 done (warnings included), 1 errors in the input or the output's place, 2 wrong usage, "
+    "130 interrupted."
 )
+RUN_EXIT_CODES = f"{EXIT_CODES} With any but 0 nothing was written: an earlier output stays whole."
 INPUT_ERROR, INTERRUPTED = 1, 130
 
 app = typer.Typer(
@@ -32,7 +33,7 @@ app = typer.Typer(
 compare_app = typer.Typer(help="Leaderboards.", no_args_is_help=True)
 app.add_typer(compare_app, name="compare")
 
-SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed of the virtual rig; default 1.")]
+SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed; default: the TOML's, else 1.")]
 
 
 def _show_version(wanted: bool) -> None:
@@ -51,7 +52,7 @@ def _options(
     pass
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(epilog=RUN_EXIT_CODES)
 def run(
     file: Annotated[
         Path | None, typer.Argument(help="TOML with your recordings; without: the virtual rig.")
@@ -183,7 +184,7 @@ def excite(
     torque_limit: Annotated[float, typer.Option(help="Nm")] = 40.0,
     speed_limit: Annotated[float, typer.Option(help="rad/s")] = 50.0,
     angle_limit: Annotated[float, typer.Option(help="rad")] = float("inf"),
-    encoder_bits: Annotated[int, typer.Option(help="Motor encoder, bit per turn.")] = 20,
+    encoder_bits: Annotated[int, typer.Option(min=1, max=40, help="Motor encoder, bit per turn.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the signal.")] = 1,
 ) -> None:
     """Design the torque of a test within limits, and say beforehand how well it will tell each parameter."""
@@ -204,7 +205,7 @@ def excite(
 @app.command(epilog=EXIT_CODES)
 def simulate(
     drivetrain: Annotated[Path, typer.Argument(help="drivetrain.toml, as a run writes it.")],
-    out: Annotated[Path, typer.Option(help="CSV to write; a picture goes beside it.")] = Path(
+    out: Annotated[Path, typer.Option(help="CSV to write; a picture, .png, goes beside it.")] = Path(
         "simulated.csv"
     ),
     torque: Annotated[Path | None, typer.Option(help="CSV with time and torque_motor.")] = None,
@@ -218,7 +219,7 @@ def simulate(
     with _interruptible():
         recording = simulate_file(drivetrain, out, torque, duration, dt, seed)
     typer.echo(f"  {len(recording)} samples, {len(recording.events)} events")
-    _finished([], out, "")
+    _finished([], out.with_suffix(""), out.suffix, ".png")
 
 
 @compare_app.command(epilog=EXIT_CODES)

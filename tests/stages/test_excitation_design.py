@@ -89,3 +89,12 @@ def test_misuse_is_told() -> None:
         design_excitation(lm.Drivetrain((0.1,)), speed_limit=10.0, torque_limit=1.0)
     with pytest.raises(lm.InvalidInput, match="plants"):
         design_excitation(NAMEPLATE, speed_limit=10.0, plants=1)
+    for name, value in (
+        ("dt", 0.0),
+        ("dt", np.nan),
+        ("duration", np.inf),
+        ("encoder_bits", 5000),
+        ("encoder_bits", -3),
+    ):
+        with pytest.raises(lm.InvalidInput, match=name):
+            design_excitation(NAMEPLATE, speed_limit=10.0, torque_limit=10.0, **{name: value})

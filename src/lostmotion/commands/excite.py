@@ -14,7 +14,7 @@ from ..io import load_drivetrain, read_configuration, save_json
 from ..stages.excitation_design import design_excitation
 from ..stages.material import RIG_NAMEPLATE
 from ..stages.parameters import two_mass
-from .recordings import beside
+from .recordings import beside, save_picture
 
 
 def excitation_file(
@@ -54,7 +54,7 @@ def excitation_file(
     design.save_csv(beside(out, ".csv"))
     save_json(beside(out, ".json"), "excitation", result)
     figure = plot.recording_overview(design.predicted, title=f"Excitation: {kind} (response simulated)")
-    figure.savefig(beside(out, ".png"), dpi=110, facecolor="white")
+    save_picture(figure, beside(out, ".png"))
     return result
 
 

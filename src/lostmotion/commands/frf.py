@@ -10,7 +10,7 @@ from ..identification.frequency_response import Method
 from ..io import save_json
 from ..plot.bode import bode
 from ..recording import unit_of
-from .recordings import beside, recording_of
+from .recordings import beside, recording_of, save_picture
 
 
 def frequency_response_file(
@@ -24,10 +24,10 @@ def frequency_response_file(
     band: tuple[float, float] = (1.0, 200.0),
 ) -> dict[str, Any]:
     """Analyse the band (Hz) and write OUT.json and OUT.png; returns what the JSON holds."""
-    recording = recording_of(file, seed)
+    recording, warnings = recording_of(file, seed)
     analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
     response, fit = analysis.response, analysis.fit
-    result = analysis.as_dict() | {"problems": [p.as_dict() for p in analysis.problems]}
+    result = analysis.as_dict() | {"problems": [p.as_dict() for p in (*warnings, *analysis.problems)]}
     save_json(beside(out, ".json"), "frequency_response", result)
     curves: dict[str, Any] = {"measured": (response.frequency, response.response, response.margin)}
     marks = {}
@@ -41,5 +41,5 @@ def frequency_response_file(
         marks=marks,
         coherences={"measured": (response.frequency, response.coherence)},
     )
-    figure.savefig(beside(out, ".png"), dpi=110, facecolor="white")
+    save_picture(figure, beside(out, ".png"))
     return result

@@ -9,7 +9,7 @@ from typing import Any
 from .. import plot
 from ..io import save_json
 from ..stages.parameters import find_parameters
-from .recordings import beside, material_of
+from .recordings import beside, material_of, save_picture
 
 
 def identify_file(
@@ -31,5 +31,5 @@ def identify_file(
     }
     save_json(beside(out, ".json"), "identification", result)
     figure = plot.identified_parameters(found.table)
-    figure.savefig(beside(out, ".png"), dpi=110, facecolor="white")
+    save_picture(figure, beside(out, ".png"))
     return result

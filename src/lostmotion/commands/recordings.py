@@ -1,35 +1,60 @@
-"""The recordings that a command works on: a user's TOML, a saved recording, or the virtual rig."""
+"""What a command works on, a user's TOML, a saved recording or the virtual rig, and where it writes."""
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Problem
 from ..io import load_recording, read_configuration
+from ..io.whole_files import write_bytes
 from ..recording import Recording
 from ..stages.material import Material, from_configuration, from_rig
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 def material_of(file: Path | None, seed: int | None) -> Material:
-    """The TOML's recordings, or without one those of the virtual rig with this seed."""
+    """The TOML's recordings, whole, or without one those of the virtual rig with this seed."""
     if file is None:
         return from_rig(1 if seed is None else seed)[0]
-    return from_configuration(read_configuration(file), seed)
+    return from_configuration(read_configuration(file), seed, split=False)
 
 
-def recording_of(file: Path | None, seed: int | None) -> Recording:
-    """A saved .npz, or the first recording to identify of a TOML or of the virtual rig."""
+def recording_of(file: Path | None, seed: int | None) -> tuple[Recording, tuple[Problem, ...]]:
+    """A saved .npz, or the first recording to identify of a TOML or of the virtual rig; and the warnings."""
     if file is not None and file.suffix == ".npz":
-        return load_recording(file)
-    recording = material_of(file, seed).identify
-    if recording is None:
+        return load_recording(file), ()
+    material = material_of(file, seed)
+    if material.identify is None:
         raise InvalidInput(
             str(file), "no recording with use = 'identify'", "at least one", "Add it to the TOML."
         )
-    return recording
+    return material.identify, material.problems
 
 
 def beside(out: Path, suffix: str) -> Path:
     """The output file of this suffix: ``out`` is a name without one; its folder is created."""
-    out.parent.mkdir(parents=True, exist_ok=True)
+    if not out.name:
+        raise InvalidInput(str(out), "a folder", "the name of the files to write", "Add a name.")
+    create_folder_of(out)
     return out.with_name(out.name + suffix)
+
+
+def create_folder_of(file: Path) -> None:
+    """Create the folder that a file is to lie in; raises ``InvalidInput`` where that fails."""
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidInput(
+            str(file.parent), str(error.strerror or error), "a folder, or room for one", "Choose another."
+        ) from None
+
+
+def save_picture(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, whole or not at all; raises ``InvalidInput`` where that fails."""
+    picture = BytesIO()
+    figure.savefig(picture, format="png", dpi=110, facecolor="white")
+    write_bytes(path, picture.getvalue())

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from .. import plot, signals
+from ..errors import InvalidInput
 from ..io import load_drivetrain, read_recording, write_csv
 from ..recording import Recording
 from ..simulation import simulate
+from .recordings import create_folder_of, save_picture
 
 
 def simulate_file(
@@ -18,11 +20,15 @@ def simulate_file(
     dt: float = 1e-4,
     seed: int = 1,
 ) -> Recording:
-    """Simulate and write OUT (CSV) and the picture OUT.png beside it.
+    """Simulate and write OUT, which ends in .csv, and a picture beside it that ends in .png instead.
 
     Without a torque: ``signals.excitation`` for the drivetrain's inertia and friction. With one, its sample time is
     the simulation's.
     """
+    if out.suffix != ".csv":
+        raise InvalidInput(
+            str(out), f"the ending {out.suffix!r}", "'.csv'", "The picture's name follows from it."
+        )
     plant = load_drivetrain(drivetrain)
     if torque is None:
         friction = plant.frictions[-1]
@@ -38,8 +44,8 @@ def simulate_file(
         played = read_recording(torque)
         given, dt = played["torque_motor"], played.dt
     recording = simulate(plant, torque_motor=given, dt=dt)
-    out.parent.mkdir(parents=True, exist_ok=True)
+    create_folder_of(out)
     write_csv(out, recording)
     figure = plot.recording_overview(recording, title=f"{drivetrain.name} (simulated)")
-    figure.savefig(out.with_suffix(".png"), dpi=110, facecolor="white")
+    save_picture(figure, out.with_suffix(".png"))
     return recording

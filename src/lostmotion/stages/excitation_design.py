@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 #: Halvings of the search for the largest amplitude (chosen: 1 % of it).
 HALVINGS = 7
 
+#: Encoders have up to about 32 bit (chosen, with room).
+MOST_BITS = 40
+
 #: Below this part of the full amplitude the limits leave too little for a test (chosen).
 SMALL = 0.05
 
@@ -130,11 +133,13 @@ def design_excitation(
     Raises
     ------
     InvalidInput
-        For an unknown kind, limits that are not positive, or a nameplate that is not of two masses.
+        For an unknown kind, limits or times that are not positive, an encoder of no or too many bits, or a nameplate
+        that is not of two masses.
     """
     torque_limit = nameplate.actuator.torque_limit if torque_limit is None else torque_limit
     limits = Limits(torque_limit, speed_limit, angle_limit)
     _check(nameplate, kind, limits, plants)
+    _check_sampling(duration, dt, encoder_bits)
     if nameplate.damping == 0.0:
         nameplate = nameplate.with_parameters(
             damping=DAMPING_RATIO * nameplate.stiffness / (np.pi * nameplate.pole_frequency)
@@ -182,6 +187,16 @@ def _check(nameplate: Drivetrain, kind: str, limits: Limits, plants: int) -> Non
             )
     if plants < 2:
         raise InvalidInput("design_excitation.plants", f"{plants}", "at least 2", "Rehearse on more plants.")
+
+
+def _check_sampling(duration: float, dt: float, encoder_bits: int) -> None:
+    for name, value in (("duration", duration), ("dt", dt)):
+        if not (np.isfinite(value) and value > 0.0):
+            raise InvalidInput(f"design_excitation.{name}", f"{value} s", "a positive number", "Give it.")
+    if not 1 <= encoder_bits <= MOST_BITS:
+        raise InvalidInput(
+            "design_excitation.encoder_bits", f"{encoder_bits}", f"1 to {MOST_BITS}", "See the encoder's data sheet."
+        )  # fmt: skip
 
 
 def _rigs(
