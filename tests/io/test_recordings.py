@@ -178,6 +178,26 @@ def test_whether_the_speed_is_a_mean_is_left_open_unless_it_is_said(tmp_path: Pa
     assert said.meta["count_averaged"] is False
 
 
+@pytest.mark.parametrize(
+    ("step", "unit", "known"),
+    [
+        (0.001, "rpm", True),
+        (0.01, "rad/s", True),
+        (0.0599, "rad/s", False),
+        (1.0, "rpm", False),
+        (0.1, "counts/s", False),
+    ],
+)
+def test_decimals_of_a_file_are_no_counts(tmp_path: Path, step: float, unit: str, known: bool) -> None:
+    speed = np.array([float(f"{v:.9g}") for v in np.round(SPEED / 10.0) * step])
+    path = write(tmp_path, lines(columns=(TIME, speed, TORQUE)))
+    channel = {"column": 1, "unit": unit, "counts_per_rev": 4096}
+    meta = read_recording(path, time=0, channels={"speed_motor": channel}).meta
+    assert meta.get("count_averaged") is (False if known else None)
+    said = read_recording(path, time=0, channels={"speed_motor": channel}, count_averaged=True)
+    assert said.meta["count_averaged"] is True
+
+
 def test_window_is_half_open_and_hides_what_lies_outside(tmp_path: Path) -> None:
     torque = TORQUE.copy()
     torque[[3, 180]] = np.nan

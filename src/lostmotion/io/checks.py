@@ -137,6 +137,22 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
     return tuple(found)
 
 
+def rounded_to_decimals(values: NDArray[np.float64]) -> bool:
+    """Whether the smallest step of numbers as written is 0.1, 0.01 …, and all are multiples of it.
+
+    An encoder's step, 2π over counts and sample time, is such a number only by accident; whole numbers may be counts.
+    """
+    levels = np.unique(values[np.isfinite(values)][:20000])
+    if levels.size < 3:
+        return False
+    smallest = float(np.min(np.diff(levels)))
+    step = 10.0 ** round(float(np.log10(smallest)))
+    multiples = levels / step
+    return step < 0.5 and bool(
+        abs(smallest / step - 1.0) < 1e-3 and np.max(np.abs(multiples - np.round(multiples))) < 1e-3
+    )
+
+
 def check_identifiable(recording: Recording) -> tuple[Problem, ...]:
     """The warning that a recording is too short to identify from, if it is."""
     rows, duration = len(recording), len(recording) * recording.dt

@@ -22,9 +22,10 @@ from .checks import (
     check_length,
     check_raster,
     check_recording,
+    rounded_to_decimals,
 )
-from .columns import Table, short_list
-from .units import parse_quantity
+from .columns import Column, Table, short_list
+from .units import COUNT_UNITS, parse_quantity
 
 _DERIVED = {"speed_motor": "angle_motor", "speed_load": "angle_load"}
 
@@ -54,7 +55,8 @@ def read_recording(
         Sample time of a new raster (``"0.1 ms"``, or s), True for the median step: linear interpolation.
     count_averaged : bool, optional
         Whether the file's motor speed is a mean over the last sample (count difference / step). Default: not
-        said, unless the file itself says it or the speed is derived here; ``identify`` then finds it.
+        said, and ``identify`` finds it, unless the file itself says it, the speed is derived here (then it
+        is), or the file's numbers are rounded to decimals, which would look like counts (then it is not).
 
     Returns
     -------
@@ -85,6 +87,9 @@ def read_recording(
         raise InputProblems([error.problem]) from None
     meta.update(file=where, sha256=hashlib.sha256(data).hexdigest(), sources=raw.sources)
     recording = _with_derived_speeds(Recording(raw.time, raw.signals, origin, meta=meta))
+    if count_averaged is None and raw.rounded:
+        # Else the decimals of the file would be taken for the counts of an encoder.
+        count_averaged = False
     said = {} if count_averaged is None else {"count_averaged": bool(count_averaged)}
     problems = (*raw.warnings, *check_recording(recording))
     return replace(recording, meta={**recording.meta, **said, "problems": problems})
@@ -92,12 +97,16 @@ def read_recording(
 
 @dataclass(frozen=True, eq=False)
 class _Raw:
-    """Time and signals in SI before the checks; ``place`` names the line or row of a sample."""
+    """Time and signals in SI before the checks; ``place`` names the line or row of a sample.
+
+    ``rounded``: the motor speed stands in the file with few decimals.
+    """
 
     time: NDArray[np.float64]
     signals: dict[str, NDArray[np.float64]]
     place: Place
     sources: dict[str, str]
+    rounded: bool = False
     warnings: tuple[Problem, ...] = ()
 
 
@@ -156,7 +165,14 @@ def _from_table(table: Table, where: str, time: Any, channels: Mapping[str, Any]
         signals["time"] = step * np.arange(next(iter(signals.values())).size)
     place = next(iter(columns.values())).place
     sources = {name: column.label for name, column in columns.items() if name != "time"}
-    return _Raw(signals.pop("time"), signals, place, sources)
+    return _Raw(signals.pop("time"), signals, place, sources, _rounded_speed(specs, columns))
+
+
+def _rounded_speed(specs: Mapping[str, Channel], columns: Mapping[str, Column]) -> bool:
+    speed = columns.get("speed_motor")
+    if speed is None or (specs["speed_motor"].unit or speed.unit) in COUNT_UNITS:
+        return False
+    return rounded_to_decimals(speed.values)
 
 
 def _specs(
