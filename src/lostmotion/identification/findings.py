@@ -39,7 +39,7 @@ _EXCITE = {
     "backlash": "Record reversals of the shaft torque: torque of both signs at steady speed.",
     "stiffness": "Record torque with content near the zero and the pole of the drivetrain.",
     "damping": "Record torque with content near the pole, with the gap closed.",
-    "coulomb": "Record steady speeds in both directions.",
+    "coulomb": "Record steady speeds in both directions, with more torque than the friction holds.",
     "viscous": "Record two speed levels in each direction, far apart.",
     "lag": "Record torque with content above the pole.",
 }

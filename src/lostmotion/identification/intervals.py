@@ -16,10 +16,9 @@ Array = NDArray[np.float64]
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
 
-
-#: And if a gap that is larger by ``NOT_EXCITED`` predicts no worse: by less than a typical block's sum of squares, and
-#: by less than so many standard deviations (chosen). Then the twist has touched one side only, and the smallest gap
-#: with room for it would pass for known.
+#: And if a gap or a Coulomb torque that is off by ``NOT_EXCITED`` either way predicts no worse: by less than a typical
+#: block's sum of squares, and by less than so many standard deviations (chosen). Then the twist has touched one side
+#: only, and some gap with room for it would pass for known; or the load has stuck, and the friction that held it would.
 SURE = 3.0
 
 
@@ -59,7 +58,7 @@ def higher_mode(predictor: Predictor, stage: Stage) -> float | None:
 def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box) -> Stage:
     """Put what the recording does not tell back to the nameplate, one by one, and fit the rest again."""
     while stage.free:
-        name = _unexcited(predictor, stage)
+        name = _unexcited(predictor, stage, box)
         if name is None:
             break
         dropped = NAMES.index(name)
@@ -71,18 +70,34 @@ def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box
     return stage
 
 
-def _unexcited(predictor: Predictor, stage: Stage) -> str | None:
+def _unexcited(predictor: Predictor, stage: Stage, box: Box) -> str | None:
     """The free parameter that the recording tells least about, if that is too little."""
-    if NAMES.index("backlash") in stage.free and _one_sided(predictor, stage):
-        return "backlash"
+    free = [NAMES[i] for i in stage.free]
+    for name in ("backlash", "coulomb"):
+        if name in free and _other_does_as_well(predictor, stage, name):
+            return name
     _, half = half_widths(predictor, stage)
     worst = int(np.argmax(half))
-    return NAMES[stage.free[worst]] if half[worst] > np.log(NOT_EXCITED) else None
+    if half[worst] > np.log(NOT_EXCITED):
+        return free[worst]
+    # What only the box holds is not held by the recording. No lag at all is a value like any other.
+    theta = stage.fit.theta
+    held = (theta >= box.upper - 1e-9) | (theta <= box.lower + 1e-9)
+    held[NAMES.index("lag")] = theta[-1] >= box.upper[-1] - 1e-9
+    edge = [NAMES[i] for i in stage.free if held[i]]
+    if edge:
+        return edge[0]
+    # A spring before a load that does not answer cannot be told from the gap.
+    lost = {NAMES[i] for i in stage.unexcited}
+    return "stiffness" if "stiffness" in free and {"inertia_load", "backlash"} <= lost else None
 
 
-def _one_sided(predictor: Predictor, stage: Stage) -> bool:
-    """Whether a larger gap would do as well."""
-    larger = stage.fit.theta.copy()
-    larger[NAMES.index("backlash")] += np.log(NOT_EXCITED)
-    blocks, sure = growth(predictor.residual(larger, stage.bandwidth), stage.fit.residual)
-    return blocks < 1.0 and sure < SURE
+def _other_does_as_well(predictor: Predictor, stage: Stage, name: str) -> bool:
+    """Whether a parameter that is larger or smaller by ``NOT_EXCITED`` would predict no worse."""
+    for step in (np.log(NOT_EXCITED), -np.log(NOT_EXCITED)):
+        theta = stage.fit.theta.copy()
+        theta[NAMES.index(name)] += step
+        blocks, sure = growth(predictor.residual(theta, stage.bandwidth), stage.fit.residual)
+        if blocks < 1.0 and sure < SURE:
+            return True
+    return False
