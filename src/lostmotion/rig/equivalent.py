@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain, Friction
 from ..errors import InvalidInput
 
-
 #: Friction is told only where the recorded speeds' magnitudes differ by this share of the largest (chosen).
 LEAST_SPREAD = 1e-6
 
