@@ -65,7 +65,7 @@ def test_what_will_not_be_told_is_said() -> None:
 
 
 def test_fewer_bits_widen_the_intervals() -> None:
-    coarse = design_excitation(NAMEPLATE, speed_limit=45.0, plants=2, encoder_bits=12)
+    coarse = design_excitation(NAMEPLATE, speed_limit=45.0, plants=2, encoder_bits=14)
     fine = levels().half_widths
     assert coarse.half_widths["coulomb"] > 1.1 * fine["coulomb"]
     assert coarse.half_widths["stiffness"] > 1.1 * fine["stiffness"]
