@@ -18,7 +18,10 @@ def main() -> None:
     found = find_parameters(material)
     validation = validate(material, found, design(material, found))
     figure = plot.control_step(
-        {"PI": validation.responses["pi"], "Observer 1 + pole placement": validation.responses["pole_placement"]},
+        {
+            "PI": validation.responses["pi"],
+            "Observer 1 + pole placement": validation.responses["pole_placement"],
+        },
         start=0.97,
         stop=1.16,
         torque_limit=material.settings.torque_limit,

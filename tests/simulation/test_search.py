@@ -58,6 +58,9 @@ def test_ten_times_finer_sampling_changes_nothing(plant, seed, rms, spread):
     coarse = trajectory(lm.simulate(plant, torque_motor=torque, dt=DT, state=start))
     fine = trajectory(lm.simulate(plant, torque_motor=np.repeat(torque, 10), dt=DT / 10, state=start))[::10]
     # Twists share one range and speeds another: one that hardly moves is wrong by the rounding of the others.
-    range_twist, range_speed = np.ptp(fine[:, : n - 1]) + np.max(np.abs(twists)), np.max(np.abs(fine[:, n - 1 :]))
+    range_twist, range_speed = (
+        np.ptp(fine[:, : n - 1]) + np.max(np.abs(twists)),
+        np.max(np.abs(fine[:, n - 1 :])),
+    )
     span = np.concatenate([np.full(n - 1, range_twist), np.full(n, range_speed)]) + 1e-12
     assert np.max(np.abs(coarse - fine) / span) <= 1e-9

@@ -116,7 +116,9 @@ class ChannelPredictor(Predictor):
             "speed_motor": speed, "speed_motor_previous": speed, "speed_load": load, "speed_load_previous": load,
             "torque_actuator": self.torque[row],
         }  # fmt: skip
-        known.update({name: self.channels[name][row] for name in ("twist", "angle_motor") if name in self.channels})
+        known.update(
+            {name: self.channels[name][row] for name in ("twist", "angle_motor") if name in self.channels}
+        )
         return np.array([known.get(state, 0.0) for state in law.states])
 
     def channel(self, residual: Array, name: str) -> Array:
@@ -131,7 +133,9 @@ class ChannelPredictor(Predictor):
     def noise_levels(self, residual: Array) -> dict[str, float]:
         """Rms of each channel's innovations in its own unit."""
         rows = self.settled()
-        return {name: float(np.sqrt(np.mean(self.channel(residual, name)[rows] ** 2))) for name in self.measured}
+        return {
+            name: float(np.sqrt(np.mean(self.channel(residual, name)[rows] ** 2))) for name in self.measured
+        }
 
 
 def _gain(phi: Array, c: Array, q: Array, r: Array) -> Array:
