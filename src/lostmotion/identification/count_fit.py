@@ -92,10 +92,8 @@ def _most_likely(x: Floats, q: Floats, start: Floats, scatter: float) -> tuple[F
     first = np.append(start, np.log(max(scatter, 0.3)))
     first[: len(start)] += 0.5 * x.mean(axis=1)  # the middle of a count lies half a count above its reading
     bounds = [(None, None)] * len(start) + [(np.log(SMALLEST_SCATTER), 5.0)]
-    options = {"maxiter": 500, "ftol": 1e-14, "gtol": 1e-9}
-    best: Any = minimize(  # type: ignore[call-overload]
-        objective, first, jac=True, bounds=bounds, method="L-BFGS-B", options=options
-    )
+    options: Any = {"maxiter": 500, "ftol": 1e-14, "gtol": 1e-9}
+    best: Any = minimize(objective, first, jac=True, bounds=bounds, method="L-BFGS-B", options=options)
     p = np.asarray(best.x, dtype=float)
     return p, _likelihood(p, x, q)[1], _hessian(p, x, q)
 

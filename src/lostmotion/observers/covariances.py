@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,10 +120,14 @@ def covariances(
     problem = _Problem(recording, drivetrain, measured, tuple(searched), count_averaged)
     start = problem.start()
     limit = np.log(FARTHEST)
-    found = minimize(  # type: ignore[call-overload]
-        lambda theta: problem.cost(np.clip(theta, start - limit, start + limit)), start, method="Nelder-Mead",
-        options={"xatol": 0.05, "fatol": 1e-5, "maxfev": 60 * start.size, "initial_simplex": _simplex(start)},
-    )  # fmt: skip
+    options: Any = {
+        "xatol": 0.05, "fatol": 1e-5, "maxfev": 60 * start.size, "initial_simplex": _simplex(start),
+    }  # fmt: skip
+
+    def cost(theta: Array) -> float:
+        return problem.cost(np.clip(theta, start - limit, start + limit))
+
+    found: Any = minimize(cost, start, method="Nelder-Mead", options=options)
     theta = np.clip(found.x, start - limit, start + limit)
     return problem.result(theta, start, bool(found.success))
 
