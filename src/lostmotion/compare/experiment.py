@@ -32,8 +32,8 @@ BURST = 2e-3
 SETTLING, AFTER_WRONG_START = 0.3, 0.5
 #: Motor torque that holds the joint closed with the load at rest, Nm (chosen: below Coulomb friction).
 PRELOAD = 1.2
-#: Identified parameters come from a recording of this length, s, with start values off by this factor.
-IDENTIFY_DURATION, START_OFF = 10.0, 1.5
+#: Identified parameters come from the rig's own excitation, with start values off by this factor.
+START_OFF = 1.5
 
 
 @dataclass(frozen=True, eq=False)

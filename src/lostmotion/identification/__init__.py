@@ -3,6 +3,7 @@
 from .backlash import LockedBacklash, locked_backlash
 from .backlash_excitation import BacklashExcitation, backlash_excited
 from .breakaway import Breakaway, breakaway
+from .contacts import ContactComparison, compare_contacts
 from .friction import FrictionFit
 from .friction_ladder import FrictionLadder, friction_ladder
 from .lost_motion import LostMotion, lost_motion
@@ -16,6 +17,7 @@ from .torque_step import torque_step
 __all__ = [
     "BacklashExcitation",
     "Breakaway",
+    "ContactComparison",
     "FrictionFit",
     "FrictionLadder",
     "Identification",
@@ -26,6 +28,7 @@ __all__ = [
     "ShaftStiffness",
     "backlash_excited",
     "breakaway",
+    "compare_contacts",
     "friction_ladder",
     "identify",
     "locked_backlash",

@@ -12,6 +12,7 @@ from .. import rig, signals
 from ..controllers import pi
 from ..errors import Problem
 from ..io import Configuration, check_recording, load_recordings
+from ..io.configuration import DEFAULT_POLES
 from ..recording import Recording
 
 #: Start values for the virtual rig (chosen): what datasheets and a rough estimate give, 25 to 70 % off.
@@ -28,7 +29,6 @@ RIG_NAMEPLATE: Mapping[str, float] = {
 STEP_TIME, STEP_SPEED, STEP_DURATION = 1.0, 2.0, 2.0
 #: With one recording only, this last part of it validates.
 VALIDATION_PART = 0.3
-DEFAULT_POLES = (-400.0, -400.0, -400.0)
 
 
 @dataclass(frozen=True)

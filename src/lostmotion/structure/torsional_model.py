@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -85,10 +85,6 @@ class TorsionalModel:
         rows = self.mass.sum(axis=1)
         i = self.node(gap) + 1
         return math.fsum(rows[:i]), math.fsum(rows[i:])
-
-    def with_damping(self, damping_ratio: float) -> TorsionalModel:
-        """A copy with another modal damping ratio."""
-        return replace(self, damping_ratio=damping_ratio)
 
 
 def assemble(parts: Sequence[Part], *, damping_ratio: float = DAMPING_RATIO) -> TorsionalModel:
