@@ -1,8 +1,8 @@
 """The virtual test rig's plant: finer than every model fitted to it, varied by a seed.
 
-Modelled on the powertrain of Fietzek & Rinderknecht: motor – clutch – intermediate shaft – side shaft – tripod joint –
-wheel hub with brake disc. Inertias and stiffnesses were solved for modes at 100 and 750 Hz, a motor zero at 38 Hz with
-the gap closed, and the total inertia of 0.1292 kg m².
+Made from the finite-element model of the powertrain of Fietzek & Rinderknecht, ``structure.paper_powertrain`` (motor –
+clutch – intermediate shaft – side shaft – tripod joint – wheel hub with brake disc; modes at 100 and 750 Hz, motor zero at
+38 Hz, 0.1292 kg m²), reduced to four inertias with the gap in its third shaft.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from ..drivetrain import Actuator, Drivetrain, Friction, Shaft
 from ..errors import InvalidInput
 from ..simulation import Sensor
 
-#: Motor; clutch and intermediate shaft; joint piece at the end of the side shaft; hub with brake disc. kg m².
-INERTIAS = (0.0142, 0.0050, 0.0004, 0.1096)
-#: Clutch, side shaft, tripod joint, Nm/rad. The joint is chosen stiff: its mode lies above 2 kHz.
-STIFFNESSES = (78300.0, 7450.0, 80000.0)
+#: Motor; clutch and intermediate shaft; joint piece at the end of the side shaft; hub with brake disc. kg m². Like the
+#: stiffnesses ``reduce_to_chain(paper_powertrain(), 4, gap=GAP, band=(5, 900), gap_shaft=2)``, rounded (a test compares).
+INERTIAS = (0.014204, 0.005137, 0.000450, 0.109409)
+#: Clutch, side shaft, tripod joint, Nm/rad.
+STIFFNESSES = (80088.0, 7359.0, 88171.0)
 #: The paper's damping ratio (section II), given to the 750 Hz mode by the clutch, to the 100 Hz mode by the side shaft.
 DAMPING_RATIO = 0.02
 #: Relaxation rate k/d of the joint's contact in 1/s: that of the paper's Table I.
