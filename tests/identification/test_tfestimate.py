@@ -79,3 +79,11 @@ def test_h2_over_h1_is_the_inverse_coherence(octave):
 def test_misuse_is_refused(arguments):
     with pytest.raises(InvalidInput):
         tfestimate(*arguments)
+
+
+def test_default_lengths_are_those_of_matlab():
+    """MATLAB Central answer 58211: 8064 samples give 8 half-overlapping segments of 1792, nfft 2048, 1025 lines."""
+    x, y = np.random.default_rng(0).standard_normal((2, 8064))
+    found, _ = mscohere(x, y)
+    assert found.shape == (1025,)
+    np.testing.assert_array_equal(found, mscohere(x, y, 1792, 896, 2048)[0])
