@@ -11,7 +11,7 @@ import lostmotion as lm
 from lostmotion.commands.excite import excitation_file
 from lostmotion.commands.frf import frequency_response_file
 from lostmotion.commands.identify import identify_file
-from lostmotion.commands.recordings import beside, create_folder_of, material_of, recording_of, save_picture
+from lostmotion.commands.recordings import check_writable, material_of, outputs, recording_of, save_picture
 from lostmotion.commands.simulate import simulate_file
 from lostmotion.io import load_json
 from lostmotion.plot import recording_overview
@@ -116,12 +116,39 @@ def test_impossible_sample_times_are_refused(tmp_path: Path, dt: float) -> None:
 def test_places_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
     (tmp_path / "ex.csv").write_text("")
     (tmp_path / "dd.png").mkdir()
-    for place in (lambda: beside(tmp_path / "ex.csv" / "x", ".json"), lambda: beside(Path(), ".json")):
+    for place in (lambda: outputs(tmp_path / "ex.csv" / "x", ".json"), lambda: outputs(Path(), ".json")):
         with pytest.raises(lm.InvalidInput, match="expected"):
             place()
+    with pytest.raises(lm.InvalidInput, match=r"dd\.png"):
+        outputs(tmp_path / "dd", ".json", ".png")
     with pytest.raises(lm.InvalidInput, match=r"ex\.csv"):
-        create_folder_of(tmp_path / "ex.csv" / "deep" / "x.csv")
+        check_writable(tmp_path / "ex.csv" / "deep" / "x.csv")
     recording = lm.Recording(np.arange(3.0), {"speed_motor": np.zeros(3)})
     with pytest.raises(lm.InvalidInput, match=r"dd\.png"):
         save_picture(recording_overview(recording, title="x"), tmp_path / "dd.png")
     assert {p.name for p in tmp_path.iterdir()} == {"ex.csv", "dd.png"}
+
+
+def test_the_place_is_checked_before_anything_is_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def computed(*_: object, **__: object) -> None:
+        raise AssertionError("computed before the place was checked")
+
+    from lostmotion.commands import excite, frf, identify, simulate
+
+    monkeypatch.setattr(identify, "material_of", computed)
+    monkeypatch.setattr(frf, "recording_of", computed)
+    monkeypatch.setattr(excite, "design_excitation", computed)
+    monkeypatch.setattr(simulate, "load_drivetrain", computed)
+    for name in ("x.json", "x.png", "x.csv"):
+        (tmp_path / name).mkdir()
+    limits = {"kind": "step", "duration": 1.0, "dt": 1e-3, "torque_limit": 1.0, "speed_limit": 1.0}
+    for command in (
+        lambda: identify_file(None, tmp_path / "x"),
+        lambda: frequency_response_file(None, tmp_path / "x"),
+        lambda: excitation_file(None, tmp_path / "x", **limits),
+        lambda: simulate_file(tmp_path / "plant.toml", tmp_path / "x.csv"),
+    ):
+        with pytest.raises(lm.InvalidInput, match="name of a file"):
+            command()

@@ -14,7 +14,7 @@ from ..io import load_drivetrain, read_configuration, save_json
 from ..stages.excitation_design import design_excitation
 from ..stages.material import RIG_NAMEPLATE
 from ..stages.parameters import two_mass
-from .recordings import beside, save_picture
+from .recordings import outputs, save_picture
 
 
 def excitation_file(
@@ -31,6 +31,7 @@ def excitation_file(
     seed: int = 1,
 ) -> dict[str, Any]:
     """Design and write OUT.csv, OUT.json and OUT.png; returns what the JSON holds."""
+    csv_file, json_file, picture = outputs(out, ".csv", ".json", ".png")
     design = design_excitation(
         nameplate_of(file),
         kind=kind,
@@ -51,10 +52,10 @@ def excitation_file(
         "not_excited": list(design.not_excited),
         "problems": [p.as_dict() for p in design.problems],
     }
-    design.save_csv(beside(out, ".csv"))
-    save_json(beside(out, ".json"), "excitation", result)
+    design.save_csv(csv_file)
+    save_json(json_file, "excitation", result)
     figure = plot.recording_overview(design.predicted, title=f"Excitation: {kind} (response simulated)")
-    save_picture(figure, beside(out, ".png"))
+    save_picture(figure, picture)
     return result
 
 

@@ -10,7 +10,7 @@ from ..identification.frequency_response import Method
 from ..io import save_json
 from ..plot.bode import bode
 from ..recording import unit_of
-from .recordings import beside, recording_of, save_picture
+from .recordings import outputs, recording_of, save_picture
 
 
 def frequency_response_file(
@@ -24,11 +24,12 @@ def frequency_response_file(
     band: tuple[float, float] = (1.0, 200.0),
 ) -> dict[str, Any]:
     """Analyse the band (Hz) and write OUT.json and OUT.png; returns what the JSON holds."""
+    json_file, picture = outputs(out, ".json", ".png")
     recording, warnings = recording_of(file, seed)
     analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
     response, fit = analysis.response, analysis.fit
     result = analysis.as_dict() | {"problems": [p.as_dict() for p in (*warnings, *analysis.problems)]}
-    save_json(beside(out, ".json"), "frequency_response", result)
+    save_json(json_file, "frequency_response", result)
     curves: dict[str, Any] = {"measured": (response.frequency, response.response, response.margin)}
     marks = {}
     if fit is not None:
@@ -41,5 +42,5 @@ def frequency_response_file(
         marks=marks,
         coherences={"measured": (response.frequency, response.coherence)},
     )
-    save_picture(figure, beside(out, ".png"))
+    save_picture(figure, picture)
     return result

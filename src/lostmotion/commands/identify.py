@@ -9,7 +9,7 @@ from typing import Any
 from .. import plot
 from ..io import save_json
 from ..stages.parameters import find_parameters
-from .recordings import beside, material_of, save_picture
+from .recordings import material_of, outputs, save_picture
 
 
 def identify_file(
@@ -19,6 +19,7 @@ def identify_file(
     progress: Callable[[float, str], None] | None = None,
 ) -> dict[str, Any]:
     """Identify and write OUT.json and OUT.png; returns what the JSON holds."""
+    json_file, picture = outputs(out, ".json", ".png")
     material = material_of(file, seed)
     found = find_parameters(material, progress)
     problems = (*material.problems, *found.problems)
@@ -29,7 +30,7 @@ def identify_file(
         "problems": [p.as_dict() for p in problems],
         "inputs": dict(material.inputs),
     }
-    save_json(beside(out, ".json"), "identification", result)
+    save_json(json_file, "identification", result)
     figure = plot.identified_parameters(found.table)
-    save_picture(figure, beside(out, ".png"))
+    save_picture(figure, picture)
     return result

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput, Problem
@@ -35,22 +36,31 @@ def recording_of(file: Path | None, seed: int | None) -> tuple[Recording, tuple[
     return material.identify, material.problems
 
 
-def beside(out: Path, suffix: str) -> Path:
-    """The output file of this suffix: ``out`` is a name without one; its folder is created."""
+def outputs(out: Path, *suffixes: str) -> tuple[Path, ...]:
+    """The files to write: ``out`` is their name without a suffix; its folder is created.
+
+    To be called before anything is computed: raises ``InvalidInput`` where they cannot be written.
+    """
     if not out.name:
         raise InvalidInput(str(out), "a folder", "the name of the files to write", "Add a name.")
-    create_folder_of(out)
-    return out.with_name(out.name + suffix)
+    files = tuple(out.with_name(out.name + suffix) for suffix in suffixes)
+    check_writable(*files)
+    return files
 
 
-def create_folder_of(file: Path) -> None:
-    """Create the folder that a file is to lie in; raises ``InvalidInput`` where that fails."""
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InvalidInput(
-            str(file.parent), str(error.strerror or error), "a folder, or room for one", "Choose another."
-        ) from None
+def check_writable(*files: Path) -> None:
+    """Create the folders of the files; raises ``InvalidInput`` where one of the files cannot be written."""
+    for file in files:
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            with TemporaryFile(dir=file.parent):
+                pass
+        except OSError as error:
+            raise InvalidInput(
+                str(file.parent), str(error.strerror or error), "a folder to write into", "Choose another."
+            ) from None
+        if file.is_dir():
+            raise InvalidInput(str(file), "a folder", "the name of a file", "Choose another name.")
 
 
 def save_picture(figure: Figure, path: Path) -> None:

@@ -9,7 +9,7 @@ from ..errors import InvalidInput
 from ..io import load_drivetrain, read_recording, write_csv
 from ..recording import Recording
 from ..simulation import simulate
-from .recordings import create_folder_of, save_picture
+from .recordings import check_writable, save_picture
 
 
 def simulate_file(
@@ -29,6 +29,7 @@ def simulate_file(
         raise InvalidInput(
             str(out), f"the ending {out.suffix!r}", "'.csv'", "The picture's name follows from it."
         )
+    check_writable(out, out.with_suffix(".png"))
     plant = load_drivetrain(drivetrain)
     if torque is None:
         friction = plant.frictions[-1]
@@ -44,7 +45,6 @@ def simulate_file(
         played = read_recording(torque)
         given, dt = played["torque_motor"], played.dt
     recording = simulate(plant, torque_motor=given, dt=dt)
-    create_folder_of(out)
     write_csv(out, recording)
     figure = plot.recording_overview(recording, title=f"{drivetrain.name} (simulated)")
     save_picture(figure, out.with_suffix(".png"))

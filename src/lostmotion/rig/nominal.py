@@ -1,8 +1,8 @@
 """The virtual test rig's plant: finer than every model fitted to it, varied by a seed.
 
-Made from the finite-element model of the powertrain of Fietzek & Rinderknecht, ``structure.paper_powertrain`` (motor –
-clutch – intermediate shaft – side shaft – tripod joint – wheel hub with brake disc; modes at 100 and 750 Hz, motor zero at
-38 Hz, 0.1292 kg m²), reduced to four inertias with the gap in its third shaft.
+Made from the finite-element model of the powertrain of Fietzek & Rinderknecht, ``structure.paper_powertrain``:
+motor – clutch – intermediate shaft – side shaft – tripod joint – wheel hub with brake disc; modes at 100 and 750 Hz,
+motor zero at 38 Hz, 0.1292 kg m². It is reduced to four inertias with the gap in the third shaft.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from ..drivetrain import Actuator, Drivetrain, Friction, Shaft
 from ..errors import InvalidInput
 from ..simulation import Sensor
 
-#: Motor; clutch and intermediate shaft; joint piece at the end of the side shaft; hub with brake disc. kg m². Like the
-#: stiffnesses ``reduce_to_chain(paper_powertrain(), 4, gap=GAP, band=(5, 900), gap_shaft=2)``, rounded (a test compares).
+#: Motor; clutch and intermediate shaft; joint piece at the end of the side shaft; hub with brake disc. kg m².
+#: With the stiffnesses: ``reduce_to_chain(paper_powertrain(), 4, gap=GAP, band=(5, 900), gap_shaft=2)``, rounded.
 INERTIAS = (0.014204, 0.005137, 0.000450, 0.109409)
 #: Clutch, side shaft, tripod joint, Nm/rad.
 STIFFNESSES = (80088.0, 7359.0, 88171.0)
