@@ -20,7 +20,7 @@ def polynomial(*coefficients: float) -> np.ndarray:
 
 def first(p: np.ndarray, sign: float, bound: float, until: float = 1.0) -> float:
     tolerance = 4.5e-16 * np.abs(p).sum()
-    return _first_crossing(p, 0, MAX_ORDER, sign, bound, until, tolerance)
+    return _first_crossing(p.ctypes.data, MAX_ORDER, sign, bound, until, tolerance)
 
 
 def test_crossing_of_a_line():

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, uint64
+from numba import njit
 
 from .law import law_step
 from .plant import DONE, NEED_MODE, Array, Indices, _quiet, block_size, finish_sample, mode_number
+from .vectors import address, read
 
 
 class SensorTables(NamedTuple):
@@ -78,7 +79,7 @@ def run_closed_loop(
     M = torque.shape[1]
     C = s.size
     N = C - M - 1
-    flat, row, radix, change = tb.flat, tb.row, tb.radix, work.change
+    row, radix = tb.row, tb.radix
     kind, stick, speed_row, reset_row, reset_slot = (
         tb.kind,
         tb.stick,
@@ -86,8 +87,9 @@ def run_closed_loop(
         tb.reset_row,
         tb.reset_slot,
     )
-    order, idle, series = tb.order, tb.idle, work.series
-    size = block_size(N, C, E, tb.order)
+    order, idle = tb.order, tb.idle
+    base, x, change = address(tb.flat), address(s), address(work)
+    size = block_size(N, C, E, order)
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
@@ -120,13 +122,13 @@ def run_closed_loop(
                     last = value
                 torque[k, j] = value
                 s[N + j] = value
-            quiet = _quiet(flat, uint64(m * size), s, change, N, C, E)
+            quiet = _quiet(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
             for i in range(N):
-                s[i] += change[i]
+                s[i] += read(change, i)
         else:
             status, start, count = finish_sample(
-                flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+                base, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, work,
                 s, digits, start, k, events, count, N, C, E,
             )  # fmt: skip
             if status != DONE:

@@ -13,24 +13,27 @@ and for each element e (a shaft with backlash, or a friction)
 - remainder @ |s|  T⁴/384 · max |fourth derivative of guard|, the error of the cubic Hermite interpolation,
 
 and the Taylor series of all guards and of the state over one *piece*, a time that is short against the mode's fastest
-pole. ``flat`` holds one block of numbers per mode, which Plant in ``simulation.tables`` fills:
+pole. ``flat`` holds one block of numbers per mode, which Plant in ``simulation.tables`` fills. Tables lie column by
+column, since four rows at a time are a column's four numbers times one number of s; counts of rows are rounded up to
+whole groups of four (N₄, E₄, (O + 1)₄), the rest being zero, and −∞, ∞ for bounds. O is the order of the table that
+needs most:
 
-    N rows of delta                                                 (C numbers each)
-    for each element guard, guard_rate, swing, remainder            (C numbers each)
-    for each element lower, upper
-    length of a piece in samples
-    for each column of s: E guards' coefficients of order 0 … O, then the state's of order 1 … O, N for each order
+    for each column of s    N₄ of delta, E₄ of guard, E₄ of guard_rate, E₄ of swing, E₄ of remainder
+    E₄ lower bounds, E₄ upper bounds
+    length of a piece in samples, order of this mode's own series, 0, 0
+    for order 1 … O         for each column of s   N₄ of the state's coefficients
+    for each element        for each column of s   (O + 1)₄ of the guard's coefficients, order 0 … O
 
 Every element has one *digit*; its order is along the axis of its guard, so that leaving by the lower bound lowers the
 digit by one and leaving by the upper bound raises it by one (shaft: −, gap, +; friction: negative segments, stick,
 positive segments). The mode is the number made of all digits.
 
-A sample in which the enclosure excludes every crossing is one matrix product. Otherwise the guards are expanded
-in their Taylor series (converged to rounding), the first crossing is found on that polynomial by steps that can be
-shown never to jump over a root, and the rest of the sample goes on from there in the next mode.
+A sample in which the enclosure excludes every crossing is one matrix product. Otherwise the guards that may cross are
+expanded in their Taylor series (converged to rounding), the first crossing is found on that polynomial by steps that
+can be shown never to jump over a root, and the rest of the sample goes on from there in the next mode.
 
-Two habits make it fast: arrays are taken out of their tuples once per run, since numba counts references each time;
-and table entries are addressed by unsigned numbers, which cannot be negative and need no test for it.
+Three habits make it fast: four rows go through one register (``vectors``); tables are read by address, without tests of
+the index; and arrays are taken out of their tuples once per run, since numba counts references each time.
 """
 
 from __future__ import annotations
@@ -38,8 +41,26 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, uint64
+from numba import njit
 from numpy.typing import NDArray
+
+from .vectors import (
+    LANES,
+    absolute,
+    add,
+    address,
+    fused,
+    larger,
+    less,
+    load,
+    multiply,
+    read,
+    smaller,
+    splat,
+    spread,
+    store,
+    subtract,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -56,6 +77,12 @@ EVENT_COLUMNS = 6
 MAX_ORDER = 24
 #: Rows of each element in a mode's block.
 ELEMENT_ROWS = 4
+#: Numbers between a mode's bounds and its series: length of a piece, order.
+HEADER = 4
+#: Bits of four guards that all stay within their bounds.
+ALL = 2**LANES - 1
+#: Rows of a two-mass plant's columns: four of the state, four groups of guards.
+TWO_MASS_ROWS = 20
 
 
 class PlantTables(NamedTuple):
@@ -73,24 +100,25 @@ class PlantTables(NamedTuple):
     idle: int  # column of s that no rate and no guard depends on: the motor angle
 
 
-class Work(NamedTuple):
-    """Scratch of the kernels: change of the state, Taylor coefficients."""
-
-    change: Array  # (N,)
-    series: Array  # (E (O + 1) + O N,)
-
-
-def new_work(states: int, elements: int) -> Work:
-    return Work(np.zeros(states), np.zeros(elements * (MAX_ORDER + 1) + MAX_ORDER * states))
+def new_work(states: int) -> Array:
+    """Scratch of the kernels: change of the state, tolerances of four guards, Taylor series of one."""
+    return np.zeros(states + 2 * LANES + MAX_ORDER + 1 + LANES)
 
 
 _PLANT: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 
 @njit(inline="always", **_PLANT)
+def padded(count):
+    """Numbers that hold `count` rows in whole groups of LANES."""
+    return (count + LANES - 1) & -LANES
+
+
+@njit(inline="always", **_PLANT)
 def block_size(N, C, E, order):
     """Numbers in one mode's block."""
-    return (N + ELEMENT_ROWS * E) * C + 2 * E + 1 + C * (E * (order + 1) + order * N)
+    whole = C * (padded(N) + ELEMENT_ROWS * padded(E))
+    return whole + 2 * padded(E) + HEADER + order * C * padded(N) + E * C * padded(order + 1)
 
 
 @njit(inline="always", **_PLANT)
@@ -102,78 +130,77 @@ def mode_number(radix, digits, E):
 
 
 @njit(inline="always", **_PLANT)
-def _dot(flat, at, s, C):
-    total = 0.0
-    for j in range(C):
-        total += flat[at + uint64(j)] * s[j]
+def _product(at, table, height, s, C, idle):
+    """Four rows at at[table], columns `height` apart, times s; the idle column is left out."""
+    total = load(at, table + (C - 1) * height)
+    for j in range(idle):
+        total = fused(load(at, table + j * height), splat(read(s, j)), total)
+    for j in range(idle + 1, C - 1):
+        total = fused(load(at, table + j * height), splat(read(s, j)), total)
     return total
 
 
 @njit(inline="always", **_PLANT)
-def _quiet(flat, at, s, change, N, C, E):
+def _sizes(at, table, height, s, C, idle):
+    """Four rows as in `_product`, of absolute values, times |s|."""
+    total = absolute(load(at, table + (C - 1) * height))
+    for j in range(idle):
+        total = fused(absolute(load(at, table + j * height)), splat(abs(read(s, j))), total)
+    for j in range(idle + 1, C - 1):
+        total = fused(absolute(load(at, table + j * height)), splat(abs(read(s, j))), total)
+    return total
+
+
+@njit(inline="always", **_PLANT)
+def _within(low, g, d, swing, high):
+    """Bits of the guards that stay within their bounds: g + d·t ∓ swing·t² is extreme at an end."""
+    end = add(g, d)
+    inside = less(low, g) & less(g, high)
+    return inside & less(low, subtract(end, swing)) & less(add(end, swing), high)
+
+
+@njit(inline="always", **_PLANT)
+def _quiet(at, s, change, N, C, E, idle):
     """True if no guard can leave its bounds in the whole sample; `change` becomes the state's change over it."""
-    for i in range(N):
-        change[i] = _dot(flat, at + uint64(i * C), s, C)
-    bounds = at + uint64((N + ELEMENT_ROWS * E) * C)
-    for e in range(E):
-        guard = at + uint64((N + ELEMENT_ROWS * e) * C)
-        rate, swings = guard + uint64(C), guard + uint64(2 * C)
-        low, high = flat[bounds + uint64(2 * e)], flat[bounds + uint64(2 * e + 1)]
-        g0 = 0.0
-        d0 = 0.0
-        swing = 0.0
-        for j in range(C):
-            g0 += flat[guard + uint64(j)] * s[j]
-            d0 += flat[rate + uint64(j)] * s[j]
-            swing += flat[swings + uint64(j)] * abs(s[j])
-        if g0 + min(d0, 0.0) - swing > low and g0 + max(d0, 0.0) + swing < high:
+    wide = padded(E)
+    height = padded(N) + ELEMENT_ROWS * wide
+    for i in range(0, padded(N), LANES):
+        store(change, i, _product(at, i, height, s, C, idle))
+    bounds = C * height
+    for e in range(0, wide, LANES):
+        guard = padded(N) + e
+        g0 = _product(at, guard, height, s, C, idle)
+        d0 = _product(at, guard + wide, height, s, C, idle)
+        swing = _sizes(at, guard + 2 * wide, height, s, C, idle)
+        low, high = load(at, bounds + e), load(at, bounds + wide + e)
+        inside = _within(low, g0, d0, swing, high)
+        if inside == ALL:
             continue
         # Cubic Hermite through both ends: it lies between its Bernstein points; the remainder bounds its error.
-        g1 = g0
-        d1 = d0
+        g1, d1 = g0, d0
         for j in range(N):
-            g1 += flat[guard + uint64(j)] * change[j]
-            d1 += flat[rate + uint64(j)] * change[j]
-        remainders = guard + uint64(3 * C)
-        remainder = 0.0
-        for j in range(C):
-            remainder += flat[remainders + uint64(j)] * abs(s[j])
-        b1 = g0 + d0 / 3.0
-        b2 = g1 - d1 / 3.0
-        if not (
-            min(min(g0, g1), min(b1, b2)) - remainder > low
-            and max(max(g0, g1), max(b1, b2)) + remainder < high
-        ):
+            step = splat(read(change, j))
+            g1 = fused(load(at, guard + j * height), step, g1)
+            d1 = fused(load(at, guard + wide + j * height), step, d1)
+        b1, b2 = fused(d0, splat(1.0 / 3.0), g0), fused(d1, splat(-1.0 / 3.0), g1)
+        remainder = _sizes(at, guard + 3 * wide, height, s, C, idle)
+        lowest = subtract(smaller(smaller(g0, g1), smaller(b1, b2)), remainder)
+        highest = add(larger(larger(g0, g1), larger(b1, b2)), remainder)
+        if inside | (less(low, lowest) & less(highest, high)) != ALL:
             return False
     return True
 
 
 @njit(inline="always", **_PLANT)
-def _dot_two_mass(flat, at, x0, x1, x2, v):
-    """A row of the two-mass plant without its motor angle; in this order the sum waits least for the state."""
-    rest = flat[at + uint64(5)] + flat[at + uint64(4)] * v
-    return (rest + flat[at] * x0) + (flat[at + uint64(1)] * x1 + flat[at + uint64(2)] * x2)
-
-
-@njit(inline="always", **_PLANT)
-def _far_two_mass(flat, guard, bounds, x0, x1, x2, v, a0, a1, a2, a):
-    """The enclosure's first test for one guard of the two-mass plant; a…: absolute values."""
-    g0 = _dot_two_mass(flat, guard, x0, x1, x2, v)
-    d0 = _dot_two_mass(flat, guard + uint64(6), x0, x1, x2, v)
-    swing = _dot_two_mass(flat, guard + uint64(12), a0, a1, a2, a)
-    return (g0 + min(d0, 0.0) - swing > flat[bounds]) & (g0 + max(d0, 0.0) + swing < flat[bounds + uint64(1)])
-
-
-@njit(inline="always", **_PLANT)
-def _evaluate(p, c, top, t):
-    """Polynomial of order `top` with coefficients p[c:] at t: value, first derivative, half the second."""
-    q = p[c + uint64(top)]
+def _evaluate(p, top, t):
+    """Polynomial of order `top` with coefficients p at t: value, first derivative, half the second."""
+    q = read(p, top)
     q1 = 0.0
     q2 = 0.0
     for k in range(top - 1, -1, -1):
         q2 = q2 * t + q1
         q1 = q1 * t + q
-        q = q * t + p[c + uint64(k)]
+        q = q * t + read(p, k)
     return q, q1, q2
 
 
@@ -185,12 +212,12 @@ def _step(q, q1, q2):
 
 
 @njit(**_PLANT)
-def _only_crossing(p, c, order, sign, bound, until, third, tolerance):
+def _only_crossing(p, order, sign, bound, until, third, tolerance):
     """Root of a falling polynomial that crosses its bound: steps on quadratics, until the cubic term is rounding."""
-    t = min(max(_step(sign * (p[c] - bound), sign * p[c + uint64(1)], sign * p[c + uint64(2)]), 0.0), until)
-    top = 3
+    t = min(max(_step(sign * (read(p, 0) - bound), sign * read(p, 1), sign * read(p, 2)), 0.0), until)
+    top = min(3, order)
     for _ in range(40):
-        q, q1, q2 = _evaluate(p, c, top, t)
+        q, q1, q2 = _evaluate(p, top, t)
         q = sign * (q - bound)
         if top == order and abs(q) <= tolerance:
             break
@@ -203,36 +230,35 @@ def _only_crossing(p, c, order, sign, bound, until, third, tolerance):
 
 
 @njit(**_PLANT)
-def _first_crossing(p, start, order, sign, bound, until, tolerance):
+def _first_crossing(p, order, sign, bound, until, tolerance):
     """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
 
-    p holds polynomial coefficients from `start` on, on the normalised piece [0, 1]; tolerance: rounding of q. A
+    p: address of the polynomial's coefficients on the normalised piece [0, 1]; tolerance: rounding of q. A
     monotone q has one root at most. Otherwise each step ends before the first root of a quadratic that lies below q,
     so that no root is jumped over.
     """
-    c = uint64(start)
-    bend = 2.0 * abs(p[c + uint64(2)])  # bounds |q' − q'(0)|
+    bend = 2.0 * abs(read(p, 2))  # bounds |q' − q'(0)|
     third = 0.0  # bounds |q'''|
     weight = 2.0
     for k in range(3, order + 1):
         weight += 1.0
-        term = weight * abs(p[c + uint64(k)])
+        term = weight * abs(read(p, k))
         bend += term
         third += (weight - 1.0) * (weight - 2.0) * term
-    q0 = sign * (p[c] - bound)
+    q0 = sign * (read(p, 0) - bound)
     if q0 >= -tolerance:
-        slope = sign * p[c + uint64(1)]
+        slope = sign * read(p, 1)
         if slope > bend * until:
             return 2.0
         if -slope > bend * until:
-            q, _, _ = _evaluate(p, c, order, until)
+            q, _, _ = _evaluate(p, order, until)
             if sign * (q - bound) >= -tolerance:
                 return 2.0
-            return _only_crossing(p, c, order, sign, bound, until, third, tolerance)
+            return _only_crossing(p, order, sign, bound, until, third, tolerance)
     t = 0.0
     smallest = SMALLEST_STEP
     while True:
-        q, q1, q2 = _evaluate(p, c, order, t)
+        q, q1, q2 = _evaluate(p, order, t)
         q = sign * (q - bound)
         q1 *= sign
         q2 *= 2.0 * sign
@@ -262,43 +288,6 @@ def _first_crossing(p, start, order, sign, bound, until, tolerance):
 
 
 @njit(inline="always", **_PLANT)
-def _expand(flat, at, first, stop, width, s, C, idle, series):
-    """Taylor coefficients number `first` to `stop` out of the mode's table, which holds `width` for each column.
-
-    Three columns in each pass over the coefficients; the first pass brings in the constant one as well.
-    """
-    constant = at + uint64((C - 1) * width)
-    a = s[0] if idle != 0 else 0.0
-    b = s[1] if idle != 1 else 0.0
-    c = s[2] if idle != 2 else 0.0
-    at_b = at + uint64(width)
-    at_c = at_b + uint64(width)
-    for v in range(first, stop):
-        n = uint64(v)
-        series[v] = (flat[constant + n] + flat[at + n] * a) + (flat[at_b + n] * b + flat[at_c + n] * c)
-    j = 3
-    while j < C - 1:
-        if j + 2 < C - 1:
-            a = s[j] if j != idle else 0.0
-            b = s[j + 1] if j + 1 != idle else 0.0
-            c = s[j + 2] if j + 2 != idle else 0.0
-            at_a = at + uint64(j * width)
-            at_b = at_a + uint64(width)
-            at_c = at_b + uint64(width)
-            for v in range(first, stop):
-                n = uint64(v)
-                series[v] += flat[at_a + n] * a + (flat[at_b + n] * b + flat[at_c + n] * c)
-            j += 3
-            continue
-        if j != idle:
-            a = s[j]
-            at_a = at + uint64(j * width)
-            for v in range(first, stop):
-                series[v] += flat[at_a + uint64(v)] * a
-        j += 1
-
-
-@njit(inline="always", **_PLANT)
 def _enter(which, direction, s, digits, kind, stick, speed_row, reset_row, reset_slot, N):
     """Changes the digit of an element and sets what the new mode sets; returns old digit, new digit, speed."""
     old = digits[which]
@@ -320,39 +309,68 @@ def _enter(which, direction, s, digits, kind, stick, speed_row, reset_row, reset
 
 
 @njit(inline="always", **_PLANT)
-def _next_event(flat, rows, bounds, s, series, order, until, C, E):
-    """First crossing of any guard within `until`: its time, element (−1: none), direction."""
-    first = until
+def _next_event(at, s, series, order, stride, length, time, N, C, E, idle):
+    """First crossing of any guard within `time` (in samples): its time in pieces, element (−1: none), direction.
+
+    The Taylor series is made only of guards that may leave their bounds.
+    """
+    first = time / length
     which = -1
     direction = 0
-    for e in range(E):
-        c = uint64(e * (order + 1))
-        spread = 0.0
-        for n in range(1, order + 1):
-            spread += abs(series[c + uint64(n)])
-        lower, upper = flat[bounds + uint64(2 * e)], flat[bounds + uint64(2 * e + 1)]
+    wide = padded(E)
+    height = padded(N) + ELEMENT_ROWS * wide
+    bounds = C * height
+    taylor = bounds + 2 * wide + HEADER + stride * C * padded(N)
+    rows = padded(stride + 1)
+    for e in range(0, wide, LANES):
+        guard = padded(N) + e
+        g = _product(at, guard, height, s, C, idle)
+        d = _product(at, guard + wide, height, s, C, idle)
+        swing = _sizes(at, guard + 2 * wide, height, s, C, idle)
         # What the guard's sum may be wrong by; a bound is a number of the same size.
-        terms = 0.0
-        guard = rows + uint64(ELEMENT_ROWS * e * C)
-        for j in range(C):
-            terms += abs(flat[guard + uint64(j)] * s[j])
-        tolerance = 4.5e-16 * (spread + terms)
-        start = series[c]
-        reach = spread * first + tolerance
-        if start - reach <= lower:
-            found = _first_crossing(series, c, order, 1.0, lower, first, tolerance)
-            if found <= first:
-                first, which, direction = found, e, -1
-        if start + reach >= upper:
-            found = _first_crossing(series, c, order, -1.0, upper, first, tolerance)
-            if found <= first:
-                first, which, direction = found, e, 1
+        sizes = add(_sizes(at, guard, height, s, C, idle), add(absolute(d), swing))
+        tolerances = multiply(sizes, splat(4.5e-16))
+        low, high = load(at, bounds + e), load(at, bounds + wide + e)
+        end, sway = fused(d, splat(time), g), multiply(swing, splat(time * time))
+        below = less(add(g, tolerances), low) | less(subtract(end, sway), low)
+        above = less(high, subtract(g, tolerances)) | less(high, add(end, sway))
+        if below | above == 0:
+            continue
+        store(series, 0, tolerances)
+        p = series + 8 * LANES
+        for i in range(LANES):
+            if ((below | above) >> i) & 1 == 0:
+                continue
+            table = taylor + (e + i) * C * rows
+            for n in range(0, order + 1, LANES):
+                store(p, n, _product(at, table + n, rows, s, C, idle))
+            tolerance = read(series, i)
+            if (below >> i) & 1:
+                found = _first_crossing(p, order, 1.0, read(at, bounds + e + i), first, tolerance)
+                if found <= first:
+                    first, which, direction = found, e + i, -1
+            if (above >> i) & 1:
+                found = _first_crossing(p, order, -1.0, read(at, bounds + wide + e + i), first, tolerance)
+                if found <= first:
+                    first, which, direction = found, e + i, 1
     return first, which, direction
 
 
 @njit(inline="always", **_PLANT)
+def _advance(at, table, s, change, order, time, N, C, idle):
+    """The state after `time` (in pieces) of its Taylor series, whose table starts at at[table]."""
+    high = padded(N)
+    t = splat(time)
+    for i in range(0, high, LANES):
+        total = splat(0.0)
+        for n in range(order - 1, -1, -1):
+            total = fused(total, t, _product(at, table + n * C * high + i, high, s, C, idle))
+        store(change, i, multiply(total, t))
+
+
+@njit(inline="always", **_PLANT)
 def finish_sample(
-    flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+    base, row, radix, kind, stick, speed_row, reset_row, reset_slot, stride, idle, scratch,
     s, digits, start, k, events, count, N, C, E,
 ):  # fmt: skip
     """The rest of sample k from time `start` (in samples), event by event; returns status, time reached, event count.
@@ -361,9 +379,11 @@ def finish_sample(
     """
     t = start
     in_sample = 0
-    guards = E * (order + 1)
-    width = guards + order * N
-    size = block_size(N, C, E, order)
+    x = address(s)
+    change = address(scratch)
+    series = change + 8 * padded(N)
+    size = block_size(N, C, E, stride)
+    header = C * (padded(N) + ELEMENT_ROWS * padded(E)) + 2 * padded(E)
     status = NEED_MODE
     while True:
         m = row[mode_number(radix, digits, E)]
@@ -372,24 +392,19 @@ def finish_sample(
         if t >= 1.0:
             status = DONE
             break
-        rows = uint64(m * size + N * C)
-        bounds = rows + uint64(ELEMENT_ROWS * E * C)
-        taylor = bounds + uint64(2 * E + 1)
-        length = flat[bounds + uint64(2 * E)]
+        at = base + 8 * m * size
+        length = read(at, header)
+        order = int(read(at, header + 1))
         whole = 1.0 - t <= length
-        until = (1.0 - t) / length if whole else 1.0
-        _expand(flat, taylor, 0, guards, width, s, C, idle, series)
-        first, which, direction = _next_event(flat, rows, bounds, s, series, order, until, C, E)
+        time = 1.0 - t if whole else length
+        first, which, direction = _next_event(at, x, series, order, stride, length, time, N, C, E, idle)
         if which >= 0 and count == events.shape[0]:
             status = NEED_EVENT_SPACE
             break
         if first > 0.0:
-            _expand(flat, taylor, guards, width, width, s, C, idle, series)
+            _advance(at, header + HEADER, x, change, order, first, N, C, idle)
             for i in range(N):
-                total = series[width - N + i]
-                for n in range(order - 2, -1, -1):
-                    total = total * first + series[guards + n * N + i]
-                s[i] += total * first
+                s[i] += read(change, i)
         if which < 0:
             t = 1.0 if whole else t + length
             continue
@@ -422,7 +437,8 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     s : (C,) array
         [x, v, 1], changed in place.  digits : (E,) int64, changed in place.
     inputs : (n, M) array
-    work : Work
+    work : (W,) array
+        See `new_work`.
     events : (space, EVENT_COLUMNS + N) array
     cursor : (4,) array
         Where to go on after NEED_MODE or NEED_EVENT_SPACE: sample, time within it (in samples), events so far, and 1
@@ -432,7 +448,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     M = inputs.shape[1]
     C = s.size
     N = C - M - 1
-    flat, row, radix, change = tb.flat, tb.row, tb.radix, work.change
+    row, radix = tb.row, tb.radix
     kind, stick, speed_row, reset_row, reset_slot = (
         tb.kind,
         tb.stick,
@@ -440,15 +456,16 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
         tb.reset_row,
         tb.reset_slot,
     )
-    order, idle, series = tb.order, tb.idle, work.series
-    size = block_size(N, C, E, tb.order)
+    order, idle = tb.order, tb.idle
+    base, x, change = address(tb.flat), address(s), address(work)
+    size = block_size(N, C, E, order)
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
     begun = cursor[3] != 0.0
     status = DONE
+    mode = mode_number(radix, digits, E)
     while k < inputs.shape[0]:
-        mode = mode_number(radix, digits, E)
         m = row[mode]
         if m < 0:
             status = NEED_MODE
@@ -460,15 +477,16 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
             for i in range(N):
                 states[k, i] = s[i]
             modes[k] = mode
-            quiet = _quiet(flat, uint64(m * size), s, change, N, C, E)
+            quiet = _quiet(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
             for i in range(N):
-                s[i] += change[i]
+                s[i] += read(change, i)
         else:
             status, start, count = finish_sample(
-                flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+                base, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, work,
                 s, digits, start, k, events, count, N, C, E,
             )  # fmt: skip
+            mode = mode_number(radix, digits, E)
             if status != DONE:
                 begun = True
                 break
@@ -478,14 +496,22 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     if status == DONE:
         for i in range(N):
             states[k, i] = s[i]
-        modes[k] = mode_number(radix, digits, E)
+        modes[k] = mode
     return status
+
+
+@njit(inline="always", **_PLANT)
+def _four_rows(at, table, x0, x1, x2, v):
+    """Four rows of the two-mass plant times its state and torque; in this order the sum waits least for the state."""
+    rest = fused(load(at, table + 4 * TWO_MASS_ROWS), v, load(at, table + 5 * TWO_MASS_ROWS))
+    late = fused(load(at, table + TWO_MASS_ROWS), x1, multiply(load(at, table + 2 * TWO_MASS_ROWS), x2))
+    return add(fused(load(at, table), x0, rest), late)
 
 
 @njit(**_PLANT)
 def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, cursor):
-    """`run_open_loop` for four states, one input, two elements, with the state in registers (a third of the time)."""
-    flat, row, radix, change = tb.flat, tb.row, tb.radix, work.change
+    """`run_open_loop` for four states, one input, two elements, with the state in registers (half the time)."""
+    row, radix = tb.row, tb.radix
     kind, stick, speed_row, reset_row, reset_slot = (
         tb.kind,
         tb.stick,
@@ -493,8 +519,9 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
         tb.reset_row,
         tb.reset_slot,
     )
-    order, idle, series = tb.order, tb.idle, work.series
-    size = block_size(4, 6, 2, tb.order)
+    order = tb.order
+    base, address_s, change, rows = address(tb.flat), address(s), address(work), address(states)
+    size = block_size(4, 6, 2, order)
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
@@ -502,57 +529,48 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
     status = DONE
     mode = mode_number(radix, digits, 2)
     m = row[mode]
-    x0, x1, x2, x3 = s[0], s[1], s[2], s[3]
+    at = base + 8 * m * size
+    x = load(address_s, 0)
     while k < inputs.shape[0]:
-        v = inputs[k, 0]
         if m >= 0 and not begun:
-            states[k, 0] = x0
-            states[k, 1] = x1
-            states[k, 2] = x2
-            states[k, 3] = x3
+            store(rows, 4 * k, x)
             modes[k] = mode
-            a0, a1, a2, a = abs(x0), abs(x1), abs(x2), abs(v)
-            at = uint64(m * size)
-            bounds = at + uint64(72)
-            if _far_two_mass(flat, at + uint64(24), bounds, x0, x1, x2, v, a0, a1, a2, a) & _far_two_mass(
-                flat, at + uint64(48), bounds + uint64(2), x0, x1, x2, v, a0, a1, a2, a
-            ):
-                d0 = _dot_two_mass(flat, at, x0, x1, x2, v)
-                d1 = _dot_two_mass(flat, at + uint64(6), x0, x1, x2, v)
-                d2 = _dot_two_mass(flat, at + uint64(12), x0, x1, x2, v)
-                d3 = _dot_two_mass(flat, at + uint64(18), x0, x1, x2, v)
-                x0 += d0
-                x1 += d1
-                x2 += d2
-                x3 += d3
+            x0, x1, x2, v = spread(x, 0), spread(x, 1), spread(x, 2), splat(inputs[k, 0])
+            g = _four_rows(at, 4, x0, x1, x2, v)
+            d = _four_rows(at, 8, x0, x1, x2, v)
+            swing = _four_rows(at, 12, absolute(x0), absolute(x1), absolute(x2), absolute(v))
+            low, high = load(at, 6 * TWO_MASS_ROWS), load(at, 6 * TWO_MASS_ROWS + 4)
+            if _within(low, g, d, swing, high) == ALL:
+                x = add(x, _four_rows(at, 0, x0, x1, x2, v))
                 k += 1
                 continue
         if m < 0:
             status = NEED_MODE
             break
-        s[0], s[1], s[2], s[3], s[4] = x0, x1, x2, x3, v
-        if not begun and _quiet(flat, uint64(m * size), s, change, 4, 6, 2):
-            for i in range(4):
-                s[i] += change[i]
+        if not begun:
+            store(address_s, 0, x)
+            s[4] = inputs[k, 0]
+        if not begun and _quiet(at, address_s, change, 4, 6, 2, 3):
+            x = add(x, load(change, 0))
         else:
             status, start, count = finish_sample(
-                flat, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, series,
+                base, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, 3, work,
                 s, digits, start, k, events, count, 4, 6, 2,
             )  # fmt: skip
             mode = mode_number(radix, digits, 2)
             m = row[mode]
+            at = base + 8 * m * size
             if status != DONE:
                 begun = True
                 break
             start, begun = 0.0, False
-        x0, x1, x2, x3 = s[0], s[1], s[2], s[3]
+            x = load(address_s, 0)
         k += 1
     cursor[0], cursor[1], cursor[2], cursor[3] = k, start, count, begun
     if status == DONE or not begun:
-        s[0], s[1], s[2], s[3] = x0, x1, x2, x3
+        store(address_s, 0, x)
     if status == DONE:
-        for i in range(4):
-            states[k, i] = s[i]
+        store(rows, 4 * k, x)
         modes[k] = mode
     return status
 

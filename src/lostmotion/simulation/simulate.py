@@ -206,7 +206,7 @@ class PlantRun:
         self.s[-1] = 1.0
         self.digits = self._start(state)
         self.plant.enter(self.digits)
-        self.work = new_work(layout.states, len(self.plant.elements))
+        self.work = new_work(layout.states)
         self.states = np.zeros((length + 1, layout.states))
         self.modes = np.zeros(length + 1, dtype=np.int64)
         self.events = np.zeros((1024, EVENT_COLUMNS + layout.states))

@@ -77,15 +77,25 @@ class Plant:
 
     def _block(self, mode: Mode, order: int) -> NDArray[np.float64]:
         """One mode's numbers in the order that the kernel reads, see ``kernels.plant``."""
+        from ..kernels.plant import HEADER
+        from ..kernels.vectors import LANES
+
         n, e, columns = self.layout.states, len(self.elements), self.layout.columns
-        rows = np.stack([mode.guard, mode.guard_rate, mode.swing, mode.remainder], axis=1)
-        missing = order - len(mode.state_series)
-        guards = np.concatenate([mode.guard_series, np.zeros((missing, e, columns))])
-        states = np.concatenate([mode.state_series, np.zeros((missing, n, columns))])
-        series = np.concatenate([guards.transpose(1, 0, 2).reshape(-1, columns), states.reshape(-1, columns)])
-        bounds = np.column_stack([mode.lower, mode.upper])
-        piece = [mode.piece / self.dt]
-        return np.concatenate([mode.delta.ravel(), rows.ravel(), bounds.ravel(), piece, series.T.ravel()])
+        high, wide, long = (-(-count // LANES) * LANES for count in (n, e, order + 1))
+        own = len(mode.state_series)
+        columnwise = np.zeros((columns, high + 4 * wide))
+        columnwise[:, :n] = mode.delta.T
+        for i, rows in enumerate((mode.guard, mode.guard_rate, mode.swing, mode.remainder)):
+            columnwise[:, high + i * wide :][:, :e] = rows.T
+        bounds = np.full((2, wide), ((-np.inf,), (np.inf,)))
+        bounds[:, :e] = mode.lower, mode.upper
+        header = np.zeros(HEADER)
+        header[:2] = mode.piece / self.dt, own
+        states = np.zeros((order, columns, high))
+        states[:own, :, :n] = mode.state_series.transpose(0, 2, 1)
+        guards = np.zeros((e, columns, long))
+        guards[:, :, : own + 1] = mode.guard_series.transpose(1, 2, 0)
+        return np.concatenate([part.ravel() for part in (columnwise, bounds, header, states, guards)])
 
     def tables(self) -> Any:
         """The kernel's view of the modes built so far."""
