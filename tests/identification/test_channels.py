@@ -61,6 +61,35 @@ def test_motor_speed_alone_is_the_same_observer(averaged: bool, bounds: tuple[in
     )
 
 
+@pytest.mark.parametrize("contact", ["viscoelastic", "dead_zone"])
+@pytest.mark.parametrize("load_rate", [0.0, 20.0])
+@pytest.mark.parametrize("further", [("speed_load", "torque_shaft"), ("twist", "angle_motor")])
+def test_innovations_are_those_of_the_kalman_observer(
+    contact: str, load_rate: float, further: tuple[str, ...]
+):
+    plant, n = PLANT.with_contact(contact).with_parameters(coulomb_motor=0.3), 3000
+    measured = ("speed_motor", *further)
+    values = {name: noisy()[name][:n].copy() for name in ("torque_motor", *measured)}
+    wide = ChannelPredictor(
+        values["torque_motor"], values["speed_motor"], DT, False, plant, 0,
+        channels={name: values[name] for name in further}, levels=NOISE, load_rate=load_rate,
+    )  # fmt: skip
+    found = wide.residual(THETA, GAIN).reshape(n, -1)
+    process = {"twist": 0.0, "speed_motor": GAIN.motor**2, "speed_load": GAIN.load**2}
+    if load_rate:
+        process["torque_load"] = (plant.inertia_total * load_rate**2) ** 2
+    law = lm.observers.kalman(
+        plant, dt=DT, measured=measured, process_covariance=process, load_torque=load_rate > 0.0,
+        measurement_covariance={name: (NOISE[name] / NOISE["speed_motor"]) ** 2 for name in measured},
+    )  # fmt: skip
+    start = {name: values[name][0] for name in measured} | {"torque_actuator": values["torque_motor"][0]}
+    start.setdefault("speed_load", start["speed_motor"])
+    estimates = law.run(values, state=np.array([start.get(state, 0.0) for state in law.states]))
+    for i, name in enumerate(measured):
+        expected = (values[name] - estimates[f"{name}_estimated"]) * (NOISE["speed_motor"] / NOISE[name])
+        np.testing.assert_allclose(found[:, i], expected, atol=1e-9 * np.max(np.abs(expected)) + 1e-9)
+
+
 def test_levels_weigh_the_channels():
     channels = {name: noisy()[name].copy() for name in ("speed_load", "torque_shaft")}
     torque, speed = noisy()["torque_motor"].copy(), noisy()["speed_motor"].copy()

@@ -129,19 +129,23 @@ class Predictor:
     def _innovations(self, thetas: Array, bandwidth: Bandwidth) -> Array:
         from ..kernels.prediction_error import innovations
 
+        gains = (bandwidth.motor, bandwidth.load)
+        bounds = np.array(self.bounds, dtype=np.int64)
+        residual = innovations(
+            self._parameters(thetas), gains, self.dt, self.count_averaged, bounds, self.torque, self.speed
+        )
+        for settling in self.settling():
+            residual[:, settling] = 0.0
+        return np.asarray(residual)
+
+    def _parameters(self, thetas: Array) -> Array:
+        """(m, 10) parameters in the kernels' order."""
         parameters = np.empty((len(thetas), 10))
         for row, theta in zip(parameters, thetas, strict=True):
             values = from_theta(theta, self.dt)
             row[:7], row[9] = values[:7], values[7]
         parameters[:, 7:9] = self.base.coulomb_motor, self.base.viscous_motor
-        gains = (bandwidth.motor, bandwidth.load)
-        bounds = np.array(self.bounds, dtype=np.int64)
-        residual = innovations(
-            parameters, gains, self.dt, self.count_averaged, bounds, self.torque, self.speed
-        )
-        for settling in self.settling():
-            residual[:, settling] = 0.0
-        return np.asarray(residual)
+        return parameters
 
     def jacobian(self, theta: Array, bandwidth: Bandwidth, free: list[int], residual: Array) -> Array:
         """(len(free), n) forward differences of the innovations.

@@ -19,7 +19,7 @@ _DOUBLINGS = 60
 
 
 @njit(cache=True, nogil=True)
-def _product(a, b, out):
+def product(a, b, out):
     """out = a·b; explicit loops compile ten times faster than array expressions."""
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
@@ -30,7 +30,7 @@ def _product(a, b, out):
 
 
 @njit(cache=True, nogil=True)
-def _congruence(a, p, work, out, turned):
+def congruence(a, p, work, out, turned):
     """out += a·p·aᵀ, or aᵀ·p·a if ``turned``."""
     n = p.shape[0]
     for i in range(n):
@@ -48,7 +48,7 @@ def _congruence(a, p, work, out, turned):
 
 
 @njit(cache=True, nogil=True)
-def _solve(a, b):
+def solve(a, b):
     """b ← a⁻¹·b by Gauss–Jordan with row pivoting; a is lost."""
     n = a.shape[0]
     for column in range(n):
@@ -73,34 +73,37 @@ def _solve(a, b):
 
 
 @njit(cache=True, nogil=True)
-def _continuous(parameters, block):
-    """Fill the (8, 8) block [A, inputs; 0, 0].
+def continuous(parameters, block):
+    """Fill the block [A, inputs; 0, 0].
 
-    States: twist, speed_motor, speed_load, torque_actuator. Inputs: torque, gap, friction of motor and load.
+    States: twist, speed_motor, speed_load, torque_actuator, and whatever else the block has room for. Inputs, its last
+    four columns: torque, gap, friction of motor and load.
     """
+    u = block.shape[0] - 4
     jm, jl, k, d = parameters[0], parameters[1], parameters[2], parameters[3]
     viscous, viscous_motor, lag = parameters[6], parameters[8], parameters[9]
     block[0, 1], block[0, 2] = 1.0, -1.0
     block[1, 0], block[1, 1], block[1, 2] = -k / jm, -(d + viscous_motor) / jm, d / jm
     block[2, 0], block[2, 1], block[2, 2] = k / jl, d / jl, -(d + viscous) / jl
     if lag > 0.0:
-        block[1, 3], block[3, 3], block[3, 4] = 1.0 / jm, -1.0 / lag, 1.0 / lag
+        block[1, 3], block[3, 3], block[3, u] = 1.0 / jm, -1.0 / lag, 1.0 / lag
     else:
-        block[1, 4] = 1.0 / jm
-    block[1, 5], block[2, 5] = k / jm, -k / jl
-    block[1, 6], block[2, 7] = -1.0 / jm, -1.0 / jl
+        block[1, u] = 1.0 / jm
+    block[1, u + 1], block[2, u + 1] = k / jm, -k / jl
+    block[1, u + 2], block[2, u + 3] = -1.0 / jm, -1.0 / jl
 
 
 @njit(cache=True, nogil=True)
-def _sampled(block, density, dt, step, noise):
-    """step = exp(block·dt), noise[:4, :4] = ∫exp(A·s)·density·exp(Aᵀ·s)ds over dt.
+def sampled(block, density, dt, step, noise):
+    """step = exp(block·dt), and the first n rows and columns of noise ∫exp(A·s)·density·exp(Aᵀ·s)ds over dt.
 
-    Series over dt/2ⁿ, then n doublings; density (4, 4) is lost.
+    Series over dt/2ⁿ, then doublings; density (n, n), of the block's first n states, is lost.
     """
+    n_block, n = block.shape[0], density.shape[0]
     norm = 0.0
-    for i in range(8):
+    for i in range(n_block):
         total = 0.0
-        for j in range(8):
+        for j in range(n_block):
             total += abs(block[i, j]) * dt
         norm = max(norm, total)
     doublings = 0
@@ -108,66 +111,67 @@ def _sampled(block, density, dt, step, noise):
         norm *= 0.5
         doublings += 1
     h = dt / 2.0**doublings
-    term, other, half = np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((4, 4))
-    for i in range(8):
+    term, other, half = np.zeros((n_block, n_block)), np.zeros((n_block, n_block)), np.zeros((n, n))
+    for i in range(n_block):
         step[i, i] = term[i, i] = 1.0
     factor = h
-    for n in range(1, _TERMS + 1):
-        _product(block, density, half)
-        _product(term, block, other)
-        for i in range(8):
-            for j in range(8):
-                term[i, j] = other[i, j] * h / n
+    for order in range(1, _TERMS + 1):
+        product(block, density, half)
+        product(term, block, other)
+        for i in range(n_block):
+            for j in range(n_block):
+                term[i, j] = other[i, j] * h / order
                 step[i, j] += term[i, j]
-        for i in range(4):
-            for j in range(4):
+        for i in range(n):
+            for j in range(n):
                 noise[i, j] += factor * density[i, j]
-        for i in range(4):
-            for j in range(4):
+        for i in range(n):
+            for j in range(n):
                 density[i, j] = half[i, j] + half[j, i]
-        factor *= h / (n + 1)
+        factor *= h / (order + 1)
     for _ in range(doublings):
-        for i in range(4):
-            for j in range(4):
+        for i in range(n):
+            for j in range(n):
                 density[i, j] = noise[i, j]
         # The last argument but one is the target: noise += Φ·noise·Φᵀ with the noise from before.
-        _congruence(step, density, half, noise, False)
-        _product(step, step, other)
-        for i in range(8):
-            for j in range(8):
+        congruence(step, density, half, noise, False)
+        product(step, step, other)
+        for i in range(n_block):
+            for j in range(n_block):
                 step[i, j] = other[i, j]
 
 
 @njit(cache=True, nogil=True)
-def _gain(phi, c1, c4, noise, variance, gain):
-    """Predictor gain for ŷ = c1·x₁ + c4·x₄ from the discrete Riccati equation, by doubling.
+def predictor_gain(phi, c, noise, variances, gain):
+    """Predictor gain (n, p) for ŷ = c·x, c (p, n), from the discrete Riccati equation, by doubling.
 
-    Source: Anderson 1978, Int. J. Control 28, 295–306. ``noise`` is lost.
+    Source: Anderson 1978, Int. J. Control 28, 295–306. ``noise`` is lost. No pole needs to be moved that is not seen:
+    an unexcited parameter must not stop the fit.
     """
-    n = 5
+    n, sensors = phi.shape[0], c.shape[0]
     a, g, p = np.zeros((n, n)), np.zeros((n, n)), noise
     both, mixed, work = np.zeros((n, 2 * n)), np.zeros((n, n)), np.zeros((n, n))
     wa, wg = np.zeros((n, n)), np.zeros((n, n))
     for i in range(n):
         for j in range(n):
             a[i, j] = phi[j, i]
-    g[1, 1], g[4, 4] = c1 * c1 / variance, c4 * c4 / variance
-    g[1, 4] = g[4, 1] = c1 * c4 / variance
+            for k in range(sensors):
+                g[i, j] += c[k, i] * c[k, j] / variances[k]
     for _ in range(_DOUBLINGS):
         # (I + G P)⁻¹ (A, G)
-        _product(g, p, mixed)
+        product(g, p, mixed)
         for i in range(n):
             mixed[i, i] += 1.0
             for j in range(n):
                 both[i, j] = a[i, j]
                 both[i, n + j] = g[i, j]
-        _solve(mixed, both)
+        solve(mixed, both)
         for i in range(n):
             for j in range(n):
                 wa[i, j], wg[i, j] = both[i, j], both[i, n + j]
         # G += A (W G) Aᵀ;  P += Aᵀ P W A;  A = A W A
-        _congruence(a, wg, work, g, False)
-        _product(p, wa, work)
+        congruence(a, wg, work, g, False)
+        product(p, wa, work)
         change, size = 0.0, 0.0
         for i in range(n):
             for j in range(i + 1):
@@ -177,18 +181,27 @@ def _gain(phi, c1, c4, noise, variance, gain):
                 p[i, j] += total
                 p[j, i] = p[i, j]
                 change, size = max(change, abs(total)), max(size, abs(p[i, j]))
-        _product(a, wa, work)
+        product(a, wa, work)
         for i in range(n):
             for j in range(n):
                 a[i, j] = work[i, j]
         if not change > 1e-15 * size:
             break
-    innovation = c1 * (c1 * p[1, 1] + c4 * p[1, 4]) + c4 * (c1 * p[4, 1] + c4 * p[4, 4]) + variance
+    # K = Φ P Cᵀ (C P Cᵀ + R)⁻¹
+    cp, s, turned = np.zeros((sensors, n)), np.zeros((sensors, sensors)), np.zeros((sensors, n))
+    product(c, p, cp)
+    for i in range(sensors):
+        for j in range(sensors):
+            for k in range(n):
+                s[i, j] += cp[i, k] * c[j, k]
+        s[i, i] += variances[i]
+        for j in range(n):
+            for k in range(n):
+                turned[i, j] += cp[i, k] * phi[j, k]
+    solve(s, turned)
     for i in range(n):
-        total = 0.0
-        for k in range(n):
-            total += phi[i, k] * (c1 * p[k, 1] + c4 * p[k, 4])
-        gain[i] = total / innovation
+        for j in range(sensors):
+            gain[i, j] = turned[j, i]
 
 
 @njit(cache=True, nogil=True)
@@ -200,7 +213,7 @@ def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed,
     b1, g1, m1, f1 = step[1, 4], step[1, 5], step[1, 6], step[1, 7]
     b2, g2, m2, f2 = step[2, 4], step[2, 5], step[2, 6], step[2, 7]
     a33, b3 = step[3, 3], step[3, 4]
-    k0, k1, k2, k3, k4 = gain[0], gain[1], gain[2], gain[3], gain[4]
+    k0, k1, k2, k3, k4 = gain[0, 0], gain[1, 0], gain[2, 0], gain[3, 0], gain[4, 0]
     rest_motor, rest_load = 1.0 / abs(m1), 1.0 / abs(f2)
     x0, x1, x2, x3, x4 = 0.0, speed[0], speed[0], torque[0], speed[0]
     for i in range(torque.size):
@@ -224,17 +237,19 @@ def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed,
 def _one(parameters, bandwidth, dt, count_averaged, bounds, torque, speed, residual):
     """Innovations for one set of parameters; the observer starts anew with each piece."""
     block, step, density = np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((4, 4))
-    phi, noise, gain = np.zeros((5, 5)), np.zeros((5, 5)), np.zeros(5)
+    phi, noise, gain = np.zeros((5, 5)), np.zeros((5, 5)), np.zeros((5, 1))
     density[1, 1], density[2, 2] = bandwidth[0] ** 2, bandwidth[1] ** 2
-    _continuous(parameters, block)
-    _sampled(block, density, dt, step, noise)
+    continuous(parameters, block)
+    sampled(block, density, dt, step, noise)
     for i in range(4):
         for j in range(4):
             phi[i, j] = step[i, j]
     phi[4, 1] = 1.0
     c1 = 0.5 if count_averaged else 1.0
     c4 = 1.0 - c1
-    _gain(phi, c1, c4, noise, 1.0 / dt, gain)
+    c = np.zeros((1, 5))
+    c[0, 1], c[0, 4] = c1, c4
+    predictor_gain(phi, c, noise, np.full(1, 1.0 / dt), gain)
     lead = parameters[3] / parameters[2] + 0.5 * dt
     half, motor, load = 0.5 * parameters[4], parameters[7], parameters[5]
     for i in range(bounds.size - 1):
