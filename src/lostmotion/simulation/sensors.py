@@ -53,7 +53,14 @@ class Sensor:
 
 
 def disturbance(sensors: Mapping[str, Sensor], channels: Sequence[str], length: int, seed: int) -> Array:
-    """(length, channels) bias and noise; a channel's noise depends on the seed and its name alone."""
+    """Bias and noise, (length, channels), or (1, channels) where they are the same in every sample.
+
+    A channel's noise depends on the seed and its name alone.
+    """
+    if not any(
+        sensors[name].noise > 0.0 or sensors[name].dropout > 0.0 for name in channels if name in sensors
+    ):
+        length = 1
     columns = []
     for name in channels:
         sensor = sensors.get(name, Sensor(name))

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Event, Recording
-from ..systems import DiscreteSystem
+from ..systems import DiscreteSystem, Stepper
 from .modes import GAP
+from .moved_end import moved_end, started
 from .sensors import Sensor
 from .tables import Plant
 
@@ -24,9 +25,9 @@ def simulate(
     dt: float,
     torque_motor: ArrayLike | None = None,
     torque_load: ArrayLike | None = None,
-    law: DiscreteSystem | Sequence[DiscreteSystem] | None = None,
+    law: DiscreteSystem | Stepper | Sequence[DiscreteSystem | Stepper] | None = None,
     state: Sequence[float] | Mapping[str, Any] | None = None,
-    delay: int = 0,
+    delay: int | Sequence[int] = 0,
     sensors: Mapping[str, Sensor] | None = None,
     seed: int = 0,
     energy: bool = False,
@@ -42,15 +43,16 @@ def simulate(
         Sample time of the plant.
     torque_motor, torque_load : (n,) arrays, Nm
         Torque into the first and into the last inertia, positive in the direction of positive speed.
-    law : DiscreteSystem or sequence of them, optional
-        Its sample time is `dt` or a multiple of it. Reads the plant's signals and the given `signals` by name. Its
-        output ``torque_motor`` drives the plant, unless `torque_motor` is given: then it only watches. All its outputs
-        are recorded. Several laws of one sample time are joined by their signals' names: an observer that only watches
-        is one more law.
+    law : DiscreteSystem, Stepper, or sequence of them, optional
+        Each at its own sample time, `dt` or a multiple of it; its outputs are held from step to step. Reads by name
+        the given `signals`, the outputs of the other laws, and the plant's signals. Its output ``torque_motor`` (or
+        another torque's name) drives the plant, unless that torque is given: then it only watches. As an *input*
+        a torque is what acts on the plant in this sample, after limits and delay, as it is recorded. All outputs are
+        recorded, and of a stepper ``input_fault_<name>``.
     state : sequence or mapping, optional
         Start: ``twist, speed_motor, speed_load`` for two masses (n − 1 twists, then n speeds, for a chain), or the
         ``final_state`` of an earlier recording, to go on from. Default: at rest in the middle of the gap.
-    delay : int
+    delay : int, or sequence of int for each law
         Computing delay in samples of the plant: the torque computed at sample k acts from sample k + delay on.
     sensors : mapping of law input → Sensor, optional
         What the law sees; default: the plant's signals as they are.
@@ -60,8 +62,8 @@ def simulate(
         Whether to integrate energies as well, see ``Recording.energy``.
     **signals : (n,) arrays
         Inputs of the law that do not come from the plant, such as ``speed_reference``; torques into other inertias by
-        their number, ``torque_1`` to ``torque_n`` (Nm); the speed of a held end, ``speed_motor`` or ``speed_load``
-        (rad/s), linear from sample to sample.
+        their number, ``torque_1`` to ``torque_n`` (Nm); the speed or the angle of a held end, ``speed_load`` (rad/s) or
+        ``angle_load`` (rad), or of the motor, linear from sample to sample: see ``moved_end``.
 
     Returns
     -------
@@ -72,16 +74,22 @@ def simulate(
     Raises
     ------
     InvalidInput
-        For NaN, wrong lengths, a sample time that is not positive, signals that nobody reads or makes.
+        For NaN, wrong lengths, a sample time that is not positive, signals that nobody reads or makes, a signal that
+        depends on itself within one sample.
     """
     given = {"torque_motor": torque_motor, "torque_load": torque_load, **signals}
     values = {name: check_signal(name, array) for name, array in given.items() if array is not None}
     check_sample_time(dt)
-    state = _moved_end(drivetrain, dt, values, state)
+    moved = moved_end(drivetrain, dt, values)
+    if moved is not None:
+        for kind in ("speed", "angle"):
+            values.pop(f"{kind}_{drivetrain.locked}", None)
+        values[f"acceleration_{drivetrain.locked}"] = moved.acceleration
+    state = started(drivetrain, state, moved)
     if law is not None:
         from .closed_loop import simulate_law
 
-        return simulate_law(drivetrain, law, dt, values, state, delay, sensors or {}, seed, energy)
+        return simulate_law(drivetrain, law, dt, values, state, delay, sensors or {}, seed, energy, moved)
     known = possible_inputs(drivetrain)
     if not values or set(values) - set(known):
         raise InvalidInput(
@@ -92,9 +100,16 @@ def simulate(
         )
     length = check_lengths(values)
     names = plant_inputs(drivetrain, values)
+    run = PlantRun(drivetrain, dt, names, state, length)
+    if moved is not None:
+        moved.place(run.plant.layout, run.s)
+        if moved.jumps:
+            from .mixed_loop import MixedLoop
+
+            torques = {name: values.get(name, np.zeros(length)) for name in names}
+            return MixedLoop((), (), (), torques, {}, moved).simulate(run, seed, energy)
     inputs = np.column_stack([values.get(name, np.zeros(length)) for name in names])
     inputs[:, 0] = _set_point(drivetrain, inputs[:, 0], dt, state)
-    run = PlantRun(drivetrain, dt, names, state, length)
     from ..kernels.plant import run_open_loop, run_open_loop_two_mass
 
     usual = (run.plant.layout.states, len(names), len(run.plant.elements)) == (4, 1, 2)
@@ -117,25 +132,6 @@ def possible_inputs(drivetrain: Drivetrain) -> tuple[str, ...]:
 def plant_inputs(drivetrain: Drivetrain, signals: Mapping[str, Any]) -> tuple[str, ...]:
     """The plant's inputs: the motor torque, and what else is given."""
     return tuple(name for name in possible_inputs(drivetrain) if name == "torque_motor" or name in signals)
-
-
-def _moved_end(
-    drivetrain: Drivetrain,
-    dt: float,
-    values: dict[str, NDArray[np.float64]],
-    state: Sequence[float] | Mapping[str, Any] | None,
-) -> Sequence[float] | Mapping[str, Any] | None:
-    """Start state with the held end's speed; its given speed in `values` becomes an acceleration."""
-    if drivetrain.locked is None or isinstance(state, Mapping):
-        return state
-    speed = values.pop(f"speed_{drivetrain.locked}", None)
-    n = len(drivetrain.inertias)
-    start = np.zeros(2 * n - 1) if state is None else np.array(state, dtype=float)
-    if start.shape == (2 * n - 1,):
-        start[n - 1 + (drivetrain.locked_inertia or 0)] = 0.0 if speed is None else speed[0]
-    if speed is not None:
-        values[f"acceleration_{drivetrain.locked}"] = np.diff(speed, append=speed[-1]) / dt
-    return start.tolist()
 
 
 def _set_point(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any
 
@@ -144,6 +144,22 @@ class Stepper:
             origin={**dict.fromkeys(self.outputs, "estimated"), "input_fault": "derived"},
             final_state={"state": full},
             meta={"law": self.name},
+        )
+
+    def renamed(self, names: Mapping[str, str]) -> Stepper:
+        """A copy with inputs and outputs renamed, old name → new name."""
+        unknown = sorted(set(names) - set(self.inputs) - set(self.outputs))
+        if unknown:
+            raise InvalidInput(
+                f"{self.name}.renamed",
+                f"{unknown}",
+                f"names out of {self.inputs + self.outputs}",
+                "Check the name.",
+            )
+        return replace(
+            self,
+            inputs=tuple(names.get(n, n) for n in self.inputs),
+            outputs=tuple(names.get(n, n) for n in self.outputs),
         )
 
     def _state(self, state: ArrayLike) -> Array:
