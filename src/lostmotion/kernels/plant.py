@@ -54,12 +54,15 @@ from .vectors import (
     less,
     load,
     multiply,
+    pack,
     read,
     smaller,
     splat,
     spread,
     store,
     subtract,
+    total,
+    write,
 )
 
 Array = NDArray[np.float64]
@@ -102,7 +105,7 @@ class PlantTables(NamedTuple):
 
 def new_work(states: int) -> Array:
     """Scratch of the kernels: change of the state, tolerances of four guards, Taylor series of one."""
-    return np.zeros(states + 2 * LANES + MAX_ORDER + 1 + LANES)
+    return np.zeros(states + 3 * LANES + MAX_ORDER + 1 + LANES)
 
 
 _PLANT: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
@@ -132,23 +135,23 @@ def mode_number(radix, digits, E):
 @njit(inline="always", **_PLANT)
 def _product(at, table, height, s, C, idle):
     """Four rows at at[table], columns `height` apart, times s; the idle column is left out."""
-    total = load(at, table + (C - 1) * height)
+    rows = load(at, table + (C - 1) * height)
     for j in range(idle):
-        total = fused(load(at, table + j * height), splat(read(s, j)), total)
+        rows = fused(load(at, table + j * height), splat(read(s, j)), rows)
     for j in range(idle + 1, C - 1):
-        total = fused(load(at, table + j * height), splat(read(s, j)), total)
-    return total
+        rows = fused(load(at, table + j * height), splat(read(s, j)), rows)
+    return rows
 
 
 @njit(inline="always", **_PLANT)
 def _sizes(at, table, height, s, C, idle):
     """Four rows as in `_product`, of absolute values, times |s|."""
-    total = absolute(load(at, table + (C - 1) * height))
+    rows = absolute(load(at, table + (C - 1) * height))
     for j in range(idle):
-        total = fused(absolute(load(at, table + j * height)), splat(abs(read(s, j))), total)
+        rows = fused(absolute(load(at, table + j * height)), splat(abs(read(s, j))), rows)
     for j in range(idle + 1, C - 1):
-        total = fused(absolute(load(at, table + j * height)), splat(abs(read(s, j))), total)
-    return total
+        rows = fused(absolute(load(at, table + j * height)), splat(abs(read(s, j))), rows)
+    return rows
 
 
 @njit(inline="always", **_PLANT)
@@ -192,73 +195,61 @@ def _quiet(at, s, change, N, C, E, idle):
 
 
 @njit(inline="always", **_PLANT)
-def _evaluate(p, top, t):
-    """Polynomial of order `top` with coefficients p at t: value, first derivative, half the second."""
-    q = read(p, top)
+def _evaluate(p, order, t):
+    """Polynomial with coefficients p at t: its Taylor coefficients of order 0 to 3 there."""
+    q = read(p, order)
     q1 = 0.0
     q2 = 0.0
-    for k in range(top - 1, -1, -1):
+    q3 = 0.0
+    for k in range(order - 1, -1, -1):
+        q3 = q3 * t + q2
         q2 = q2 * t + q1
         q1 = q1 * t + q
         q = q * t + read(p, k)
-    return q, q1, q2
+    return q, q1, q2, q3
 
 
 @njit(inline="always", **_PLANT)
-def _step(q, q1, q2):
-    """Nearest root of q + q1·t + q2·t², of the tangent if there is none."""
-    root = q1 * q1 - 4.0 * q2 * q
-    return 2.0 * q / (-q1 + np.sqrt(root)) if root > 0.0 else -q / q1
+def _reversed(q, q1, q2, q3):
+    """Root of q + q1·t + q2·t² + q3·t³ by the reversed series up to order three, and what its last term does to q."""
+    inverse = 1.0 / q1
+    u = -q * inverse
+    a = q2 * inverse
+    last = u * u * u * (2.0 * a * a - q3 * inverse)
+    return u - a * u * u + last, abs(q1 * last)
+
+
+@njit(inline="always", **_PLANT)
+def _only_crossing(p, order, sign, bound, until, tolerance):
+    """The root in [0, until] of a monotone polynomial: reversed series, or halves where they lead out of the bracket."""
+    t, _ = _reversed(read(p, 0) - bound, read(p, 1), read(p, 2), read(p, 3))
+    low, high = 0.0, until
+    for _ in range(100):
+        if not low <= t <= high:
+            t = 0.5 * (low + high)
+        q, q1, q2, q3 = _evaluate(p, order, t)
+        q -= bound
+        step, last = _reversed(q, q1, q2, q3)
+        if sign * q > 0.0:
+            low = t
+        else:
+            high = t
+        t += step
+        if last <= tolerance:
+            break
+    return min(max(t, 0.0), until)
 
 
 @njit(**_PLANT)
-def _only_crossing(p, order, sign, bound, until, third, tolerance):
-    """Root of a falling polynomial that crosses its bound: steps on quadratics, until the cubic term is rounding."""
-    t = min(max(_step(sign * (read(p, 0) - bound), sign * read(p, 1), sign * read(p, 2)), 0.0), until)
-    top = min(3, order)
-    for _ in range(40):
-        q, q1, q2 = _evaluate(p, top, t)
-        q = sign * (q - bound)
-        if top == order and abs(q) <= tolerance:
-            break
-        step = _step(q, sign * q1, sign * q2)
-        t = min(max(t + step, 0.0), until)
-        if top == order and third * abs(step * step * step) <= tolerance:
-            break
-        top = order
-    return t
-
-
-@njit(**_PLANT)
-def _first_crossing(p, order, sign, bound, until, tolerance):
-    """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
-
-    p: address of the polynomial's coefficients on the normalised piece [0, 1]; tolerance: rounding of q. A
-    monotone q has one root at most. Otherwise each step ends before the first root of a quadratic that lies below q,
-    so that no root is jumped over.
-    """
-    bend = 2.0 * abs(read(p, 2))  # bounds |q' − q'(0)|
-    third = 0.0  # bounds |q'''|
-    weight = 2.0
+def _stepped_crossing(p, order, sign, bound, until, tolerance):
+    """As `_first_crossing`: each step ends before the first root of a quadratic that lies below q."""
+    third = 0.0  # bounds the third derivative
     for k in range(3, order + 1):
-        weight += 1.0
-        term = weight * abs(read(p, k))
-        bend += term
-        third += (weight - 1.0) * (weight - 2.0) * term
-    q0 = sign * (read(p, 0) - bound)
-    if q0 >= -tolerance:
-        slope = sign * read(p, 1)
-        if slope > bend * until:
-            return 2.0
-        if -slope > bend * until:
-            q, _, _ = _evaluate(p, order, until)
-            if sign * (q - bound) >= -tolerance:
-                return 2.0
-            return _only_crossing(p, order, sign, bound, until, third, tolerance)
+        third += k * (k - 1.0) * (k - 2.0) * abs(read(p, k))
     t = 0.0
     smallest = SMALLEST_STEP
     while True:
-        q, q1, q2 = _evaluate(p, order, t)
+        q, q1, q2, _ = _evaluate(p, order, t)
         q = sign * (q - bound)
         q1 *= sign
         q2 *= 2.0 * sign
@@ -288,6 +279,43 @@ def _first_crossing(p, order, sign, bound, until, tolerance):
 
 
 @njit(inline="always", **_PLANT)
+def _first_crossing(p, order, sign, bound, until, bend, tolerance):
+    """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
+
+    p: address of the polynomial's coefficients on the normalised piece [0, 1]; bend: bounds how much the slope
+    changes there; tolerance: rounding of q. A monotone q has one root at most; otherwise the steps jump over none.
+    """
+    q = sign * (read(p, 0) - bound)
+    slope = sign * read(p, 1)
+    change = bend * until
+    if q < -tolerance or abs(slope) <= change:
+        return _stepped_crossing(p, order, sign, bound, until, tolerance)
+    if slope > 0.0:
+        return 2.0
+    if q + (slope + change) * until >= -tolerance:
+        end, _, _, _ = _evaluate(p, order, until)
+        if sign * (end - bound) >= -tolerance:
+            return 2.0
+    return _only_crossing(p, order, sign, bound, until, tolerance)
+
+
+@njit(inline="always", **_PLANT)
+def _expand(at, table, rows, s, p, order, C, idle):
+    """Taylor series of the guard whose table starts at at[table], to p; returns what bounds the change of its slope."""
+    first = _product(at, table, rows, s, C, idle)
+    store(p, 0, first)
+    weight = pack(0.0, 0.0, 2.0, 3.0)
+    bend = multiply(absolute(first), weight)
+    weight = pack(4.0, 5.0, 6.0, 7.0)
+    for n in range(LANES, order + 1, LANES):
+        value = _product(at, table + n, rows, s, C, idle)
+        store(p, n, value)
+        bend = fused(absolute(value), weight, bend)
+        weight = add(weight, splat(4.0))
+    return total(bend)
+
+
+@njit(inline="always", **_PLANT)
 def _enter(which, direction, s, digits, kind, stick, speed_row, reset_row, reset_slot, N):
     """Changes the digit of an element and sets what the new mode sets; returns old digit, new digit, speed."""
     old = digits[which]
@@ -301,10 +329,10 @@ def _enter(which, direction, s, digits, kind, stick, speed_row, reset_row, reset
         if new == stick[which]:
             s[slot] = 0.0
     elif slot >= 0 and new != 1:
-        total = reset_row[which, new, N]
+        value = reset_row[which, new, N]
         for j in range(N):
-            total += reset_row[which, new, j] * s[j]
-        s[slot] = total
+            value += reset_row[which, new, j] * s[j]
+        s[slot] = value
     return old, new, speed
 
 
@@ -342,30 +370,50 @@ def _next_event(at, s, series, order, stride, length, time, N, C, E, idle):
             if ((below | above) >> i) & 1 == 0:
                 continue
             table = taylor + (e + i) * C * rows
-            for n in range(0, order + 1, LANES):
-                store(p, n, _product(at, table + n, rows, s, C, idle))
+            bend = _expand(at, table, rows, s, p, order, C, idle)
             tolerance = read(series, i)
             if (below >> i) & 1:
-                found = _first_crossing(p, order, 1.0, read(at, bounds + e + i), first, tolerance)
+                found = _first_crossing(p, order, 1.0, read(at, bounds + e + i), first, bend, tolerance)
                 if found <= first:
                     first, which, direction = found, e + i, -1
             if (above >> i) & 1:
-                found = _first_crossing(p, order, -1.0, read(at, bounds + wide + e + i), first, tolerance)
+                found = _first_crossing(
+                    p, order, -1.0, read(at, bounds + wide + e + i), first, bend, tolerance
+                )
                 if found <= first:
                     first, which, direction = found, e + i, 1
     return first, which, direction
 
 
 @njit(inline="always", **_PLANT)
+def _add_change(s, change, N):
+    """s[:N] += change[:N], by fours where that leaves the inputs alone."""
+    whole = N & -LANES
+    for i in range(0, whole, LANES):
+        store(s, i, add(load(s, i), load(change, i)))
+    for i in range(whole, N):
+        write(s, i, read(s, i) + read(change, i))
+
+
+@njit(inline="always", **_PLANT)
 def _advance(at, table, s, change, order, time, N, C, idle):
-    """The state after `time` (in pieces) of its Taylor series, whose table starts at at[table]."""
+    """Takes the state `time` (in pieces) on by its Taylor series, whose table starts at at[table]."""
     high = padded(N)
-    t = splat(time)
+    row = C * high
+    t, square = splat(time), splat(time * time)
     for i in range(0, high, LANES):
-        total = splat(0.0)
-        for n in range(order - 1, -1, -1):
-            total = fused(total, t, _product(at, table + n * C * high + i, high, s, C, idle))
-        store(change, i, multiply(total, t))
+        # Even and odd orders apart: half the waiting.
+        even, odd = splat(0.0), splat(0.0)
+        n = order - 1
+        if order % 2:
+            odd = _product(at, table + n * row + i, high, s, C, idle)
+            n -= 1
+        while n > 0:
+            even = fused(even, square, _product(at, table + n * row + i, high, s, C, idle))
+            odd = fused(odd, square, _product(at, table + (n - 1) * row + i, high, s, C, idle))
+            n -= 2
+        store(change, i, multiply(t, fused(even, t, odd)))
+    _add_change(s, change, N)
 
 
 @njit(inline="always", **_PLANT)
@@ -403,8 +451,6 @@ def finish_sample(
             break
         if first > 0.0:
             _advance(at, header + HEADER, x, change, order, first, N, C, idle)
-            for i in range(N):
-                s[i] += read(change, i)
         if which < 0:
             t = 1.0 if whole else t + length
             continue
@@ -479,8 +525,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
             modes[k] = mode
             quiet = _quiet(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
-            for i in range(N):
-                s[i] += read(change, i)
+            _add_change(x, change, N)
         else:
             status, start, count = finish_sample(
                 base, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, work,

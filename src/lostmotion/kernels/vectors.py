@@ -223,3 +223,14 @@ def read(typing: Any, at: Any, index: Any) -> Any:
         return builder.load(builder.gep(builder.inttoptr(args[0], _DOUBLE.as_pointer()), [args[1]]))
 
     return types.float64(types.int64, types.int64), code
+
+
+@intrinsic
+def write(typing: Any, at: Any, index: Any, value: Any) -> Any:
+    """One number to at[index]."""
+
+    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        builder.store(args[2], builder.gep(builder.inttoptr(args[0], _DOUBLE.as_pointer()), [args[1]]))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.float64), code
