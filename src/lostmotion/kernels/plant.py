@@ -221,7 +221,7 @@ def _reversed(q, q1, q2, q3):
 
 @njit(inline="always", **_PLANT)
 def _only_crossing(p, order, sign, bound, until, tolerance):
-    """The root in [0, until] of a monotone polynomial: reversed series, or halves where they lead out of the bracket."""
+    """The root of a monotone polynomial: by reversed series, by halves where those lead out of the bracket."""
     t, _ = _reversed(read(p, 0) - bound, read(p, 1), read(p, 2), read(p, 3))
     low, high = 0.0, until
     for _ in range(100):
