@@ -209,6 +209,8 @@ class Independent:
                 r.branch[i] = int(elastic + r.side[i] * d * rate > 0.0)
             if shaft.contact == "physical" and r.side[i]:
                 y[2 * self.n - 1 + i] = y[i] - r.side[i] * half
+                if d > 0.0 and r.side[i] * self.shaft_torque(y, i, r) < 0.0:
+                    r.side[i] = 0  # wound up, but torn away from the edge faster than it unwinds
         for i, f in enumerate(self.d.frictions):
             speed = y[self.n - 1 + i]
             r.sign[i] = int(math.copysign(1, speed)) if speed else 0

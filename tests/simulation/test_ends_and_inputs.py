@@ -46,6 +46,111 @@ def test_moved_load_follows_its_speed():
     assert recording["speed_motor"].any()
 
 
+def swing(n: int = 500) -> tuple[np.ndarray, np.ndarray]:
+    """Angle (rad) and speed (rad/s) of a sine of 8 Hz about 0.3 rad."""
+    omega, t = 50.0, np.arange(n) * DT
+    return 0.3 + 0.04 * np.sin(omega * t), 0.04 * omega * np.cos(omega * t)
+
+
+@pytest.mark.parametrize("end", ["load", "motor"])
+@pytest.mark.parametrize("both", [False, True])
+def test_moved_end_follows_its_angle(end, both):
+    """The angle holds at every sample; between, it is linear, or has the given speed's change."""
+    plant = Drivetrain((0.02, 0.05, 0.1), (SHAFT, Shaft(8000.0, 0.2)), locked=end)
+    angle, speed = swing()
+    given = {f"angle_{end}": angle} | ({f"speed_{end}": speed} if both else {})
+    start = (0.001, -0.002, 1.0, 1.0, 1.0)
+    recording = lm.simulate(plant, torque_2=np.full(500, 0.5), dt=DT, state=start, energy=True, **given)
+    np.testing.assert_allclose(recording[f"angle_{end}"], angle, rtol=0.0, atol=1e-13)
+    slope = np.diff(angle) / DT
+    expected = speed[:-1] if both else slope
+    np.testing.assert_allclose(
+        recording[f"speed_{end}"][:-1], expected, rtol=0.0, atol=1e-4 if both else 1e-9
+    )
+    assert np.ptp(recording["speed_2"]) > 1.0
+    power = np.abs(recording["torque_shaft"] * recording[f"speed_{end}"]).sum() * DT
+    assert np.max(np.abs(recording.energy()["balance"])) <= 1e-9 * power
+
+
+def test_an_angle_is_the_limit_of_ever_finer_speeds():
+    """Linear angle: the same as the piecewise constant speed, given as steps on a hundred times finer samples."""
+    plant = Drivetrain((0.02, 0.1), (SHAFT,), locked="load")
+    angle, _ = swing(40)
+    coarse = lm.simulate(plant, torque_motor=np.zeros(40), angle_load=angle, dt=DT)
+    slope = np.append(np.diff(angle), np.diff(angle)[-1]) / DT
+    fine = lm.simulate(
+        plant,
+        torque_motor=np.zeros(40 * 100),
+        speed_load=np.repeat(slope, 100),
+        dt=DT / 100,
+        state=(0.0, 0.0, 0.0),
+    )
+    # Each step of the fine speed takes a hundredth of a sample.
+    np.testing.assert_allclose(coarse["speed_motor"], fine["speed_motor"][::100], rtol=0.0, atol=2e-3)
+    assert np.max(np.abs(coarse["speed_motor"])) > 0.4
+
+
+def test_angle_and_speed_of_different_motions_are_refused():
+    plant = Drivetrain((0.02, 0.1), (SHAFT,), locked="load")
+    angle, speed = swing()
+    for wrong in (2.0 * speed, -speed, np.roll(speed, 30), np.zeros(500)):
+        with pytest.raises(lm.InvalidInput, match="angle_load and speed_load"):
+            lm.simulate(plant, torque_motor=np.zeros(500), dt=DT, angle_load=angle, speed_load=wrong)
+    with pytest.raises(lm.InvalidInput, match="lengths"):
+        lm.simulate(plant, torque_motor=np.zeros(500), dt=DT, angle_load=angle, speed_load=speed[:-1])
+    with pytest.raises(lm.InvalidInput, match="angle_load"):
+        lm.simulate(
+            plant, torque_motor=np.zeros(500), dt=DT, angle_load=np.where(angle > 0.33, np.nan, angle)
+        )
+    with pytest.raises(lm.InvalidInput, match="angle_load"):
+        lm.simulate(Drivetrain((0.02, 0.1), (SHAFT,)), torque_motor=np.zeros(500), dt=DT, angle_load=angle)
+
+
+@pytest.mark.parametrize("kind", ["speed", "angle", "both"])
+def test_going_on_with_a_moved_end_equals_going_through(kind):
+    plant = Drivetrain((0.02, 0.1), (SHAFT,), locked="load")
+    angle, speed = swing()
+    given = {"angle_load": angle, "speed_load": speed}
+    given = given if kind == "both" else {f"{kind}_load": given[f"{kind}_load"]}
+    push = np.full(500, 1.0)
+    whole = lm.simulate(plant, torque_motor=push, dt=DT, **given)
+    # One sample twice: what is given of a sample ends at the next one's start.
+    first = lm.simulate(plant, torque_motor=push[:201], dt=DT, **{n: v[:201] for n, v in given.items()})
+    short = lm.simulate(plant, torque_motor=push[:200], dt=DT, **{n: v[:200] for n, v in given.items()})
+    np.testing.assert_array_equal(first["speed_motor"][:200], whole["speed_motor"][:200])
+    second = lm.simulate(
+        plant,
+        torque_motor=push[200:],
+        dt=DT,
+        state=short.final_state,
+        **{n: v[200:] for n, v in given.items()},
+    )
+    # Without the next sample the last one runs at a constant speed: 2e-3 rad/s within one sample.
+    np.testing.assert_allclose(second["speed_motor"], whole["speed_motor"][200:], rtol=0.0, atol=1e-3)
+    expected = angle if kind != "speed" else whole["angle_load"]
+    np.testing.assert_allclose(second["angle_load"], expected[200:], rtol=0.0, atol=1e-6)
+
+
+def test_a_moved_end_in_a_loop():
+    """Speed control of the motor against a load that is moved by its angle."""
+    plant = Drivetrain((0.02, 0.1), (Shaft(5000.0, 0.3, 0.01, "physical"),), locked="load")
+    angle, _ = swing()
+    law = lm.DiscreteSystem(
+        inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",), D=np.array([[2.0, -2.0]]), dt=DT
+    )
+    loop = lm.simulate(plant, law=law, speed_reference=np.zeros(500), angle_load=angle, dt=DT)
+    alone = lm.simulate(plant, torque_motor=loop["torque_motor"], angle_load=angle, dt=DT)
+    np.testing.assert_array_equal(loop["torque_motor"], -2.0 * loop["speed_motor"])
+    np.testing.assert_array_equal(loop["speed_motor"], alone["speed_motor"])
+    assert loop["speed_motor"].any() and any(e.kind == "impact" for e in loop.events)
+
+
+def test_a_held_end_does_not_turn_whatever_the_start():
+    plant = Drivetrain((0.02, 0.1), (SHAFT,), locked="load")
+    recording = lm.simulate(plant, torque_motor=np.full(50, 1.0), dt=DT, state=(0.0, 1.0, 5.0))
+    assert not recording["speed_load"].any()
+
+
 def test_moved_motor_drives_the_load():
     """A motor moved at constant speed equals a motor that is far heavier than the load."""
     held = Drivetrain((0.02, 0.1), (SHAFT,), (Friction(), Friction(1.0, 0.01)), locked="motor")
