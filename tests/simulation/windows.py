@@ -47,18 +47,16 @@ def random_chain(n: int, contact: str, rng: np.random.Generator) -> Drivetrain:
     """
     loose = rng.choice(n - 1, size=min(3, n - 1), replace=False)
     rough = rng.choice(n, size=3, replace=False)
-    shafts = tuple(
-        Shaft(
-            rng.uniform(3000.0, 9000.0), rng.uniform(0.1, 0.5), rng.uniform(0.001, 0.008) if i in loose else 0.0, contact
-        )
-        for i in range(n - 1)
-    )  # fmt: skip
+    shafts = []
+    for i in range(n - 1):
+        backlash = rng.uniform(0.001, 0.008) if i in loose else 0.0
+        shafts.append(Shaft(rng.uniform(3000.0, 9000.0), rng.uniform(0.1, 0.5), backlash, contact))
     frictions = [Friction(viscous=0.01)] * n
     for kind, i in enumerate(rough):
         frictions[i] = friction(rng, kind)
     inertias = rng.uniform(0.008, 0.02, n)
     inertias[-1] *= 4.0
-    return Drivetrain(tuple(inertias), shafts, tuple(frictions), Actuator(3e-4 * int(rng.integers(2))))
+    return Drivetrain(tuple(inertias), tuple(shafts), tuple(frictions), Actuator(3e-4 * int(rng.integers(2))))
 
 
 def judge(n: int, contact: str, seed: int, samples: int) -> Judged:
