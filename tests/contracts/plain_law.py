@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lostmotion import export
-from lostmotion.systems import DiscreteSystem
+from lostmotion.systems import DiscreteSystem, InputCheck
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
@@ -35,8 +35,7 @@ def numba_run(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     from lostmotion.kernels.law import law_run
 
-    state = np.concatenate([law.initial_state, np.zeros(len(law.inputs))])
-    return law_run(law.tables(), state, inputs)
+    return law_run(law.tables(), law.start(), inputs)
 
 
 def python_run(
@@ -54,23 +53,103 @@ def python_run(
         return result
 
     z_rows, y_rows = sparse(law.F, law.G, law.H), sparse(law.C, law.D, law.J)
-    x_rows = sparse(law.A, law.B, law.E)
+    x_rows, p_rows = sparse(law.A, law.B, law.E), sparse(law.P, law.Q, law.R)
     curves = [(c.points, c.slopes) for c in law.curves]
     x, u = law.initial_state.tolist(), [0.0] * len(law.inputs)
+    checks = {
+        law.inputs.index(c.input): (c, row, Memory(c)) for c, row in zip(law.checks, p_rows, strict=True)
+    }
+    early = max((j - len(x) - len(u) + 1 for _, row, _ in checks.values() for j, _ in row), default=0)
     outputs, faults = [], []
+
+    def curve(v: list[float], i: int) -> float:
+        points, slopes = curves[i]
+        z = total(z_rows[i], v)
+        segment = sum(z >= point[0] for point in points)
+        z_anchor, w_anchor = points[max(segment - 1, 0)]
+        return w_anchor + slopes[segment] * (z - z_anchor)
+
     for sample in inputs.tolist():
         good = [abs(value) <= 1e30 for value in sample]
-        u = [new if ok else old for new, old, ok in zip(sample, u, good, strict=True)]
-        v = x + u
-        for row, (points, slopes) in zip(z_rows, curves, strict=True):
-            z = total(row, v)
-            segment = sum(z >= point[0] for point in points)
-            z_anchor, w_anchor = points[max(segment - 1, 0)]
-            v.append(w_anchor + slopes[segment] * (z - z_anchor))
+        fault = 0
+        for i in range(len(u)):
+            if i not in checks:
+                u[i] = sample[i] if good[i] else u[i]
+                fault |= (not good[i]) << i
+        w: list[float] = []
+        for i in range(max(early, 0)):
+            w.append(curve(x + u + w, i))
+        for i, (_, row, memory) in checks.items():
+            predicted = total(row, x + u + w)
+            u[i], bad = memory.checked(sample[i], predicted, u[i])
+            fault |= bad << i
+        for i in range(len(w), len(curves)):
+            w.append(curve(x + u + w, i))
+        v = x + u + w
         outputs.append([total(row, v) for row in y_rows])
         x = [total(row, v) for row in x_rows]
-        faults.append(sum(1 << i for i, ok in enumerate(good) if not ok))
+        faults.append(fault)
     return np.array(outputs).reshape(len(inputs), len(law.outputs)), np.array(faults)
+
+
+class Memory:
+    """What a check remembers, and its rule once more."""
+
+    def __init__(self, check: InputCheck) -> None:
+        self.check = check
+        self.last: float | None = None
+        self.times = 0
+        self.first = 0.0
+        self.after_jump = False
+        self.doubt = 2 * check.hold
+        self.largest_error = self.largest_step = 0.0
+
+    def checked(self, given: float, predicted: float, kept: float) -> tuple[float, bool]:
+        missing, lost = not abs(given) <= 1e30, not abs(predicted) <= 1e30
+        replacement = kept if self.check.keep or lost else predicted
+        if missing:
+            self.last, self.after_jump = None, False
+            self._bad()
+            return replacement, True
+        if lost:
+            self.last, self.after_jump = None, False
+            return given, False
+        error, armed = abs(given - predicted), self.doubt < self.check.hold
+        limit = 0.5 * self.check.limit if self.after_jump else self.check.limit
+        bound = max(limit, 1.5 * self.largest_error)
+        jump, frozen, step = error > bound, False, 0.0
+        self.after_jump = False
+        if self.last is not None and given == self.last:
+            self.times += 1
+            moved = min(abs(predicted - self.first), error)
+            frozen = self.times >= 5 and 0.0 < 0.75 * self.largest_step < moved
+        else:
+            if self.last is not None and self.times == 1:
+                step = abs(given - self.last)
+            self.last, self.times, self.first = given, 1, predicted
+        capped = min(error, 8.0 * bound)
+        if jump and armed:
+            self.last, self.after_jump = None, True
+            if self.doubt == 0:
+                self.largest_error += 0.125 * (capped - self.largest_error)
+        else:
+            self.largest_error = max(capped, self.check.forget * self.largest_error)
+            if step > 0.0:
+                self.largest_step = max(min(step, bound), self.check.forget * self.largest_step)
+        if armed and (jump or frozen):
+            self._bad()
+            return replacement, True
+        if armed:
+            self.doubt = 0
+        elif jump:
+            self.doubt = 2 * self.check.hold
+        elif not frozen:
+            self.doubt = self.doubt - 1 if self.doubt > self.check.hold + 1 else 0
+        return given, frozen
+
+    def _bad(self) -> None:
+        if self.doubt < self.check.hold:
+            self.doubt = self.doubt + 1 if self.doubt + 1 < self.check.hold else 2 * self.check.hold
 
 
 def c_run(
@@ -91,10 +170,11 @@ def c_run(
 
 
 def random_inputs(law: DiscreteSystem, n: int, seed: int) -> NDArray[np.float64]:
-    """Steps with noise, and one value in fifty NaN, infinite or absurd."""
+    """Steps with noise, some of them frozen, and one value in fifty NaN, infinite or absurd."""
     rng = np.random.default_rng(seed)
     inputs = np.repeat(3.0 * rng.normal(size=(n // 20 + 1, len(law.inputs))), 20, axis=0)[:n]
-    inputs += 0.3 * rng.normal(size=inputs.shape)
+    moving = np.repeat(rng.random((n // 20 + 1, len(law.inputs))) < 0.8, 20, axis=0)[:n]
+    inputs += 0.3 * rng.normal(size=inputs.shape) * moving
     bad = rng.random(inputs.shape) < 0.02
     inputs[bad] = rng.choice([np.nan, np.inf, -np.inf, 1e300], size=inputs.shape)[bad]
     return inputs

@@ -169,7 +169,7 @@ def _check(law: DiscreteSystem, name: str, real: str, vectors: int) -> None:
 def _vectors(
     law: DiscreteSystem, n: int, seed: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-    """Random inputs in runs of ten samples, one value in forty bad, and what the Python law makes of them.
+    """Random inputs in runs of ten samples, some of them frozen, one value in forty bad, and what the Python law makes of them.
 
     The values are exact in single precision, so that the float code is compared on the very same inputs.
     """
@@ -177,11 +177,11 @@ def _vectors(
 
     rng = np.random.default_rng(seed)
     inputs = np.repeat(rng.normal(size=(-(-n // 10), len(law.inputs))), 10, axis=0)[:n]
-    inputs = (inputs + 0.1 * rng.normal(size=inputs.shape)).astype(np.float32).astype(np.float64)
+    moving = np.repeat(rng.random((-(-n // 10), len(law.inputs))) < 0.8, 10, axis=0)[:n]
+    inputs = (inputs + 0.1 * rng.normal(size=inputs.shape) * moving).astype(np.float32).astype(np.float64)
     bad = rng.random(inputs.shape) < 1.0 / 40.0
     inputs[bad] = rng.choice([np.nan, np.inf, -np.inf, 2e30], size=inputs.shape)[bad]
-    state = np.concatenate([law.initial_state, np.zeros(len(law.inputs))])
-    outputs, faults = law_run(law.tables(), state, inputs)
+    outputs, faults = law_run(law.tables(), law.start(), inputs)
     return inputs, outputs, faults
 
 
@@ -194,6 +194,8 @@ def _vector(value: float) -> str:
 
 
 def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
+    from ..kernels import law as rule
+
     symbols = [
         *(f"x{i}" for i in range(len(law.states))),
         *(f"u{i}" for i in range(len(law.inputs))),
@@ -218,6 +220,7 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
         "z_rows": terms(np.hstack([law.F, law.G, law.H])),
         "y_rows": terms(np.hstack([law.C, law.D, law.J])),
         "x_rows": terms(np.hstack([law.A, law.B, law.E])),
+        "p_rows": terms(np.hstack([law.P, law.Q, law.R])),
     }
     used = {symbol for block in rows.values() for row in block for _, symbol in row}
     return {
@@ -234,6 +237,24 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
         "states": law.states,
         "initial_state": [repr(float(v)) for v in law.initial_state],
         "curves": curves,
+        "early_curves": law.early_curves,
+        "checks": [
+            {
+                "number": i,
+                "input": law.inputs.index(check.input),
+                "limit": repr(check.limit),
+                "hold": repr(float(check.hold)),
+                "forget": repr(check.forget),
+                "keep": int(check.keep),
+                "start": [repr(number) for number in check.start()],
+            }
+            for i, check in enumerate(law.checks)
+        ],
+        "checked": [law.inputs.index(check.input) for check in law.checks],
+        "rule": {
+            name: repr(getattr(rule, name))
+            for name in ("LEARNED", "WIDEN", "RAISE", "CLOSER", "SAME", "MOVED")
+        },
     }
 
 

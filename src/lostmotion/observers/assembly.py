@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..curves import PiecewiseLinear, dead_zone, saturation
 from ..drivetrain import Friction
 from ..systems import DiscreteSystem
-from .gates import with_gates, with_guard, with_innovation
+from .checks import with_checks
+from .gates import with_gates, with_innovation
 from .model import ObserverModel
 
 Array = NDArray[np.float64]
@@ -36,7 +37,6 @@ class Assembly:
         self.curves: dict[str, PiecewiseLinear] = {}
         self.arguments: dict[str, tuple[Array, float, dict[str, float]]] = {}
         self.slack_gain: Array | None = None
-        self.largest_innovation: Mapping[str, float] = {}
         self.extra: dict[str, Array] = {}
         self._add_gap()
         self._add_friction()
@@ -85,11 +85,18 @@ class Assembly:
                 self._add_curve(place, curve, self.phi[i], float(self.gamma[i, 0]), others)
 
     def system(
-        self, measured: tuple[str, ...], gain: Array, c: Array, name: str = "kalman", innovation: bool = False
+        self,
+        measured: tuple[str, ...],
+        gain: Array,
+        c: Array,
+        name: str = "kalman",
+        innovation: bool = False,
+        limits: Mapping[str, float] | None = None,
     ) -> DiscreteSystem:
         """The observer with gain and measurement rows c, both over the model's states and the memory.
 
-        With ``innovation``, measured minus expected value of each sensor are further outputs.
+        With ``innovation``, measured minus expected value of each sensor are further outputs. With ``limits`` (see
+        ``with_checks``; may be empty) the measured inputs are checked.
         """
         names = tuple(self.curves)
         n, n_w = len(self.model.states), len(names)
@@ -123,8 +130,8 @@ class Assembly:
         residual = np.pad(c_x, ((0, 0), (0, len(states) - n_known))), c_w
         if self.slack_gain is not None:
             law = with_gates(law, measured, residual, gain - self.slack_gain, self.model)
-        if self.largest_innovation:
-            law = with_guard(law, measured, residual, gain, self.largest_innovation)
+        if limits is not None:
+            law = with_checks(law, measured, residual, limits)
         return with_innovation(law, measured, residual) if innovation else law
 
     def _measurement(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
+from .checks import with_checks
 
 Array = NDArray[np.float64]
 
@@ -26,7 +28,12 @@ OUTPUTS = (
 
 
 def disturbance(
-    drivetrain: Drivetrain, *, dt: float, bandwidth: float = BANDWIDTH, count_averaged: bool = False
+    drivetrain: Drivetrain,
+    *,
+    dt: float,
+    bandwidth: float = BANDWIDTH,
+    count_averaged: bool = False,
+    largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
     """Shaft torque and load speed from the motor's momentum alone: knows inertia, stiffness and lag, no gap.
 
@@ -49,6 +56,8 @@ def disturbance(
         How fast the estimate follows.
     count_averaged : bool
         The measured motor speed is a mean over the last sample.
+    largest_innovation : mapping of measured signal → float, optional
+        As in ``kalman``.
 
     Returns
     -------
@@ -85,10 +94,12 @@ def disturbance(
     rows = np.zeros((4, len(states)))
     rows[0, 1], rows[1, 0], rows[3, 1] = 1.0 / drivetrain.stiffness, 1.0 / inertia, 1.0
     rows[2, 0], rows[2, 2] = 1.0 / inertia, -1.0 / drivetrain.stiffness
-    return DiscreteSystem(
+    law = DiscreteSystem(
         inputs=("torque_motor", "speed_motor"), outputs=OUTPUTS, states=tuple(states), dt=dt, A=full, B=b, C=rows,
         name="disturbance",
     )  # fmt: skip
+    # The shaft torque as a straight line is a prediction for a sample or two, and 20 ms later far off.
+    return with_checks(law, ("speed_motor",), (c, np.zeros((1, 0))), largest_innovation, keep=True)
 
 
 def _observer_gain(phi: Array, c: Array, pole: float) -> Array:

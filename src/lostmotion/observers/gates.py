@@ -11,7 +11,6 @@ outlier beyond the largest opening no more than K times that.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -30,10 +29,6 @@ LARGEST_INNOVATION = {
 
 #: The gate is open to its largest value from this shaft torque on (chosen), Nm.
 OPEN_AT = 1.0
-
-#: Beyond FALL times its limit an innovation counts by no more than TAIL (both chosen: a jump of 200 rad/s then counts
-#: like one of 6 rad/s, and a start that is 60 rad/s off is found within four seconds).
-FALL, TAIL = 1.5, 0.03
 
 POSITIVE_PART = PiecewiseLinear(((0.0, 0.0),), 0.0, 1.0)
 
@@ -80,40 +75,6 @@ def with_gates(
     return replace(
         law, A=a, B=b, E=np.hstack([e_old, e]), F=np.vstack([law.F, f]), G=np.vstack([law.G, g]),
         H=np.vstack([np.pad(law.H, ((0, 0), (0, n_gates))), h]), J=np.pad(law.J, ((0, 0), (0, n_gates))),
-        curves=(*law.curves, *curves),
-    )  # fmt: skip
-
-
-def with_guard(
-    law: DiscreteSystem,
-    measured: tuple[str, ...],
-    rows: tuple[Array, Array],
-    gain: Array,
-    limits: Mapping[str, float],
-) -> DiscreteSystem:
-    """Believe an innovation up to its limit, and beyond it ever less: gain·ψ(e) instead of gain·e.
-
-    ψ(e) = e within ±limit, falls to ``TAIL``·e at ``FALL``·limit and goes on so: a sensor that fails is predicted
-    through, and an observer that is wrong still comes back.
-    """
-    n_w, guarded = len(law.curves), [signal for signal in measured if signal in limits]
-    f, g = np.zeros((len(guarded), len(law.states))), np.zeros((len(guarded), len(law.inputs)))
-    h, e = np.zeros((len(guarded), n_w + len(guarded))), np.zeros((len(law.states), len(guarded)))
-    curves = []
-    for row, signal in enumerate(guarded):
-        i, most = measured.index(signal), limits[signal]
-        far = FALL * most
-        missing = (TAIL - 1.0) * far
-        curves.append(
-            PiecewiseLinear(
-                ((-far, -missing), (-most, 0.0), (most, 0.0), (far, missing)), TAIL - 1.0, TAIL - 1.0
-            )
-        )
-        f[row], g[row, 1 + i], h[row, :n_w] = -rows[0][i], 1.0, -rows[1][i]
-        e[: gain.shape[0], row] = gain[:, i]
-    return replace(
-        law, E=np.hstack([law.E, e]), F=np.vstack([law.F, f]), G=np.vstack([law.G, g]),
-        H=np.vstack([np.pad(law.H, ((0, 0), (0, len(guarded)))), h]), J=np.pad(law.J, ((0, 0), (0, len(guarded)))),
         curves=(*law.curves, *curves),
     )  # fmt: skip
 

@@ -38,6 +38,7 @@ def h_infinity(
     measurement_covariance: Mapping[str, float] | None = None,
     count_averaged: bool = False,
     load_torque: bool = False,
+    largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
     """H∞ observer of a two-mass drivetrain with backlash and Coulomb friction.
 
@@ -52,7 +53,7 @@ def h_infinity(
 
     Parameters
     ----------
-    drivetrain, measured, dt, process_covariance, measurement_covariance, count_averaged, load_torque
+    drivetrain, measured, dt, process_covariance, measurement_covariance, count_averaged, load_torque, largest_innovation
         As in ``kalman``.
     weights : mapping of state → 1/unit, optional
         What shall be estimated well; default ``WEIGHTS``.
@@ -86,7 +87,7 @@ def h_infinity(
         raise InvalidInput(
             "h_infinity", f"no gain at level {level:g}", "a solvable Riccati equation", "Raise the margin."
         )
-    return design.assembly.system(design.measured, gain, design.c, name="h_infinity")
+    return design.assembly.system(design.measured, gain, design.c, name="h_infinity", limits=largest_innovation or {})
 
 
 def _weight_rows(design: SampledModel, weights: Mapping[str, float]) -> Array:

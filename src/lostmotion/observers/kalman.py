@@ -122,9 +122,10 @@ def kalman(
         While the estimate is inside the gap, correct by the gain of the slack drivetrain: what the sensors cannot
         see there is predicted, not corrected. See ``gates``.
     largest_innovation : mapping of measured signal → float, optional
-        Largest difference between measured and expected value that is believed, in the signal's unit; what is far
-        beyond it counts as a fault of the sensor and is predicted through. Choose it several times the innovations
-        of healthy samples. Not together with ``contact_scheduling``.
+        Largest difference between measured and expected value that is believed, in the signal's unit; names that are
+        left out keep the default ``checks.LARGEST_INNOVATION``. Choose it several times the innovations of healthy
+        samples. A sample beyond it, a missing and a frozen one are predicted through, see ``InputCheck``;
+        ``without_checks()`` gives an observer that believes everything.
 
     Returns
     -------
@@ -142,12 +143,9 @@ def kalman(
     design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)
     gain = predictor_gain(design, design.model.A, q, r)
-    if largest_innovation:
-        _check_guard(design.measured, largest_innovation, contact_scheduling)
-        design.assembly.largest_innovation = dict(largest_innovation)
     if contact_scheduling:
         design.assembly.close_in_gap(_gain_in_the_gap(design, q, r))
-    return design.assembly.system(design.measured, gain, design.c)
+    return design.assembly.system(design.measured, gain, design.c, limits=largest_innovation or {})
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,15 +202,6 @@ def sampled_model(
         c[measured.index("speed_motor"), [1, -1]] = 0.5
         assembly.add_state("speed_motor_previous", model.row(speed_motor=1.0))
     return SampledModel(model, measured, dt, c, assembly)
-
-
-def _check_guard(measured: tuple[str, ...], limits: Mapping[str, float], scheduled: bool) -> None:
-    bad = [name for name, v in limits.items() if name not in measured or not (np.isfinite(v) and v > 0.0)]
-    if bad or scheduled:
-        raise InvalidInput(
-            "kalman.largest_innovation", f"{dict(limits)}{', contact_scheduling' if scheduled else ''}",
-            f"positive numbers for signals out of {measured}, without contact_scheduling", "Choose one of them.",
-        )  # fmt: skip
 
 
 def covariances_of(

@@ -3,6 +3,7 @@
 from .connect import connect
 from .discrete_system import DiscreteSystem
 from .discretisation import one_sample_delay, zero_order_hold
+from .input_check import InputCheck
 from .stepper import Stepper
 
-__all__ = ["DiscreteSystem", "Stepper", "connect", "one_sample_delay", "zero_order_hold"]
+__all__ = ["DiscreteSystem", "InputCheck", "Stepper", "connect", "one_sample_delay", "zero_order_hold"]

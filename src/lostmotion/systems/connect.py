@@ -32,7 +32,8 @@ def connect(
     -------
     DiscreteSystem
         States in the order of the systems; curves in an order in which each needs earlier ones only. A state
-        name that several systems use is preceded by the system's name and a dot.
+        name that several systems use is preceded by the system's name and a dot. An input has the check of the first
+        system that checks it, for all; a signal that one of the systems makes is not checked.
 
     Raises
     ------
@@ -48,7 +49,8 @@ def connect(
     rows_x = [
         join.row(join.x_terms(s, i)) for s, system in enumerate(systems) for i in range(len(system.states))
     ]
-    z, y, x = (join.split(rows, curves) for rows in (rows_z, rows_y, rows_x))
+    rows_p = [join.row(join.p_terms(s, i)) for s, i in join.checks]
+    z, y, x, p = (join.split(rows, curves) for rows in (rows_z, rows_y, rows_x, rows_p))
     return DiscreteSystem(
         inputs=tuple(inputs),
         outputs=tuple(outputs),
@@ -56,6 +58,7 @@ def connect(
         dt=systems[0].dt,
         curves=tuple(systems[s].curves[i] for _, s, i in curves),
         F=z[0], G=z[1], H=z[2], C=y[0], D=y[1], J=y[2], A=x[0], B=x[1], E=x[2],
+        checks=tuple(systems[s].checks[i] for s, i in join.checks), P=p[0], Q=p[1], R=p[2],
         initial_state=np.concatenate([s.initial_state for s in systems]),
         name=name,
     )  # fmt: skip
@@ -139,6 +142,13 @@ class _Join:
         self.systems = systems
         self.inputs = inputs
         self.source = source
+        first: dict[str, tuple[int, int]] = {}
+        for s, system in enumerate(systems):
+            for i, check in enumerate(system.checks):
+                if check.input in inputs:
+                    first.setdefault(check.input, (s, i))
+        #: Checks of the joined law: system, number in it.
+        self.checks = list(first.values())
         self._rows: dict[_Node, dict[_Node, float]] = {}
 
     def _terms(self, s: int, index: int, matrices: tuple[Matrix, Matrix, Matrix]) -> dict[_Node, float]:
@@ -161,6 +171,10 @@ class _Join:
         system = self.systems[s]
         return self._terms(s, i, (system.F, system.G, system.H))
 
+    def p_terms(self, s: int, i: int) -> dict[_Node, float]:
+        system = self.systems[s]
+        return self._terms(s, i, (system.P, system.Q, system.R))
+
     def needs(self, node: _Node) -> dict[_Node, float]:
         """What a node is made of within the same sample: an input of its source, a curve of its argument."""
         kind, s, i = node
@@ -179,7 +193,10 @@ class _Join:
         return system.inputs[i] if kind == "u" else f"curve {i} of {system.name}"
 
     def order(self) -> list[_Node]:
-        """All curves, each after those that it needs, through however many systems; a loop is an error."""
+        """All curves, each after those that it needs, through however many systems; a loop is an error.
+
+        Those that the predictions of checked inputs need come first.
+        """
         done: dict[_Node, None] = {}
         path: list[_Node] = []
 
@@ -199,6 +216,9 @@ class _Join:
             path.pop()
             done[node] = None
 
+        for s, i in self.checks:
+            for needed in self.p_terms(s, i):
+                visit(needed)
         for s, system in enumerate(self.systems):
             for kind, count in (("w", len(system.curves)), ("u", len(system.inputs))):
                 for i in range(count):

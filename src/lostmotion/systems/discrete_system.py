@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..curves import PiecewiseLinear
 from ..errors import InvalidInput
 from ..recording import Recording
+from .input_check import InputCheck
 from .inputs import input_columns
 
 if TYPE_CHECKING:
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 Matrix = NDArray[np.float64]
 
-#: Rows and columns of each matrix, in the order of z = Fx + Gu + Hw, y = Cx + Du + Jw, x⁺ = Ax + Bu + Ew.
+#: Rows and columns of each matrix, in the order of z = Fx + Gu + Hw, y = Cx + Du + Jw, x⁺ = Ax + Bu + Ew,
+#: p = Px + Qu + Rw.
 _SHAPES = {
     "A": ("states", "states"),
     "B": ("states", "inputs"),
@@ -31,7 +33,13 @@ _SHAPES = {
     "C": ("outputs", "states"),
     "D": ("outputs", "inputs"),
     "J": ("outputs", "curves"),
+    "P": ("checks", "states"),
+    "Q": ("checks", "inputs"),
+    "R": ("checks", "curves"),
 }
+
+#: What a file written before there were checks leaves out.
+_OF_CHECKS = frozenset({"checks", "P", "Q", "R"})
 
 #: The law reports replaced inputs as bits of one number, which a 32-bit target must hold too.
 MAX_INPUTS = 31
@@ -52,11 +60,16 @@ class DiscreteSystem:
         y  = C x + D u + J w
         x⁺ = A x + B u + E w
 
+    An input may have a check, with a prediction p = P x + Q u + R w of it, out of states, inputs without a check, and
+    curves that need no others: while it is missing, jumps or is frozen, p takes its place. See ``InputCheck``.
+
     Parameters
     ----------
-    A, B, E, F, G, H, C, D, J : arrays
+    A, B, E, F, G, H, C, D, J, P, Q, R : arrays
         Shapes follow from the equations; a matrix that is left out (or empty) is zero. Copied and read-only.
     curves : tuple of PiecewiseLinear
+    checks : tuple of InputCheck
+        In the order of the rows of P, Q and R; at most one for each input.
     inputs, outputs, states : tuple of str
         Signal names, each without doubles.
     dt : float, s
@@ -69,7 +82,7 @@ class DiscreteSystem:
     ------
     InvalidInput
         If a shape does not fit, a number is not finite, a name comes twice, H is not strictly lower
-        triangular.
+        triangular, a check is of no input, or its prediction needs an input that has a check itself.
     """
 
     inputs: tuple[str, ...]
@@ -86,11 +99,15 @@ class DiscreteSystem:
     C: Matrix = field(default_factory=_empty)
     D: Matrix = field(default_factory=_empty)
     J: Matrix = field(default_factory=_empty)
+    checks: tuple[InputCheck, ...] = ()
+    P: Matrix = field(default_factory=_empty)
+    Q: Matrix = field(default_factory=_empty)
+    R: Matrix = field(default_factory=_empty)
     initial_state: NDArray[np.float64] = field(default_factory=_empty)
     name: str = "law"
 
     def __post_init__(self) -> None:
-        for kind in ("inputs", "outputs", "states", "curves"):
+        for kind in ("inputs", "outputs", "states", "curves", "checks"):
             object.__setattr__(self, kind, tuple(getattr(self, kind)))
         for kind in ("inputs", "outputs", "states"):
             _check_names(f"{self.name}.{kind}", getattr(self, kind))
@@ -114,6 +131,42 @@ class DiscreteSystem:
                 f"{self.name}.H", "nonzero entries on or above the diagonal", "strictly lower triangular",
                 "Order the curves so that each uses earlier ones only; a loop needs a delay.",
             )  # fmt: skip
+        self._check_checks()
+
+    def _check_checks(self) -> None:
+        names = [check.input for check in self.checks]
+        if len(set(names)) < len(names) or not set(names) <= set(self.inputs):
+            raise InvalidInput(
+                f"{self.name}.checks",
+                f"{names}",
+                f"inputs out of {self.inputs}, each once",
+                "Check the names.",
+            )
+        checked = [self.inputs.index(name) for name in names]
+        if np.any(self.Q[:, checked]) or np.any(self.G[: self.early_curves, checked]):
+            raise InvalidInput(
+                f"{self.name}.checks", f"a prediction that needs an input out of {names}",
+                "predictions out of states, inputs without a check, and curves of these",
+                "Order the curves so that those of the predictions come first.",
+            )  # fmt: skip
+
+    @property
+    def early_curves(self) -> int:
+        """How many curves are evaluated before the inputs are checked: up to the last that a prediction needs."""
+        return int(np.max(np.nonzero(self.R)[1], initial=-1)) + 1
+
+    def start(self, state: ArrayLike | None = None) -> NDArray[np.float64]:
+        """All that the kernel carries from sample to sample, at the first: states, good inputs, what checks remember.
+
+        ``state`` (n_states,) is ``initial_state`` if left out.
+        """
+        first = self.initial_state if state is None else _matrix("state", state, (len(self.states),))
+        remembered = [number for check in self.checks for number in check.start()]
+        return np.concatenate([first, np.zeros(len(self.inputs)), remembered])
+
+    def without_checks(self) -> DiscreteSystem:
+        """The same law, which holds the last good value of a missing input and believes all others."""
+        return replace(self, checks=(), P=_empty(), Q=_empty(), R=_empty())
 
     def run(self, data: Recording | Mapping[str, ArrayLike], state: ArrayLike | None = None) -> Recording:
         """Run the law over recorded inputs.
@@ -129,13 +182,13 @@ class DiscreteSystem:
         -------
         Recording
             The outputs (origin "estimated") and ``input_fault``, 1.0 where an input was not within ±1e30 and
-            was replaced by the last good one; ``final_state["state"]`` is the state after the last row.
+            was replaced by the last good one, or where its check found it bad;
+            ``final_state["state"]`` is the state after the last row.
         """
         from ..kernels.law import law_run
 
         time, inputs = input_columns(self.name, self.inputs, self.dt, data)
-        start = self.initial_state if state is None else _matrix("state", state, (len(self.states),))
-        full = np.concatenate([start, np.zeros(len(self.inputs))])
+        full = self.start(state)
         outputs, faults = law_run(self.tables(), full, inputs)
         signals = {name: outputs[:, i] for i, name in enumerate(self.outputs)}
         signals["input_fault"] = (faults != 0).astype(float)
@@ -160,9 +213,11 @@ class DiscreteSystem:
                 np.hstack([self.F, self.G, self.H]),
                 np.hstack([self.C, self.D, self.J]),
                 np.hstack([self.A, self.B, self.E]),
+                np.hstack([self.P, self.Q, self.R]),
             ]
         )
         row, column = np.nonzero(rows)
+        checked = {check.input for check in self.checks}
         points = [np.array(c.points) for c in self.curves]
         empty = np.empty((0, 2))
         z_w = np.vstack([empty, *points])
@@ -178,6 +233,13 @@ class DiscreteSystem:
             z_point=np.ascontiguousarray(z_w[:, 0]),
             w_point=np.ascontiguousarray(z_w[:, 1]),
             slope=np.array([s for c in self.curves for s in c.slopes], dtype=float),
+            n_early=self.early_curves,
+            checked=np.array([self.inputs.index(c.input) for c in self.checks], dtype=np.int64),
+            plain=np.array([i for i, n in enumerate(self.inputs) if n not in checked], dtype=np.int64),
+            limit=np.array([c.limit for c in self.checks], dtype=float),
+            hold=np.array([c.hold for c in self.checks], dtype=float),
+            forget=np.array([c.forget for c in self.checks], dtype=float),
+            keep=np.array([c.keep for c in self.checks], dtype=np.int64),
         )
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:
@@ -194,6 +256,7 @@ class DiscreteSystem:
             self,
             inputs=tuple(names.get(n, n) for n in self.inputs),
             outputs=tuple(names.get(n, n) for n in self.outputs),
+            checks=tuple(replace(c, input=names.get(c.input, c.input)) for c in self.checks),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -214,13 +277,16 @@ class DiscreteSystem:
                 }
                 for c in self.curves
             ],
+            "checks": [check.to_dict() for check in self.checks],
         }
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> DiscreteSystem:
         """The law that ``to_dict`` wrote."""
-        expected = {"name", "dt", "inputs", "outputs", "states", "initial_state", "curves", *_SHAPES}
-        if set(data) != expected:
+        expected = {
+            "name", "dt", "inputs", "outputs", "states", "initial_state", "curves", "checks", *_SHAPES
+        }  # fmt: skip
+        if not expected - _OF_CHECKS <= set(data) <= expected:
             raise InvalidInput(
                 "DiscreteSystem.from_dict",
                 f"keys {sorted(data)}",
@@ -231,7 +297,8 @@ class DiscreteSystem:
             PiecewiseLinear(tuple((p[0], p[1]) for p in c["points"]), c["slope_left"], c["slope_right"])
             for c in data["curves"]
         )
-        return cls(**{**data, "curves": curves})
+        checks = tuple(InputCheck(**check) for check in data.get("checks", ()))
+        return cls(**{**data, "curves": curves, "checks": checks})
 
 
 def _check_names(where: str, names: tuple[str, ...]) -> None:

@@ -1,0 +1,91 @@
+"""InputCheck: when an input of a law is not believed, and a prediction takes its place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from ..errors import InvalidInput
+
+#: After this time of refused samples the signal counts as right and the prediction as wrong, s (chosen).
+HOLD = 0.03
+#: How long an error that was believed is remembered, s (chosen).
+MEMORY = 1.0
+
+#: Numbers that a check carries from sample to sample, in the order of ``kernels.law``: the value before, how often it
+#: came in a row, the prediction when it came first, refused samples in a row, the largest error and the largest step of
+#: late.
+REMEMBERED = 6
+
+
+@dataclass(frozen=True)
+class InputCheck:
+    """A measured input that is compared with what the law expects, and replaced by that while it is bad.
+
+    Bad is a sample that is
+
+    - **missing**: not within ±1e30, NaN and infinity included;
+    - a **jump**: further from its prediction than ``limit``, and than 1.5 times the largest error of late. Errors of
+      believed samples count fully and fade (``forget``); the first sample of every jump counts an eighth, so that what
+      happens often, as the steps of a coarse encoder do, is soon no jump any more. After a jump, a sample must come
+      within half the limit;
+    - **frozen**: the very same value for the fifth time or more, while its prediction has moved, and is off, by more than
+      three quarters of the largest step that the signal itself made of late from one sample to the next.
+
+    A bad sample is replaced by the prediction, so that the law sees no error and predicts through. No wrong law is ever
+    locked out: after ``hold`` bad samples in a row, and at the start, every finite sample is taken, until ``hold``
+    samples in a row were within the limit.
+
+    Parameters
+    ----------
+    input : str
+    limit : float, unit of the input
+        Choose it several times the errors of healthy samples.
+    hold : int
+        Samples.
+    forget : float
+        Factor per sample on the largest error and the largest step.
+    keep : bool
+        A bad sample is replaced by the last good one instead of the prediction: for a law that cannot predict further
+        than one sample.
+    """
+
+    input: str
+    limit: float
+    hold: int
+    forget: float
+    keep: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "limit", float(self.limit))
+        object.__setattr__(self, "forget", float(self.forget))
+        if not (math.isfinite(self.limit) and self.limit > 0.0):
+            raise InvalidInput(
+                f"check of {self.input!r}: limit", repr(self.limit), "a positive number", "Check the unit."
+            )
+        if not (isinstance(self.hold, int) and self.hold >= 1 and 0.0 <= self.forget <= 1.0):
+            raise InvalidInput(
+                f"check of {self.input!r}", f"hold {self.hold!r}, forget {self.forget!r}",
+                "a whole number of samples, a factor between 0 and 1", "Use InputCheck.over_time.",
+            )  # fmt: skip
+
+    @classmethod
+    def over_time(
+        cls,
+        input: str,
+        limit: float,
+        dt: float,
+        keep: bool = False,
+        hold: float = HOLD,
+        memory: float = MEMORY,
+    ) -> InputCheck:
+        """The check with its times in s, for the sample time ``dt`` (s)."""
+        return cls(input, limit, max(1, round(hold / dt)), math.exp(-dt / memory), keep)
+
+    def start(self) -> list[float]:
+        """What it remembers at the start, when every finite sample is taken."""
+        return [0.0, 0.0, 0.0, 2.0 * self.hold, 0.0, 0.0]
+
+    def to_dict(self) -> dict[str, Any]:
+        return asdict(self)

@@ -1,0 +1,109 @@
+"""Checked inputs as data: what a law refuses, what connect and files do with them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lostmotion.curves import saturation
+from lostmotion.errors import InvalidInput
+from lostmotion.systems import DiscreteSystem, InputCheck, connect, one_sample_delay
+
+CHECK = InputCheck("y", limit=1.0, hold=3, forget=0.9)
+
+
+def tracker(name="tracker", output="estimate", curve=False):
+    """x⁺ = x + 0.5 (y − x) + u, with x (or what a curve makes of it) expected for y."""
+    expected = {"R": [[1.0]], "F": [[1.0]], "curves": (saturation(10.0),)} if curve else {"P": [[1.0]]}
+    return DiscreteSystem(
+        inputs=("u", "y"), outputs=(output,), states=("x",), dt=0.1, A=[[0.5]], B=[[1.0, 0.5]], C=[[1.0]], name=name,
+        checks=(CHECK,), **expected,
+    )  # fmt: skip
+
+
+def run(law, y, u=None):
+    return law.run({"u": np.zeros(len(y)) if u is None else np.asarray(u, dtype=float), "y": np.array(y)})
+
+
+SETTLED = [0.0] * 5
+
+
+@pytest.mark.parametrize("curve", [False, True])
+def test_a_jump_is_replaced_by_the_prediction_until_the_hold_time_is_over(curve):
+    found = run(tracker(curve=curve), [*SETTLED, 7.0, 7.0, 7.0, 7.0, 7.0])
+    assert found["input_fault"].tolist() == [0.0] * 5 + [1.0, 1.0, 1.0, 0.0, 0.0]
+    assert found["estimate"][-1] == 3.5
+
+
+def test_a_missing_sample_is_predicted_through():
+    found = run(tracker(), [*SETTLED, np.nan, np.nan, 2.0], u=[*SETTLED[1:], 1.0, 1.0, 0.0, 0.0])
+    assert found["input_fault"].tolist() == [0.0] * 5 + [1.0, 1.0, 0.0]
+    assert found["estimate"].tolist() == [*SETTLED, 1.0, 2.0, 2.0]
+
+
+def test_the_last_good_sample_can_take_its_place():
+    law = replace(tracker(), checks=(replace(CHECK, keep=True),))
+    found = run(law, [*SETTLED, np.nan, np.nan], u=[*SETTLED[1:], 1.0, 0.0, 0.0])
+    assert found["estimate"].tolist() == [*SETTLED, 1.0, 0.5]
+
+
+def test_what_the_same_law_takes_without_its_checks():
+    assert not np.any(run(tracker().without_checks(), [*SETTLED, 7.0, 7.0])["input_fault"])
+
+
+@pytest.mark.parametrize(
+    "changes, complaint",
+    [
+        ({"checks": (CHECK, CHECK), "P": [[1.0], [1.0]], "Q": [], "R": []}, "each once"),
+        ({"checks": (replace(CHECK, input="z"),)}, "inputs out of"),
+        ({"Q": [[0.0, 1.0]]}, "prediction that needs"),
+        ({"R": [[1.0]], "G": [[0.0, 1.0]]}, "prediction that needs"),
+        ({"P": [[1.0, 2.0]]}, "shape"),
+    ],
+)
+def test_misuse_of_a_law(changes, complaint):
+    with pytest.raises(InvalidInput, match=complaint):
+        replace(tracker(curve="R" in changes), **changes)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"limit": 0.0}, {"limit": float("nan")}, {"hold": 0}, {"hold": 1.5}, {"forget": 1.1}]
+)
+def test_misuse_of_a_check(changes):
+    with pytest.raises(InvalidInput, match="check of 'y'"):
+        replace(CHECK, **changes)
+
+
+def test_times_become_samples():
+    check = InputCheck.over_time("y", 2.0, 1e-3, hold=0.03, memory=1.0)
+    assert (check.hold, check.forget) == (30, np.exp(-1e-3))
+
+
+def test_a_joined_law_keeps_the_check_for_all_and_the_order_of_curves():
+    limiter = DiscreteSystem(
+        inputs=("y", "estimate"), outputs=("u",), dt=0.1, curves=(saturation(2.0),), G=[[1.0, 1.0]], J=[[1.0]]
+    )
+    other = tracker("other", "other_estimate")
+    law = connect([limiter, tracker(curve=True), other], inputs=("y",), outputs=("u", "estimate"))
+    assert [check.input for check in law.checks] == ["y"] and law.early_curves == 1
+    found = law.run({"y": np.array([*SETTLED, np.nan, 9.0])})
+    assert found["input_fault"].tolist() == [0.0] * 5 + [1.0, 1.0]
+    assert found["u"].tolist() == [0.0] * 7
+
+
+def test_a_signal_that_a_system_makes_is_not_checked():
+    law = connect([one_sample_delay("raw", 0.1, "y"), tracker()], inputs=("raw", "u"), outputs=("estimate",))
+    assert law.checks == ()
+
+
+def test_files_and_new_names_keep_the_check_and_older_files_have_none():
+    law = tracker().renamed({"y": "speed"})
+    assert law.checks[0].input == "speed"
+    data = json.loads(json.dumps(law.to_dict()))
+    assert DiscreteSystem.from_dict(data).to_dict() == law.to_dict()
+    for key in ("checks", "P", "Q", "R"):
+        del data[key]
+    assert DiscreteSystem.from_dict(data).to_dict() == law.without_checks().to_dict()
