@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Shaft
-from .modes import GAP, Rows, relaxes
-from .tables import Plant
+from .modes import GAP, relaxes
+from .tables import Mode, Plant
 
 Array = NDArray[np.float64]
 
@@ -60,20 +60,20 @@ def _running(amounts: Array, sample: NDArray[np.int64], n: int) -> Array:
 def _piece_energies(plant: Plant, number: int, s: Array, duration: Array) -> tuple[Array, Array]:
     """Input and dissipated energy of pieces of one mode that start at s (m, C) and last `duration` (m,), s."""
     mode = plant.modes[plant.row_of_mode[number]]
-    rows = Rows(plant.layout, plant.elements, plant.digits_of(number))
-    given, lost, kinked = _powers(rows)
+    given, lost, kinked = _powers(plant, mode)
     parts = max(1, math.ceil(float(np.max(duration, initial=0.0)) / mode.piece))
+    coefficients, piece = mode.state_series, mode.piece
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
     work, loss = np.zeros(duration.size), np.zeros(duration.size)
     length = duration / parts
     states = plant.layout.states
     for _ in range(parts):
-        series = np.einsum("onc,mc->omn", mode.state_series, s)
+        series = np.einsum("onc,mc->omn", coefficients, s)
         for point, weight in zip((points + 1.0) / 2.0, weights / 2.0, strict=True):
-            at = _advance(s, series, point * length / mode.piece, states)
+            at = _advance(s, series, point * length / piece, states)
             work += weight * length * _products(given, at)
             loss += weight * length * _products(lost, at)
-        end = _advance(s, series, length / mode.piece, states)
+        end = _advance(s, series, length / piece, states)
         for i, shaft in kinked:
             loss -= _spring(shaft, end[:, i]) - _spring(shaft, s[:, i])
         s = end
@@ -91,39 +91,40 @@ def _advance(s: Array, series: Array, fraction: Array, states: int) -> Array:
 
 
 def _products(pairs: list[tuple[Any, Any]], s: Array) -> Array:
-    return (
-        np.sum([(s @ a.astype(float)) * (s @ b.astype(float)) for a, b in pairs], axis=0)
-        if pairs
-        else np.zeros(len(s))
-    )
+    return np.sum([(s @ a) * (s @ b) for a, b in pairs], axis=0) if pairs else np.zeros(len(s))
 
 
-def _powers(rows: Rows) -> tuple[list[tuple[Any, Any]], list[tuple[Any, Any]], list[tuple[int, Shaft]]]:
+def _powers(
+    plant: Plant, mode: Mode
+) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array]], list[tuple[int, Shaft]]]:
     """Pairs of rows whose products are the input's and the losses' powers; shafts with a kinked spring."""
-    layout, drivetrain = rows.layout, rows.layout.drivetrain
+    layout, drivetrain = plant.layout, plant.drivetrain
+    digit = {(e.kind, e.index): d for e, d in zip(plant.elements, mode.digits, strict=True)}
+    rest = {e.index: e.rest for e in plant.elements if e.kind == "friction"}
+    unit = np.eye(layout.columns)
     given, lost, kinked = [], [], []
     for i in range(layout.n):
-        speed = rows.unit(layout.speed(i))
+        speed = unit[layout.speed(i)]
         if i == drivetrain.locked_inertia:
-            given.append((rows.external_torque(i) - rows.driving_torque(i), speed))
+            given.append((mode.external[i] - mode.driving_torque(i), speed))
             continue
-        given.append((rows.external_torque(i), speed))
-        if not rows.at_rest(i):
-            lost.append((rows.friction_torque(i), speed))
+        given.append((mode.external[i], speed))
+        if i not in rest or digit["friction", i] != rest[i]:
+            lost.append((mode.frictions[i], speed))
     for i, shaft in enumerate(drivetrain.shafts):
-        rate, torque = rows.twist_rate(i), rows.shaft_torques[i]
+        rate, torque = unit[layout.speed(i)] - unit[layout.speed(i + 1)], mode.shaft_torques[i]
         if not shaft.has_backlash or shaft.contact == "dead_zone":
             lost.append((shaft.damping * rate, rate))
-        elif relaxes(shaft) and rows.digit["shaft", i][0] == GAP:
-            angle = rows.unit(layout.shaft_angle(i))
+        elif relaxes(shaft) and digit["shaft", i] == GAP:
+            angle = unit[layout.shaft_angle(i)]
             lost.append((shaft.stiffness**2 / shaft.damping * angle, angle))
         elif relaxes(shaft):
             lost.append((shaft.damping * rate, rate))
         elif shaft.contact == "viscoelastic":
             lost.append((torque, rate))
             kinked.append((layout.twist(i), shaft))
-        elif rows.digit["shaft", i][0] != GAP:
-            lost.append((torque - rows.contact_parts(i)[0], rate))
+        elif digit["shaft", i] != GAP:
+            lost.append((torque - mode.springs[i], rate))
     return given, lost, kinked
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,99 +13,178 @@ from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from .modes import GAP, MINUS, PLUS, Element, Layout, Mode, build_mode, elements, friction_segment, relaxes
+from .modes import GAP, MINUS, PLUS, Layout, elements, relaxes
+from .packing import chain_of, numbers_of
+
+Array = NDArray[np.float64]
 
 #: Most combinations of contact and friction states (chosen: 8 MB for the table of rows).
 _MOST_MODES = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """One mode of a plant: rows over s = [x, inputs, 1] (C numbers), torques in Nm.
+
+    Parameters
+    ----------
+    digits : tuple of int
+        One for each element of the plant.
+    rows : (4 n − 2 + N + E, C)
+        As in ``kernels.modes.ModeWork``.
+    block : (B,)
+        The kernel's numbers, see ``kernels.plant``.
+    n, states : int
+        Inertias and states.
+    dt : float, s
+    """
+
+    digits: tuple[int, ...]
+    rows: Array
+    block: Array
+    n: int
+    states: int
+    dt: float
+
+    @property
+    def shaft_torques(self) -> Array:
+        """(n − 1, C)"""
+        return self.rows[: self.n - 1]
+
+    @property
+    def springs(self) -> Array:
+        """(n − 1, C): k·dz(twist) of the shafts with backlash, as this mode sees it."""
+        return self.rows[self.n - 1 : 2 * self.n - 2]
+
+    @property
+    def external(self) -> Array:
+        """(n, C): torque on each inertia from outside the chain."""
+        return self.rows[2 * self.n - 2 : 3 * self.n - 2]
+
+    @property
+    def frictions(self) -> Array:
+        """(n, C)"""
+        return self.rows[3 * self.n - 2 : 4 * self.n - 2]
+
+    @property
+    def rate(self) -> Array:
+        """(N, C): dx/dt."""
+        return self.rows[4 * self.n - 2 : 4 * self.n - 2 + self.states]
+
+    @property
+    def guard(self) -> Array:
+        """(E, C)"""
+        return self.rows[4 * self.n - 2 + self.states :]
+
+    def driving_torque(self, i: int) -> Array:
+        """(C,): torque on inertia i without its friction."""
+        torque = self.external[i].copy()
+        if i > 0:
+            torque += self.shaft_torques[i - 1]
+        if i < self.n - 1:
+            torque -= self.shaft_torques[i]
+        return torque
+
+    @property
+    def piece(self) -> float:
+        """Time over which the Taylor series hold, s."""
+        return float(self.block[self._header]) * self.dt
+
+    @property
+    def state_series(self) -> Array:
+        """(O, N, C): Taylor coefficients of the state over a piece, from order 1 on."""
+        from ..kernels.plant import HEADER
+
+        columns, order, high = self.rows.shape[1], int(self.block[self._header + 1]), _groups(self.states)
+        table = self.block[self._header + HEADER :][: order * columns * high]
+        return table.reshape(order, columns, high)[:, :, : self.states].transpose(0, 2, 1)
+
+    @property
+    def table(self) -> Array:
+        """(C, rows): change of the state over a sample, guards, their rates, swings and remainders, in groups."""
+        from ..kernels.plant import ELEMENT_ROWS
+
+        columns = self.rows.shape[1]
+        height = _groups(self.states) + ELEMENT_ROWS * _groups(len(self.guard))
+        return self.block[: columns * height].reshape(columns, height)
+
+    @cached_property
+    def _header(self) -> int:
+        return self.table.size + 2 * _groups(len(self.guard))
+
+
+def _groups(count: int) -> int:
+    """Numbers that hold `count` of them in whole groups of four."""
+    from ..kernels.vectors import LANES
+
+    return -(-count // LANES) * LANES
 
 
 class Plant:
     """All that the kernels need to know of a drivetrain at one sample time; grows as modes are entered."""
 
     def __init__(self, drivetrain: Drivetrain, dt: float, inputs: tuple[str, ...]) -> None:
+        from ..kernels.modes import ORDER, new_mode_work
+        from ..kernels.plant import block_size
+
         self.drivetrain = drivetrain
         self.dt = dt
         self.layout = Layout(drivetrain, inputs)
         self.elements = elements(drivetrain)
         digits = [e.digits for e in self.elements]
         self.radix = np.array([math.prod(digits[i + 1 :]) for i in range(len(digits))], dtype=np.int64)
-        count = math.prod(digits)
-        if count > _MOST_MODES:
-            raise InvalidInput(
-                "simulate",
-                f"{count} combinations of contact and friction states",
-                f"at most {_MOST_MODES}",
-                "Leave out backlashes or points of the Stribeck curves.",
-            )
+        count = check_modes(digits)
         self.row_of_mode = np.full(count, -1, dtype=np.int64)
-        self.modes: list[Mode] = []
-        self._blocks: dict[tuple[int, int], NDArray[np.float64]] = {}
+        self.chain = chain_of(self.layout, self.elements)
+        self.numbers = numbers_of(drivetrain, dt)
+        self._work = new_mode_work(self.chain)
+        self._size = block_size(self.layout.states, self.layout.columns, len(digits), ORDER)
+        self._flat = np.zeros((min(count, 16), self._size))
+        self._digits: list[tuple[int, ...]] = []
+        self._rows: list[Array] = []
+
+    @property
+    def modes(self) -> list[Mode]:
+        """The modes built so far, in the order of ``row_of_mode``."""
+        layout = self.layout
+        return [
+            Mode(digits, rows, block, layout.n, layout.states, self.dt)
+            for digits, rows, block in zip(self._digits, self._rows, self._flat, strict=False)
+        ]
 
     def digits_of(self, mode: int) -> tuple[int, ...]:
         return tuple((mode // int(r)) % e.digits for r, e in zip(self.radix, self.elements, strict=True))
 
     def enter(self, digits: Sequence[int] | NDArray[np.int64]) -> None:
         """Builds the mode of these digits if it does not stand yet."""
-        mode = int(np.dot(self.radix, np.asarray(digits, dtype=np.int64))) if len(digits) else 0
+        digits = np.asarray(digits, dtype=np.int64)
+        mode = int(np.dot(self.radix, digits)) if len(digits) else 0
         if self.row_of_mode[mode] < 0:
-            self.modes.append(build_mode(self.layout, self.elements, tuple(int(d) for d in digits), self.dt))
-            self.row_of_mode[mode] = len(self.modes) - 1
+            self._build(digits)
+            self.row_of_mode[mode] = len(self._digits) - 1
 
-    def start_digits(self, x: NDArray[np.float64]) -> NDArray[np.int64]:
+    def _build(self, digits: NDArray[np.int64]) -> None:
+        from ..kernels.modes import build_mode
+
+        row = len(self._digits)
+        if row == len(self._flat):
+            self._flat = np.concatenate([self._flat, np.zeros_like(self._flat)])
+        build_mode(self.chain, self.numbers, digits, self._flat.reshape(-1), row * self._size, *self._work)
+        self._digits.append(tuple(digits.tolist()))
+        self._rows.append(self._work.rows.copy())
+
+    def start_digits(self, x: Array) -> NDArray[np.int64]:
         """The mode in which a state lies; sets the shaft angle of the physical law in x where the twist tells it."""
-        digits = [self._start_digit(e, x) for e in self.elements]
-        return np.array(digits, dtype=np.int64)
+        from ..kernels.modes import start_digits
 
-    def _start_digit(self, element: Element, x: NDArray[np.float64]) -> int:
-        layout, i = self.layout, element.index
-        if element.kind in ("sum", "difference"):
-            return 1  # put right by an event at once where it is wrong
-        if element.kind == "friction":
-            speed = x[layout.speed(i)]
-            if speed == 0.0:
-                return element.rest
-            side = range(element.rest + 1, element.digits) if speed > 0.0 else range(element.rest)
-            segments = {d: friction_segment(self.drivetrain.frictions[i], d, element.rest) for d in side}
-            return next(d for d, (_, _, low, high) in segments.items() if low <= speed <= high)
-        shaft = self.drivetrain.shafts[i]
-        reach = x[layout.twist(i)]
-        if shaft.contact == "viscoelastic":
-            reach += shaft.damping / shaft.stiffness * (x[layout.speed(i)] - x[layout.speed(i + 1)])
-        half = 0.5 * shaft.backlash
-        if relaxes(shaft):
-            inside = np.clip(reach, -half, half)
-            x[layout.shaft_angle(i)] = reach - inside
-        return PLUS if reach > half else MINUS if reach < -half else GAP
+        digits = np.zeros(len(self.elements), dtype=np.int64)
+        start_digits(self.chain, self.numbers, x, digits)
+        return digits
 
-    def _block(self, mode: Mode, order: int) -> NDArray[np.float64]:
-        """One mode's numbers in the order that the kernel reads, see ``kernels.plant``."""
-        from ..kernels.plant import HEADER
-        from ..kernels.vectors import LANES
-
-        n, e, columns = self.layout.states, len(self.elements), self.layout.columns
-        high, wide, long = (-(-count // LANES) * LANES for count in (n, e, order + 1))
-        own = len(mode.state_series)
-        columnwise = np.zeros((columns, high + 4 * wide))
-        columnwise[:, :n] = mode.delta.T
-        for i, rows in enumerate((mode.guard, mode.guard_rate, mode.swing, mode.remainder)):
-            columnwise[:, high + i * wide :][:, :e] = rows.T
-        bounds = np.full((2, wide), ((-np.inf,), (np.inf,)))
-        bounds[:, :e] = mode.lower, mode.upper
-        header = np.zeros(HEADER)
-        header[:2] = mode.piece / self.dt, own
-        states = np.zeros((order, columns, high))
-        states[:own, :, :n] = mode.state_series.transpose(0, 2, 1)
-        guards = np.zeros((e, columns, long))
-        guards[:, :, : own + 1] = mode.guard_series.transpose(1, 2, 0)
-        return np.concatenate([part.ravel() for part in (columnwise, bounds, header, states, guards)])
-
-    def tables(self) -> Any:
-        """The kernel's view of the modes built so far."""
-        from ..kernels.plant import BRANCH, FRICTION, SHAFT, PlantTables
-
-        layout, n = self.layout, self.layout.states
-        e = len(self.elements)
-
+    @cached_property
+    def _events(self) -> dict[str, Any]:
+        """What the kernel needs to know of the elements, the same in all modes."""
+        layout, n, e = self.layout, self.layout.states, len(self.elements)
         speed_row, reset_row = np.zeros((e, n)), np.zeros((e, 3, n + 1))
         reset_slot = np.full(e, -1, dtype=np.int64)
         for j, element in enumerate(self.elements):
@@ -120,22 +201,27 @@ class Plant:
                 for digit in (MINUS, PLUS):
                     reset_row[j, digit, layout.twist(i)] = 1.0
                     reset_row[j, digit, n] = -(digit - GAP) * 0.5 * self.drivetrain.shafts[i].backlash
-        order = max(len(mode.state_series) for mode in self.modes)
-        for i, mode in enumerate(self.modes):
-            if (i, order) not in self._blocks:
-                self._blocks[i, order] = self._block(mode, order)
-        kinds = {"shaft": SHAFT, "friction": FRICTION}
+        stick = [x.rest if x.kind == "friction" else -1 for x in self.elements]
+        return {
+            "kind": self.chain.elements[:, 0].copy(),
+            "stick": np.array(stick, dtype=np.int64),
+            "speed_row": speed_row,
+            "reset_row": reset_row,
+            "reset_slot": reset_slot,
+        }
+
+    def tables(self) -> Any:
+        """The kernel's view of the modes built so far."""
+        from ..kernels.modes import ORDER
+        from ..kernels.plant import PlantTables
+
         return PlantTables(
-            flat=np.concatenate([self._blocks[i, order] for i in range(len(self.modes))]),
-            row=self.row_of_mode.copy(),
+            flat=self._flat.reshape(-1),
+            row=self.row_of_mode,
             radix=self.radix,
-            kind=np.array([kinds.get(x.kind, BRANCH) for x in self.elements], dtype=np.int64),
-            stick=np.array([x.rest if x.kind == "friction" else -1 for x in self.elements], dtype=np.int64),
-            speed_row=speed_row,
-            reset_row=reset_row,
-            reset_slot=reset_slot,
-            order=order,
-            idle=layout.angle_motor,
+            order=ORDER,
+            idle=self.layout.angle_motor,
+            **self._events,
         )
 
     def signal_names(self) -> tuple[str, ...]:
@@ -156,7 +242,7 @@ class Plant:
             ]
         return tuple(names)
 
-    def signal_rows(self, mode: Mode) -> NDArray[np.float64]:
+    def signal_rows(self, mode: Mode) -> Array:
         """(signals, C) rows over [x, inputs, 1]; ``torque_shaft`` is the torque in the softest shaft."""
         layout, n = self.layout, self.layout.n
         unit = np.eye(layout.columns)
@@ -168,3 +254,16 @@ class Plant:
         if n > 2:
             rows += [unit[layout.twist(i)] for i in range(n - 1)] + list(mode.shaft_torques)
         return np.array(rows)
+
+
+def check_modes(digits: Sequence[int]) -> int:
+    """Number of combinations of the elements' digits."""
+    count = math.prod(digits)
+    if count > _MOST_MODES:
+        raise InvalidInput(
+            "simulate",
+            f"{count} combinations of contact and friction states",
+            f"at most {_MOST_MODES}",
+            "Leave out backlashes or points of the Stribeck curves.",
+        )
+    return count
