@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from .law import law_step
-from .plant import DONE, NEED_MODE, Array, Indices, _quiet, block_size, finish_sample, mode_number
+from .plant import DONE, NEED_MODE, Array, Indices, _quiet, block_size, finish_sample, mode_number, places_of
 from .vectors import address, read
 
 
@@ -79,17 +79,9 @@ def run_closed_loop(
     M = torque.shape[1]
     C = s.size
     N = C - M - 1
-    row, radix = tb.row, tb.radix
-    kind, stick, speed_row, reset_row, reset_slot = (
-        tb.kind,
-        tb.stick,
-        tb.speed_row,
-        tb.reset_row,
-        tb.reset_slot,
-    )
-    order, idle = tb.order, tb.idle
-    base, x, change = address(tb.flat), address(s), address(work)
-    size = block_size(N, C, E, order)
+    row, radix, idle, places = tb.row, tb.radix, tb.idle, places_of(tb, work)
+    base, x, change = places.flat, address(s), address(work)
+    size = block_size(N, C, E, tb.order)
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
@@ -128,9 +120,8 @@ def run_closed_loop(
                 s[i] += read(change, i)
         else:
             status, start, count = finish_sample(
-                base, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, work,
-                s, digits, start, k, events, count, N, C, E,
-            )  # fmt: skip
+                places, x, address(digits), start, k, address(events), events.shape[0], count, N, C, E, idle
+            )
             if status != DONE:
                 begun = True
                 break

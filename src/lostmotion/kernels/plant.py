@@ -32,8 +32,8 @@ A sample in which the enclosure excludes every crossing is one matrix product. O
 expanded in their Taylor series (converged to rounding), the first crossing is found on that polynomial by steps that
 can be shown never to jump over a root, and the rest of the sample goes on from there in the next mode.
 
-Three habits make it fast: four rows go through one register (``vectors``); tables are read by address, without tests of
-the index; and arrays are taken out of their tuples once per run, since numba counts references each time.
+Two habits make it fast: four rows go through one register, and arrays are read by address (``vectors``), without tests
+of the index and without numba's counting of references.
 """
 
 from __future__ import annotations
@@ -56,6 +56,7 @@ from .vectors import (
     multiply,
     pack,
     read,
+    read_integer,
     smaller,
     splat,
     spread,
@@ -63,6 +64,7 @@ from .vectors import (
     subtract,
     total,
     write,
+    write_integer,
 )
 
 Array = NDArray[np.float64]
@@ -108,6 +110,21 @@ def new_work(states: int) -> Array:
     return np.zeros(states + 3 * LANES + MAX_ORDER + 1 + LANES)
 
 
+class Places(NamedTuple):
+    """Addresses of the arrays that events read: handed on as arrays, their counted references would cost more."""
+
+    flat: int
+    row: int
+    radix: int
+    kind: int
+    stick: int
+    speed_row: int
+    reset_row: int
+    reset_slot: int
+    work: int
+    order: int
+
+
 _PLANT: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 
@@ -122,6 +139,15 @@ def block_size(N, C, E, order):
     """Numbers in one mode's block."""
     whole = C * (padded(N) + ELEMENT_ROWS * padded(E))
     return whole + 2 * padded(E) + HEADER + order * C * padded(N) + E * C * padded(order + 1)
+
+
+@njit(inline="always", **_PLANT)
+def places_of(tb, work):
+    """Addresses of the tables and of the scratch; the caller keeps both."""
+    return Places(
+        address(tb.flat), address(tb.row), address(tb.radix), address(tb.kind), address(tb.stick),
+        address(tb.speed_row), address(tb.reset_row), address(tb.reset_slot), address(work), tb.order,
+    )  # fmt: skip
 
 
 @njit(inline="always", **_PLANT)
@@ -316,23 +342,24 @@ def _expand(at, table, rows, s, p, order, C, idle):
 
 
 @njit(inline="always", **_PLANT)
-def _enter(which, direction, s, digits, kind, stick, speed_row, reset_row, reset_slot, N):
+def _enter(places, which, direction, s, digits, N):
     """Changes the digit of an element and sets what the new mode sets; returns old digit, new digit, speed."""
-    old = digits[which]
+    old = read_integer(digits, which)
     new = old + direction
-    digits[which] = new
+    write_integer(digits, which, new)
     speed = 0.0
     for j in range(N):
-        speed += speed_row[which, j] * s[j]
-    slot = reset_slot[which]
-    if kind[which] == FRICTION:
-        if new == stick[which]:
-            s[slot] = 0.0
+        speed += read(places.speed_row, which * N + j) * read(s, j)
+    slot = read_integer(places.reset_slot, which)
+    if read_integer(places.kind, which) == FRICTION:
+        if new == read_integer(places.stick, which):
+            write(s, slot, 0.0)
     elif slot >= 0 and new != 1:
-        value = reset_row[which, new, N]
+        row = (3 * which + new) * (N + 1)
+        value = read(places.reset_row, row + N)
         for j in range(N):
-            value += reset_row[which, new, j] * s[j]
-        s[slot] = value
+            value += read(places.reset_row, row + j) * read(s, j)
+        write(s, slot, value)
     return old, new, speed
 
 
@@ -417,40 +444,39 @@ def _advance(at, table, s, change, order, time, N, C, idle):
 
 
 @njit(inline="always", **_PLANT)
-def finish_sample(
-    base, row, radix, kind, stick, speed_row, reset_row, reset_slot, stride, idle, scratch,
-    s, digits, start, k, events, count, N, C, E,
-):  # fmt: skip
+def finish_sample(places, s, digits, start, k, events, space, count, N, C, E, idle):
     """The rest of sample k from time `start` (in samples), event by event; returns status, time reached, event count.
 
-    The arrays of the tables come one by one: taking them out of a tuple here would cost as much as an event.
+    places, and the addresses of s, digits, events: see `places_of`. space: rows of events.
     """
     t = start
     in_sample = 0
-    x = address(s)
-    change = address(scratch)
+    change, stride = places.work, places.order
     series = change + 8 * padded(N)
     size = block_size(N, C, E, stride)
     header = C * (padded(N) + ELEMENT_ROWS * padded(E)) + 2 * padded(E)
+    mode = 0
+    for e in range(E):
+        mode += read_integer(digits, e) * read_integer(places.radix, e)
     status = NEED_MODE
     while True:
-        m = row[mode_number(radix, digits, E)]
+        m = read_integer(places.row, mode)
         if m < 0:
             break
         if t >= 1.0:
             status = DONE
             break
-        at = base + 8 * m * size
+        at = places.flat + 8 * m * size
         length = read(at, header)
         order = int(read(at, header + 1))
         whole = 1.0 - t <= length
         time = 1.0 - t if whole else length
-        first, which, direction = _next_event(at, x, series, order, stride, length, time, N, C, E, idle)
-        if which >= 0 and count == events.shape[0]:
+        first, which, direction = _next_event(at, s, series, order, stride, length, time, N, C, E, idle)
+        if which >= 0 and count == space:
             status = NEED_EVENT_SPACE
             break
         if first > 0.0:
-            _advance(at, header + HEADER, x, change, order, first, N, C, idle)
+            _advance(at, header + HEADER, s, change, order, first, N, C, idle)
         if which < 0:
             t = 1.0 if whole else t + length
             continue
@@ -459,17 +485,17 @@ def finish_sample(
         if in_sample > MAX_EVENTS_PER_SAMPLE:
             status = CHATTERING
             break
-        old, new, speed = _enter(
-            which, direction, s, digits, kind, stick, speed_row, reset_row, reset_slot, N
-        )
-        events[count, 0] = k + t
-        events[count, 1] = which
-        events[count, 2] = old
-        events[count, 3] = new
-        events[count, 4] = speed
-        events[count, 5] = mode_number(radix, digits, E)
+        old, new, speed = _enter(places, which, direction, s, digits, N)
+        mode += direction * read_integer(places.radix, which)
+        event = events + 8 * count * (EVENT_COLUMNS + N)
+        write(event, 0, k + t)
+        write(event, 1, float(which))
+        write(event, 2, float(old))
+        write(event, 3, float(new))
+        write(event, 4, speed)
+        write(event, 5, float(mode))
         for i in range(N):
-            events[count, EVENT_COLUMNS + i] = s[i]
+            write(event, EVENT_COLUMNS + i, read(s, i))
         count += 1
     return status, t, count
 
@@ -495,16 +521,9 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     C = s.size
     N = C - M - 1
     row, radix = tb.row, tb.radix
-    kind, stick, speed_row, reset_row, reset_slot = (
-        tb.kind,
-        tb.stick,
-        tb.speed_row,
-        tb.reset_row,
-        tb.reset_slot,
-    )
-    order, idle = tb.order, tb.idle
-    base, x, change = address(tb.flat), address(s), address(work)
-    size = block_size(N, C, E, order)
+    places, idle = places_of(tb, work), tb.idle
+    base, x, change = places.flat, address(s), address(work)
+    size = block_size(N, C, E, tb.order)
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
@@ -528,9 +547,8 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
             _add_change(x, change, N)
         else:
             status, start, count = finish_sample(
-                base, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, idle, work,
-                s, digits, start, k, events, count, N, C, E,
-            )  # fmt: skip
+                places, x, address(digits), start, k, address(events), events.shape[0], count, N, C, E, idle
+            )
             mode = mode_number(radix, digits, E)
             if status != DONE:
                 begun = True
@@ -557,16 +575,9 @@ def _four_rows(at, table, x0, x1, x2, v):
 def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, cursor):
     """`run_open_loop` for four states, one input, two elements, with the state in registers (half the time)."""
     row, radix = tb.row, tb.radix
-    kind, stick, speed_row, reset_row, reset_slot = (
-        tb.kind,
-        tb.stick,
-        tb.speed_row,
-        tb.reset_row,
-        tb.reset_slot,
-    )
-    order = tb.order
-    base, address_s, change, rows = address(tb.flat), address(s), address(work), address(states)
-    size = block_size(4, 6, 2, order)
+    places = places_of(tb, work)
+    base, address_s, change, rows = places.flat, address(s), address(work), address(states)
+    size = block_size(4, 6, 2, tb.order)
     k = int(cursor[0])
     start = cursor[1]
     count = int(cursor[2])
@@ -599,9 +610,19 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
             x = add(x, load(change, 0))
         else:
             status, start, count = finish_sample(
-                base, row, radix, kind, stick, speed_row, reset_row, reset_slot, order, 3, work,
-                s, digits, start, k, events, count, 4, 6, 2,
-            )  # fmt: skip
+                places,
+                address_s,
+                address(digits),
+                start,
+                k,
+                address(events),
+                events.shape[0],
+                count,
+                4,
+                6,
+                2,
+                3,
+            )
             mode = mode_number(radix, digits, 2)
             m = row[mode]
             at = base + 8 * m * size

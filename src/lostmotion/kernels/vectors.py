@@ -2,8 +2,9 @@
 
 numba neither vectorises straight-line code nor knows that two arrays do not overlap, so loops over four rows stay
 scalar. The functions here become single instructions of the machine, or two halves where it has shorter registers.
-They take the address of an array (``address``) and count in numbers from there; nothing checks bounds, and numba
-counts no references, which costs more than the work of an event where arrays are handed on. Products and sums may be contracted, as in the plant kernels that use them.
+They take the address of an array (``address``) and count in numbers from there: nothing checks bounds, and numba
+counts no references, which would cost more than an event where arrays are handed on. Products and sums may be
+contracted, as in the plant kernels that use them.
 """
 
 from __future__ import annotations
