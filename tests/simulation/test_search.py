@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from plants import trajectory
 
 import lostmotion as lm
-from lostmotion.drivetrain import CONTACT_LAWS, Drivetrain, Friction, Shaft
+from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft
 
 DT = 1e-4
 #: Short enough that rounding has no time to grow chaotically beyond the tolerance.
@@ -23,10 +23,10 @@ def exponent(low: float, high: float) -> st.SearchStrategy[float]:
 
 @st.composite
 def plants(draw) -> Drivetrain:
-    """Two or three inertias; modes up to a twentieth of the sample rate, contact poles from far below to far above."""
-    n = draw(st.integers(2, 3))
+    """Two to four inertias; modes up to a twentieth of the sample rate, contact poles from far below to far above."""
+    n = draw(st.integers(2, 4))
     inertias = [draw(exponent(-3, 0)) for _ in range(n)]
-    shafts, frictions = [], []
+    shafts = []
     for i in range(n - 1):
         reduced = inertias[i] * inertias[i + 1] / (inertias[i] + inertias[i + 1])
         # Half of a twentieth: a neighbour's shaft raises the mode by up to a factor of two.
@@ -36,11 +36,26 @@ def plants(draw) -> Drivetrain:
         damping = draw(st.sampled_from([0.0, stiffness / contact_pole]))
         backlash = draw(st.sampled_from([0.0, 1e-4, 1e-3, 1e-2]))
         shafts.append(Shaft(stiffness, damping, backlash, draw(st.sampled_from(CONTACT_LAWS))))
-    for _ in range(n):
-        coulomb = draw(st.sampled_from([0.0, 0.3, 2.0]))
-        breakaway = None if coulomb == 0.0 else coulomb * draw(st.sampled_from([1.0, 1.5]))
-        frictions.append(Friction(coulomb, draw(st.sampled_from([0.0, 0.02])), breakaway))
-    return Drivetrain(tuple(inertias), tuple(shafts), tuple(frictions))
+    frictions = tuple(draw(rough()) for _ in range(n))
+    actuator = Actuator(lag=draw(st.sampled_from([0.0, 5e-5, 1e-3])))
+    return Drivetrain(
+        tuple(inertias), tuple(shafts), frictions, actuator, draw(st.sampled_from([None, None, "load"]))
+    )
+
+
+@st.composite
+def rough(draw) -> Friction:
+    """No friction, one level, two directions, a breakaway level, a Stribeck curve."""
+    viscous = draw(st.sampled_from([0.0, 0.02]))
+    level = draw(st.sampled_from([0.3, 2.0]))
+    kinds = {
+        "none": Friction(0.0, viscous),
+        "coulomb": Friction(level, viscous),
+        "directions": Friction((level, 0.5 * level), viscous),
+        "breakaway": Friction(level, viscous, 1.5 * level),
+        "stribeck": Friction(level, viscous, stribeck=((0.0, 0.5 * level), (0.1, 0.2 * level), (1.0, 0.0))),
+    }
+    return kinds[draw(st.sampled_from(sorted(kinds)))]
 
 
 @settings(max_examples=60, deadline=None, derandomize=True, database=None)
@@ -55,8 +70,17 @@ def test_ten_times_finer_sampling_changes_nothing(plant, seed, rms, spread):
     if seed % 3 == 0:
         twists = np.array([0.5 * s.backlash for s in plant.shafts])
     start = np.concatenate([twists, spread * rng.uniform(-1.0, 1.0, n) * rng.integers(0, 2, n)])
-    coarse = trajectory(lm.simulate(plant, torque_motor=torque, dt=DT, state=start))
-    fine = trajectory(lm.simulate(plant, torque_motor=np.repeat(torque, 10), dt=DT / 10, state=start))[::10]
+    moved, finer = {}, {}
+    if plant.locked:
+        # Linear between the samples, also where there are ten times as many.
+        speed = np.linspace(0.0, spread * rng.uniform(-1.0, 1.0), SAMPLES)
+        moved["speed_load"] = speed
+        finer["speed_load"] = np.interp(np.arange(10 * SAMPLES) / 10.0, np.arange(SAMPLES), speed)
+    coarse = trajectory(lm.simulate(plant, torque_motor=torque, dt=DT, state=start, **moved))
+    fine = trajectory(
+        lm.simulate(plant, torque_motor=np.repeat(torque, 10), dt=DT / 10, state=start, **finer)
+    )
+    fine = fine[::10]
     # Twists share one range and speeds another: one that hardly moves is wrong by the rounding of the others.
     range_twist, range_speed = (
         np.ptp(fine[:, : n - 1]) + np.max(np.abs(twists)),
