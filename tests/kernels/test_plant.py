@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from numba import njit
 
 import lostmotion as lm
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.kernels.plant import MAX_ORDER, _first_crossing
-from lostmotion.simulation import tables
-from lostmotion.simulation.modes import build_mode
+from lostmotion.kernels.vectors import LANES
+from lostmotion.simulation.tables import Plant
 
 
 def polynomial(*coefficients: float) -> np.ndarray:
     return np.array([*coefficients, *[0.0] * (MAX_ORDER + 1 - len(coefficients))])
 
 
+@njit
+def _crossing(p, order, sign, bound, until, bend, tolerance):
+    return _first_crossing(p, order, sign, bound, until, bend, tolerance)
+
+
 def first(p: np.ndarray, sign: float, bound: float, until: float = 1.0) -> float:
     tolerance = 4.5e-16 * np.abs(p).sum()
-    return _first_crossing(p.ctypes.data, MAX_ORDER, sign, bound, until, tolerance)
+    bend = float(np.arange(2, p.size) @ np.abs(p[2:]))
+    return _crossing(p.ctypes.data, MAX_ORDER, sign, bound, until, bend, tolerance)
 
 
 def test_crossing_of_a_line():
@@ -77,9 +82,11 @@ def test_remainder_alone_decides(monkeypatch):
     assert events[0].kind == "separation"
     assert events[0].time == pytest.approx(period / 3.0, rel=1e-9)
 
-    def without_remainder(*mode):
-        built = build_mode(*mode)
-        return replace(built, remainder=np.zeros_like(built.remainder))
+    build = Plant._build
 
-    monkeypatch.setattr(tables, "build_mode", without_remainder)
+    def without_remainder(self, digits):
+        build(self, digits)
+        self.modes[-1].table[:, -LANES:] = 0.0
+
+    monkeypatch.setattr(Plant, "_build", without_remainder)
     assert lm.simulate(plant, **arguments).events == ()
