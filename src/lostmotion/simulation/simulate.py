@@ -48,7 +48,7 @@ def simulate(
         the given `signals`, the outputs of the other laws, and the plant's signals. Its output ``torque_motor`` (or
         another torque's name) drives the plant, unless that torque is given: then it only watches. As an *input*
         a torque is what acts on the plant in this sample, after limits and delay, as it is recorded. All outputs are
-        recorded, and of a stepper ``input_fault_<name>``.
+        recorded, and ``input_fault_<name>`` of a law that checks its inputs.
     state : sequence or mapping, optional
         Start: ``twist, speed_motor, speed_load`` for two masses (n − 1 twists, then n speeds, for a chain), or the
         ``final_state`` of an earlier recording, to go on from. Default: at rest in the middle of the gap.
