@@ -2,19 +2,22 @@
 
     python benchmarks/simulation.py --reference ../shared/reference/two_mass_exact.npz
 
-Prints a Markdown table. Times: process time, median of several runs, after compilation. Errors: median and
-largest over the reference windows, each from its own start, as a fraction of the range. Without a reference file the
-part of it in tests/simulation is used.
+Prints a Markdown table. Times: process time after compilation, median of several runs; the exact method in numba and
+in C take turns. Errors: median and largest over the reference windows, each from its own start, as a fraction of the
+range. Without a reference file the part of it in tests/simulation is used. python-control is a peer where it is
+installed (pip install control).
 """
 
 from __future__ import annotations
 
 import argparse
 import ctypes
+import math
 import subprocess
 import tempfile
 import time
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -40,13 +43,18 @@ PAPER = lm.Drivetrain.two_mass(**TABLE_I, contact="dead_zone")
 
 def seconds(work: Callable[[], object], runs: int) -> float:
     """Median process time of a call, the first one left out."""
-    work()
-    times = []
-    for _ in range(runs):
-        start = time.process_time()
-        work()
-        times.append(time.process_time() - start)
-    return float(np.median(times))
+    return seconds_in_turn([work], runs)[0]
+
+
+def seconds_in_turn(works: list[Callable[[], object]], runs: int) -> list[float]:
+    """Median process time of each, run in turn so that a busy machine is busy for all; the first turn is left out."""
+    times = np.empty((runs + 1, len(works)))
+    for row in times:
+        for i, work in enumerate(works):
+            start = time.process_time()
+            work()
+            row[i] = time.process_time() - start
+    return [float(t) for t in np.median(times[1:], axis=0)]
 
 
 def kernel_run(
@@ -70,7 +78,9 @@ def kernel_run(
 def plain_c(folder: Path) -> ctypes.CDLL:
     library = folder / "plain.so"
     source = HERE / "simulation_plain.c"
-    subprocess.run(["cc", "-O3", "-shared", "-fPIC", str(source), "-o", str(library), "-lm"], check=True)
+    subprocess.run(
+        ["cc", "-O3", "-march=native", "-shared", "-fPIC", str(source), "-o", str(library), "-lm"], check=True
+    )
     code = ctypes.CDLL(str(library))
     code.run.restype = ctypes.c_long
     return code
@@ -81,7 +91,7 @@ def c_run(code: ctypes.CDLL, torque: np.ndarray, start: np.ndarray) -> tuple[Cal
     for digits in np.ndindex(3, 3):
         run.plant.enter(digits)
     tables = run.plant.tables()
-    states = np.zeros((torque.size + 1, 4))
+    events = np.zeros((torque.size, run.events.shape[1]))
     double = ctypes.POINTER(ctypes.c_double)
     whole = ctypes.POINTER(ctypes.c_int64)
 
@@ -96,11 +106,13 @@ def c_run(code: ctypes.CDLL, torque: np.ndarray, start: np.ndarray) -> tuple[Cal
                 digits.ctypes.data_as(whole),
                 torque.ctypes.data_as(double),
                 ctypes.c_long(torque.size),
-                states.ctypes.data_as(double),
+                run.states.ctypes.data_as(double),
+                run.modes.ctypes.data_as(whole),
+                events.ctypes.data_as(double),
             )
         )
 
-    return work, states
+    return work, run.states
 
 
 @njit(fastmath=True, cache=True)
@@ -140,6 +152,24 @@ def scipy_events(torque: np.ndarray, start: np.ndarray, method: str) -> np.ndarr
     return Independent(PAPER, 1e-8, method).run(torque, DT, start)
 
 
+def python_control(torque: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """python-control's input_output_response (rtol 1e-8), friction smoothed; it interpolates the torque linearly."""
+    import control
+
+    def rates(_t: float, x: np.ndarray, u: np.ndarray, _params: object) -> list[float]:
+        twist, motor, load = x
+        rate = motor - load
+        shaft = 6285.896 * (twist - min(max(twist, -0.006), 0.006)) + 0.397 * rate
+        friction = 2.0 * math.tanh(load / 1e-3) + 0.0175 * load
+        return [rate, (u[0] - shaft) / 0.0182, (shaft - friction) / 0.111]
+
+    plant = control.NonlinearIOSystem(rates, inputs=1, states=3, outputs=3, name="two_mass")
+    held = np.append(torque, torque[-1])
+    instants = np.arange(held.size) * DT
+    response = control.input_output_response(plant, instants, held, start, solve_ivp_kwargs={"rtol": 1e-8})
+    return np.asarray(response.states).T
+
+
 def window_errors(solve: Callable, data: dict[str, np.ndarray], kind: str, windows: int) -> np.ndarray:
     exact = data[f"{kind}_states"]
     span = np.ptp(exact.reshape(-1, 3), axis=0)
@@ -163,41 +193,58 @@ def long_torque(kind: str, n: int = 100_000) -> np.ndarray:
     return rms * np.random.default_rng(0).standard_normal(n) + level * square
 
 
-def two_mass_rows(data: dict[str, np.ndarray], kind: str, runs: int, code: ctypes.CDLL) -> list[str]:
-    torque, n = long_torque(kind), 100_000
-    rest = np.zeros(3)
-    window = (data[f"{kind}_torque"][0], data[f"{kind}_start"][0])
+def fast_rows(kind: str, runs: int, code: ctypes.CDLL) -> tuple[list[tuple], list[str]]:
+    """The exact method in numba and in C: rows of the table, and lines on their events."""
+    torque, rest = long_torque(kind), np.zeros(3)
+    quiet = np.full(torque.size, 3.0)
+    ours, ours_quiet = (kernel_run(u, rest, run_open_loop_two_mass) for u in (torque, quiet))
+    plain, plain_quiet = (c_run(code, u, rest)[0] for u in (torque, quiet))
+    spent = [s / torque.size for s in seconds_in_turn([ours, plain, ours_quiet, plain_quiet], 4 * runs)]
 
     def c_states(u: np.ndarray, x: np.ndarray) -> np.ndarray:
         work, states = c_run(code, np.ascontiguousarray(u), x)
         work()
         return states
 
-    work_c, _ = c_run(code, torque, rest)
-    ours = kernel_run(torque, rest, run_open_loop_two_mass)
     rows = [
-        ("lostmotion, exact", seconds(ours, runs) / n, exact_states, 40),
-        ("plain C (-O3), exact", seconds(work_c, runs) / n, c_states, 40),
+        ("lostmotion, exact", spent[0], exact_states, 40),
+        ("plain C (-O3 -march=native), exact", spent[1], c_states, 40),
+    ]
+    lines = [f"| {kind} | events per second of simulated time: {ours() / (torque.size * DT):.0f} | | | | |"]
+    for name, of, i in (("lostmotion", ours, 0), ("plain C", plain, 1)):
+        share = torque.size / of()
+        each = f"{(spent[i] - spent[i + 2]) * share * 1e9:.4g} for an event, {spent[i + 2] * 1e9:.3g} without one"
+        lines.append(f"| {kind} | {name}: {each} | | | | |")
+    return rows, lines
+
+
+def two_mass_rows(data: dict[str, np.ndarray], kind: str, runs: int, code: ctypes.CDLL) -> list[str]:
+    torque, n = long_torque(kind), 100_000
+    rest = np.zeros(3)
+    window = (data[f"{kind}_torque"][0], data[f"{kind}_start"][0])
+    rows, notes = fast_rows(kind, runs, code)
+    rows.append(
         (
             "numba RK4, 10 µs, smoothed friction",
             seconds(lambda: rk4(torque, rest, 10, DT, 1e-3), 5) / n,
             lambda u, x: rk4(u, x, 10, DT, 1e-3),
             40,
-        ),
-    ]
+        )
+    )
     for method in ("RK45", "LSODA"):
         short = (window[0][:200], window[1])
         spent = seconds(lambda short=short, method=method: scipy_events(*short, method), 1)
         rows.append((f"scipy {method}, events", spent / 200, lambda u, x, m=method: scipy_events(u, x, m), 1))
+    if find_spec("control"):
+        spent = seconds(lambda: python_control(*window), 1)
+        rows.append(("python-control, smoothed friction", spent / window[0].size, python_control, 1))
     lines = []
     first = rows[0][1]
     for name, each, solve, windows in rows:
         errors = window_errors(solve, data, kind, windows)
         errors_shown = f"{np.median(errors):.1e} | {errors.max():.1e}"
         lines.append(f"| {kind} | {name} | {each * 1e9:.4g} | {each / first:.3g} | {errors_shown} |")
-    events = ours()
-    lines.append(f"| {kind} | events per second of simulated time: {events / (n * DT):.0f} | | | | |")
-    return lines
+    return lines + notes
 
 
 def six_masses() -> lm.Drivetrain:
