@@ -51,7 +51,8 @@ def simulate(
         recorded, and ``input_fault_<name>`` of a law that checks its inputs.
     state : sequence or mapping, optional
         Start: ``twist, speed_motor, speed_load`` for two masses (n − 1 twists, then n speeds, for a chain), or the
-        ``final_state`` of an earlier recording, to go on from. Default: at rest in the middle of the gap.
+        ``final_state`` of an earlier recording, to go on from (laws start anew). Default: at rest in the middle of
+        the gap.
     delay : int, or sequence of int for each law
         Computing delay in samples of the plant: the torque computed at sample k acts from sample k + delay on.
     sensors : mapping of law input → Sensor, optional
