@@ -66,11 +66,12 @@ def test_first_of_random_polynomials():
     assert found > 150
 
 
-def test_remainder_alone_decides(monkeypatch):
+@pytest.mark.parametrize("rows", [slice(-2 * LANES, -LANES), slice(-LANES, None)], ids=["swing", "remainder"])
+def test_swing_and_remainder_decide(monkeypatch, rows):
     """One whole period of the contact in one sample: both ends look alike, and the cubic between them is flat.
 
     The twist above the edge is m − a + a·cos(ωt) with ωT = 2π and m = 1.5 a: it dips below the edge between two
-    samples, and only the remainder of the Hermite interpolation tells.
+    samples. That is told by the swing alone, and then by the remainder of the Hermite interpolation alone.
     """
     period, a = 0.01, 1e-4
     stiffness = (2.0 * np.pi / period) ** 2
@@ -84,9 +85,9 @@ def test_remainder_alone_decides(monkeypatch):
 
     build = Plant._build
 
-    def without_remainder(self, digits):
+    def without(self, digits):
         build(self, digits)
-        self.modes[-1].table[:, -LANES:] = 0.0
+        self.modes[-1].table[:, rows] = 0.0
 
-    monkeypatch.setattr(Plant, "_build", without_remainder)
+    monkeypatch.setattr(Plant, "_build", without)
     assert lm.simulate(plant, **arguments).events == ()

@@ -52,6 +52,18 @@ def test_events_come_in_order_and_alternate(paper):
     assert all(abs(e.speed) < 1e-12 for e in stick)
 
 
+@pytest.mark.parametrize(("torque", "kinds"), [(-5.0, []), (-0.5, ["stick"])])
+def test_a_speed_that_passes_through_rest_does_not_stick(torque, kinds):
+    """Above the breakaway level rest is entered and left at one time, which is no event of the drivetrain."""
+    plant = Drivetrain((0.5,), frictions=(Friction(1.0),))
+    recording = lm.simulate(plant, torque_motor=np.full(2000, torque), dt=1e-3, state=(1.0,))
+    assert [event.kind for event in recording.events] == kinds
+    expected = 1.0 + (torque - 1.0) / 0.5 * recording.time
+    after = expected < 0.0
+    expected[after] = (torque + 1.0) / (torque - 1.0) * expected[after] if torque < -1.0 else 0.0
+    np.testing.assert_allclose(recording["speed_motor"], expected, rtol=0, atol=1e-12)
+
+
 def test_stribeck_friction_brakes_as_its_curve_says():
     friction = Friction(0.5, 0.01, stribeck=((0.0, 0.4), (1.0, 0.1), (3.0, 0.0)))
     plant = Drivetrain((0.1,), frictions=(friction,))
