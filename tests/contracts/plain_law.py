@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 import shutil
 import subprocess
+from functools import reduce
+from operator import add
 from pathlib import Path
 
 import numpy as np
@@ -47,10 +49,8 @@ def python_run(
         return [[(int(j), float(row[j])) for j in np.flatnonzero(row)] for row in np.hstack(blocks)]
 
     def total(row: list[tuple[int, float]], v: list[float]) -> float:
-        result = 0.0
-        for j, coefficient in row:
-            result += coefficient * v[j]
-        return result
+        products = [coefficient * v[j] for j, coefficient in row]
+        return reduce(add, products) if products else 0.0
 
     z_rows, y_rows = sparse(law.F, law.G, law.H), sparse(law.C, law.D, law.J)
     x_rows, p_rows = sparse(law.A, law.B, law.E), sparse(law.P, law.Q, law.R)
@@ -67,7 +67,7 @@ def python_run(
         z = total(z_rows[i], v)
         segment = sum(z >= point[0] for point in points)
         z_anchor, w_anchor = points[max(segment - 1, 0)]
-        return w_anchor + slopes[segment] * (z - z_anchor)
+        return w_anchor + slopes[segment] * (z - z_anchor) if slopes[segment] else w_anchor
 
     for sample in inputs.tolist():
         good = [abs(value) <= 1e30 for value in sample]

@@ -89,16 +89,15 @@ def run_loop(plant, law, fine, n, at, levels):
 
     tables = [plant.tables(), law.tables()]
     states = [s.start() for s in (plant, law)]
-    work = [np.empty(len(s.states) + len(s.inputs) + len(s.curves)) for s in (plant, law)]
     torque, speeds, inputs = np.zeros(1), np.zeros(2), np.zeros(2)
     load, torques = np.empty(n), np.empty(n)
     motor = plant.states.index("speed_motor")
     for k in range(n):
         inputs[:] = levels[0] if k < at else levels[1], states[0][motor]
-        law_step(tables[1], states[1], inputs, torque, work[1])
+        law_step(tables[1], states[1], inputs, torque)
         torques[k] = torque[0]
         for j in range(fine):
-            law_step(tables[0], states[0], torque, speeds, work[0])
+            law_step(tables[0], states[0], torque, speeds)
             if j == 0:
                 load[k] = speeds[1]
     return load, torques

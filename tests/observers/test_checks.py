@@ -200,5 +200,5 @@ def test_never_a_nan_for_any_input(law, data):
 
 @pytest.mark.parametrize("limits", [{"speed_motor": 0.0}, {"speed_load": 1.0}, {"speed_motor": float("nan")}])
 def test_misuse_of_the_limits(limits):
-    with pytest.raises(InvalidInput, match="limit|largest_innovation"):
+    with pytest.raises(InvalidInput, match=r"limit|largest_innovation"):
         kalman(PLANT, dt=DT, largest_innovation=limits)

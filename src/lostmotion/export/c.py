@@ -169,7 +169,7 @@ def _check(law: DiscreteSystem, name: str, real: str, vectors: int) -> None:
 def _vectors(
     law: DiscreteSystem, n: int, seed: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-    """Random inputs in runs of ten samples, some of them frozen, one value in forty bad, and what the Python law makes of them.
+    """Random inputs in runs of ten samples, some frozen, one value in forty bad, and what the Python law makes of them.
 
     The values are exact in single precision, so that the float code is compared on the very same inputs.
     """
@@ -194,7 +194,7 @@ def _vector(value: float) -> str:
 
 
 def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
-    from ..kernels import law as rule
+    from ..kernels import law_code as rule
 
     symbols = [
         *(f"x{i}" for i in range(len(law.states))),

@@ -7,9 +7,37 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .law import law_step
-from .plant import DONE, NEED_MODE, Array, Indices, _quiet, block_size, finish_sample, mode_number, places_of
-from .vectors import address, read
+from .law import step_at
+from .plant import (
+    _PLANT,
+    ALL,
+    DONE,
+    NEED_MODE,
+    TWO_MASS_ROWS,
+    Array,
+    Indices,
+    _add_change,
+    _four_rows,
+    _quiet,
+    _within,
+    block_size,
+    finish_sample,
+    mode_number,
+    places_of,
+)
+from .vectors import (
+    absolute,
+    add,
+    address,
+    load,
+    read,
+    read_integer,
+    splat,
+    spread,
+    store,
+    write,
+    write_integer,
+)
 
 
 class SensorTables(NamedTuple):
@@ -21,6 +49,7 @@ class SensorTables(NamedTuple):
     """
 
     signal: Array  # (rows, signals, C)
+    span: Indices  # (rows, signals, 2): first column that is not zero, and the one after the last
     source: Indices
     resolution: Array
     difference: Indices
@@ -28,58 +57,150 @@ class SensorTables(NamedTuple):
     disturbance: Array  # (n, inputs), or (1, inputs) where it is the same in every sample
 
 
-@njit(cache=True, error_model="numpy")
-def _measure(sensors, m, s, given, k, dt, values):
-    signal, source, resolution = sensors.signal, sensors.source, sensors.resolution
-    difference, last, disturbance = sensors.difference, sensors.last, sensors.disturbance
-    for i in range(values.size):
-        if source[i] >= 0:
+class LoopTables(NamedTuple):
+    """What happens once per sample before the plant moves.
+
+    given : (n, G) signals from outside that the law or the plant reads (set-points, load torque).
+    drive : (M,) for each plant input: ≥ 0 the law's output, < 0 column −1 − drive of `given`.
+    every : samples of the plant from one law step to the next.
+    delay : the torque computed at sample k acts from sample k + delay on.
+    limit, step : torque limit of the actuator, Nm, and its largest change from sample to sample.
+    law, state : see ``law.law_step``.
+    torque : (n, M), measured : (n, inputs), outputs : (n + delay, outputs), faults : (n,)
+        Filled: the torque that acts in sample k, the law's inputs at k, its outputs computed at k or at the last law
+        step before (row k + delay), the bit mask of bad inputs.
+    """
+
+    sensors: SensorTables
+    given: Array
+    drive: Indices
+    every: int
+    delay: int
+    limit: float
+    step: float
+    dt: float
+    code: int
+    numbers: Array
+    state: Array
+    torque: Array
+    measured: Array
+    outputs: Array
+    faults: Indices
+
+
+class _Places(NamedTuple):
+    """Addresses and sizes of all that, see ``plant.Places``."""
+
+    signal: int
+    span: int
+    source: int
+    resolution: int
+    difference: int
+    last: int
+    disturbance: int
+    noise_row: int
+    signals: int
+    columns: int
+    given: int
+    given_row: int
+    drive: int
+    every: int
+    delay: int
+    limit: float
+    step: float
+    law_dt: float
+    code: int
+    numbers: int
+    state: int
+    torque: int
+    measured: int
+    outputs: int
+    faults: int
+    n_torques: int
+    n_inputs: int
+    n_outputs: int
+
+
+@njit(inline="always", **_PLANT)
+def _places(loop):
+    s = loop.sensors
+    return _Places(
+        address(s.signal), address(s.span), address(s.source), address(s.resolution), address(s.difference),
+        address(s.last), address(s.disturbance), s.disturbance.shape[1] if s.disturbance.shape[0] > 1 else 0,
+        s.signal.shape[1], s.signal.shape[2], address(loop.given), loop.given.shape[1], address(loop.drive),
+        loop.every, loop.delay, loop.limit, loop.step, loop.dt * loop.every, loop.code, address(loop.numbers),
+        address(loop.state), address(loop.torque), address(loop.measured), address(loop.outputs),
+        address(loop.faults), loop.torque.shape[1], loop.measured.shape[1], loop.outputs.shape[1],
+    )  # fmt: skip
+
+
+@njit(inline="always", **_PLANT)
+def _measure(p, m, s, k):
+    """The law's inputs in sample k, to their row."""
+    for i in range(p.n_inputs):
+        source = read_integer(p.source, i)
+        if source >= 0:
+            place = m * p.signals + source
             value = 0.0
-            for j in range(s.size):
-                value += signal[m, source[i], j] * s[j]
+            for j in range(read_integer(p.span, 2 * place), read_integer(p.span, 2 * place + 1)):
+                value += read(p.signal, place * p.columns + j) * read(s, j)
         else:
-            value = given[k, -1 - source[i]]
-        if resolution[i] > 0.0:
-            value = np.floor(value / resolution[i]) * resolution[i]
-        if difference[i] == 1:
-            now = value
-            value = 0.0 if np.isnan(last[i]) else (now - last[i]) / dt
-            last[i] = now
-        values[i] = value + disturbance[k if disturbance.shape[0] > 1 else 0, i]
+            value = read(p.given, k * p.given_row - 1 - source)
+        resolution = read(p.resolution, i)
+        if resolution > 0.0:
+            value = np.floor(value / resolution) * resolution
+        if read_integer(p.difference, i) == 1:
+            now, before = value, read(p.last, i)
+            value = 0.0 if np.isnan(before) else (now - before) / p.law_dt
+            write(p.last, i, now)
+        write(p.measured, k * p.n_inputs + i, value + read(p.disturbance, k * p.noise_row + i))
 
 
-@njit(cache=True, error_model="numpy")
-def run_closed_loop(
-    tb, s, digits, given, drive, every, delay, limit, step, law, law_state, sensors, dt, work,
-    states, modes, torque, measured, outputs, law_work, law_inputs, made, events, cursor,
-):  # fmt: skip
-    """The plant with a law in the loop, one law step per sample; as ``plant.run_open_loop``, and
+@njit(inline="always", **_PLANT)
+def _control(p, m, s, k, last):
+    """Sensors and law of sample k, and the torques on the plant, which s holds then; returns the first one."""
+    u, y = k * p.n_inputs, (k + p.delay) * p.n_outputs
+    if p.every == 1 or k % p.every == 0:
+        _measure(p, m, s, k)
+        bad = step_at(p.code, p.numbers, p.state, p.measured + 8 * u, p.outputs + 8 * y)
+        write_integer(p.faults, k, bad)
+    else:
+        for i in range(p.n_inputs):
+            write(p.measured, u + i, read(p.measured, u - p.n_inputs + i))
+        for i in range(p.n_outputs):
+            write(p.outputs, y + i, read(p.outputs, y - p.n_outputs + i))
+    first = last
+    for j in range(p.n_torques):
+        drive = read_integer(p.drive, j)
+        value = (
+            read(p.outputs, k * p.n_outputs + drive)
+            if drive >= 0
+            else read(p.given, k * p.given_row - 1 - drive)
+        )
+        if j == 0:
+            value = min(max(value, -p.limit), p.limit)
+            value = min(max(value, last - p.step), last + p.step)
+            first = value
+        write(p.torque, k * p.n_torques + j, value)
+        write(s, p.columns - 1 - p.n_torques + j, value)
+    return first
+
+
+@njit(**_PLANT)
+def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
+    """Any plant with a law in the loop; as ``plant.run_open_loop``, and
 
     Parameters
     ----------
-    given : (n, G) array
-        Signals from outside that the law or the plant reads (set-points, load torque).
-    drive : (M,) int64 array
-        For each plant input: ≥ 0 the law's output, < 0 column −1 − drive of `given`.
-    every : int
-        Samples of the plant from one law step to the next.
-    delay : int
-        The torque computed at sample k acts from sample k + delay on.
-    limit, step : float
-        Torque limit of the actuator, Nm, and its largest change from sample to sample.
-    law, law_state, law_work
-        See ``law.law_step``.
-    torque : (n, M), measured : (n, inputs), outputs : (n + delay + every, outputs)
-        Filled: the torque that acts in sample k, the law's inputs at k, its outputs computed at k or at the last law
-        step before (row k + delay).  law_inputs, made : scratch, and the law's inputs of the last law step.
+    loop : LoopTables
     cursor : (5,) array
-        As in ``plant.run_open_loop``, then the set-point of the last sample.
+        As in ``plant.run_open_loop``, then the torque of the last sample.
     """
     E = digits.size
-    M = torque.shape[1]
+    M = loop.torque.shape[1]
     C = s.size
     N = C - M - 1
-    row, radix, idle, places = tb.row, tb.radix, tb.idle, places_of(tb, work)
+    row, radix, idle, places, p = tb.row, tb.radix, tb.idle, places_of(tb, work), _places(loop)
     base, x, change = places.flat, address(s), address(work)
     size = block_size(N, C, E, tb.order)
     k = int(cursor[0])
@@ -88,8 +209,8 @@ def run_closed_loop(
     begun = cursor[3] != 0.0
     last = cursor[4]
     status = DONE
-    while k < torque.shape[0]:
-        mode = mode_number(radix, digits, E)
+    mode = mode_number(radix, digits, E)
+    while k < loop.torque.shape[0]:
         m = row[mode]
         if m < 0:
             status = NEED_MODE
@@ -99,29 +220,15 @@ def run_closed_loop(
             for i in range(N):
                 states[k, i] = s[i]
             modes[k] = mode
-            if k % every == 0:
-                _measure(sensors, m, s, given, k, dt * every, law_inputs)
-                law_step(law, law_state, law_inputs, made, law_work)
-            for i in range(law_inputs.size):
-                measured[k, i] = law_inputs[i]
-            for i in range(made.size):
-                outputs[k + delay, i] = made[i]
-            for j in range(M):
-                value = outputs[k, drive[j]] if drive[j] >= 0 else given[k, -1 - drive[j]]
-                if j == 0:
-                    value = min(max(value, -limit), limit)
-                    value = min(max(value, last - step), last + step)
-                    last = value
-                torque[k, j] = value
-                s[N + j] = value
+            last = _control(p, m, x, k, last)
             quiet = _quiet(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
-            for i in range(N):
-                s[i] += read(change, i)
+            _add_change(x, change, N)
         else:
             status, start, count = finish_sample(
                 places, x, address(digits), start, k, address(events), events.shape[0], count, N, C, E, idle
             )
+            mode = mode_number(radix, digits, E)
             if status != DONE:
                 begun = True
                 break
@@ -131,5 +238,75 @@ def run_closed_loop(
     if status == DONE:
         for i in range(N):
             states[k, i] = s[i]
-        modes[k] = mode_number(radix, digits, E)
+        modes[k] = mode
+    return status
+
+
+@njit(**_PLANT)
+def run_closed_loop_two_mass(tb, s, digits, loop, work, states, modes, events, cursor):
+    """`run_closed_loop` for four states, one torque, two elements: `plant.run_open_loop_two_mass` with a law."""
+    row, radix = tb.row, tb.radix
+    places, p = places_of(tb, work), _places(loop)
+    base, address_s, change, rows = places.flat, address(s), address(work), address(states)
+    size = block_size(4, 6, 2, tb.order)
+    k = int(cursor[0])
+    start = cursor[1]
+    count = int(cursor[2])
+    begun = cursor[3] != 0.0
+    last = cursor[4]
+    status = DONE
+    mode = mode_number(radix, digits, 2)
+    m = row[mode]
+    at = base + 8 * m * size
+    x = load(address_s, 0)
+    while k < loop.torque.shape[0]:
+        if m < 0:
+            status = NEED_MODE
+            break
+        if not begun:
+            store(rows, 4 * k, x)
+            store(address_s, 0, x)
+            modes[k] = mode
+            last = _control(p, m, address_s, k, last)
+            x0, x1, x2, v = spread(x, 0), spread(x, 1), spread(x, 2), splat(last)
+            g = _four_rows(at, 4, x0, x1, x2, v)
+            d = _four_rows(at, 8, x0, x1, x2, v)
+            swing = _four_rows(at, 12, absolute(x0), absolute(x1), absolute(x2), absolute(v))
+            low, high = load(at, 6 * TWO_MASS_ROWS), load(at, 6 * TWO_MASS_ROWS + 4)
+            if _within(low, g, d, swing, high) == ALL:
+                x = add(x, _four_rows(at, 0, x0, x1, x2, v))
+                k += 1
+                continue
+        if not begun and _quiet(at, address_s, change, 4, 6, 2, 3):
+            x = add(x, load(change, 0))
+        else:
+            status, start, count = finish_sample(
+                places,
+                address_s,
+                address(digits),
+                start,
+                k,
+                address(events),
+                events.shape[0],
+                count,
+                4,
+                6,
+                2,
+                3,
+            )
+            mode = mode_number(radix, digits, 2)
+            m = row[mode]
+            at = base + 8 * m * size
+            if status != DONE:
+                begun = True
+                break
+            start, begun = 0.0, False
+            x = load(address_s, 0)
+        k += 1
+    cursor[0], cursor[1], cursor[2], cursor[3], cursor[4] = k, start, count, begun, last
+    if status == DONE or not begun:
+        store(address_s, 0, x)
+    if status == DONE:
+        store(rows, 4 * k, x)
+        modes[k] = mode
     return status

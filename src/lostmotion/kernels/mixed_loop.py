@@ -155,7 +155,6 @@ def _step_laws(
     faults,
     trial,
     good,
-    work,
 ):
     """All laws that are due in sample k; False if a signal depends on itself.
 
@@ -182,7 +181,7 @@ def _step_laws(
             made = np.empty(v - u)
             number = laws.number[law]
             if number >= 0:
-                faults[k, law] = law_step(tables[number], trial[x:y], measured[k][a:b], made, work)
+                faults[k, law] = law_step(tables[number], trial[x:y], measured[k][a:b], made)
             else:
                 p, q = laws.parameter_start[law], laws.parameter_start[law + 1]
                 faults[k, law] = checked_step(
@@ -213,7 +212,7 @@ def _keep(laws, readings, drive, m, s, given, k, last, outputs, trial):
 @njit(cache=True, error_model="numpy")
 def run_mixed_loop(
     tb, s, digits, given, drive, steps, tables, laws, readings, dt, work, states, modes, torque, measured, outputs,
-    faults, trial, good, law_work, events, cursor,
+    faults, trial, good, events, cursor,
 ):  # fmt: skip
     """The plant with laws in the loop; as ``plant.run_open_loop``, and
 
@@ -225,7 +224,7 @@ def run_mixed_loop(
         The steppers' step functions, see ``no_steps``; the DiscreteSystems' tables, see ``list_of_tables``.
     torque : (n, M), measured : (n, inputs), outputs : (n, outputs), faults : (n, laws)
         Filled: the torques that act in sample k, the laws' inputs at their last step, what they made then, and their
-        faults.  trial, good, law_work : scratch for all states, for all inputs, for ``law.law_step``.
+        faults.  trial, good : scratch for all states, for all inputs.
     cursor : (6,) array
         As in ``plant.run_open_loop``, then the set-point of the last sample, then the samples that the laws have done.
     """
@@ -240,7 +239,6 @@ def run_mixed_loop(
             last = cursor[4]
             if not _step_laws(
                 steps, tables, laws, readings, drive, m, s, given, k, last, dt, measured, outputs, faults, trial, good,
-                law_work,
             ):  # fmt: skip
                 return ALGEBRAIC_LOOP
             _keep(laws, readings, drive, m, s, given, k, last, outputs, trial)

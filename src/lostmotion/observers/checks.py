@@ -14,9 +14,9 @@ from ..systems import DiscreteSystem, InputCheck
 
 Array = NDArray[np.float64]
 
-#: Largest difference between measured and expected value that is believed, in SI units. Chosen on the virtual rig, where
-#: it stays below 3.8 rad/s with any parameter off by 20 % or 3 Nm on the load; the others accordingly, by 6300 Nm/rad and
-#: the closed gap's 640 1/s. Where healthy samples are further off, the check learns it.
+#: Largest difference between measured and expected value that is believed, in SI units. Chosen on the virtual rig,
+#: where it stays below 3.8 rad/s with any parameter off by 20 % or 3 Nm on the load; the others accordingly, by 6300
+#: Nm/rad and the closed gap's 640 1/s. Where healthy samples are further off, the check learns it.
 LARGEST_INNOVATION: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 4.0, "speed_load": 4.0, "twist": 0.006, "torque_shaft": 40.0, "angle_motor": 0.006}
 )

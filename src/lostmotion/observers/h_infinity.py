@@ -53,7 +53,8 @@ def h_infinity(
 
     Parameters
     ----------
-    drivetrain, measured, dt, process_covariance, measurement_covariance, count_averaged, load_torque, largest_innovation
+    drivetrain, measured, dt, process_covariance, measurement_covariance : as in ``kalman``
+    count_averaged, load_torque, largest_innovation
         As in ``kalman``.
     weights : mapping of state → 1/unit, optional
         What shall be estimated well; default ``WEIGHTS``.
@@ -87,7 +88,9 @@ def h_infinity(
         raise InvalidInput(
             "h_infinity", f"no gain at level {level:g}", "a solvable Riccati equation", "Raise the margin."
         )
-    return design.assembly.system(design.measured, gain, design.c, name="h_infinity", limits=largest_innovation or {})
+    return design.assembly.system(
+        design.measured, gain, design.c, name="h_infinity", limits=largest_innovation or {}
+    )
 
 
 def _weight_rows(design: SampledModel, weights: Mapping[str, float]) -> Array:

@@ -54,8 +54,8 @@ def shaft_torque(
     -------
     DiscreteSystem
         Inputs speed_motor, torque_shaft; outputs ``OUTPUTS``. Its inputs have no check, since it has no model of either
-        end: a missing sample is replaced by the last good one, and any fault is forgotten within some samples. In a gap the torque tells nothing of the load: then use
-        ``kalman`` with torque_shaft among the measured signals.
+        end: a missing sample is replaced by the last good one, and any fault is forgotten within some samples. In a gap
+        the torque tells nothing of the load: then use ``kalman`` with torque_shaft among the measured signals.
 
     Raises
     ------

@@ -77,30 +77,34 @@ def _simulate_joined(
     """The kernel with one DiscreteSystem."""
     drivetrain, dt, length, names = run.plant.drivetrain, run.plant.dt, run.length, run.plant.layout.inputs
     wiring = _Wiring(run, law, given, sensors, names)
-    from ..kernels.closed_loop import run_closed_loop
+    from ..kernels.closed_loop import LoopTables, run_closed_loop, run_closed_loop_two_mass
 
-    law_state = law.start()
+    law_state, tables = law.start(), law.tables()
     torque = np.zeros((length, len(names)))
     measured = np.zeros((length, len(law.inputs)))
     outputs = np.zeros((length + delay, len(law.outputs)))
-    columns = np.column_stack(list(given.values()))
     noise = disturbance(sensors, law.inputs, length, seed)
     last = np.full(len(law.inputs), np.nan)
-    law_tables = law.tables()
-    law_work = np.zeros(len(law.states) + len(law.inputs) + len(law.curves))
-    law_inputs, law_outputs = np.zeros(len(law.inputs)), np.zeros(len(law.outputs))
+    columns, faults = np.column_stack(list(given.values())), np.zeros(length, dtype=np.int64)
     limit, step = drivetrain.actuator.torque_limit, drivetrain.actuator.rate_limit * dt
+    usual = (run.plant.layout.states, len(names), len(run.plant.elements)) == (4, 1, 2)
+    kernel = run_closed_loop_two_mass if usual else run_closed_loop
     run.finish(
-        lambda tables: run_closed_loop(
-            tables, run.s, run.digits, columns, wiring.drive, every, delay, limit, step, law_tables, law_state,
-            wiring.tables(last, noise), dt, run.work, run.states, run.modes, torque, measured, outputs, law_work,
-            law_inputs, law_outputs, run.events, run.cursor,
+        lambda plant: kernel(
+            plant, run.s, run.digits,
+            LoopTables(
+                wiring.tables(last, noise), columns, wiring.drive, every, delay, limit, step, dt, tables.code,
+                tables.numbers, law_state, torque, measured, outputs, faults,
+            ),
+            run.work, run.states, run.modes, run.events, run.cursor,
         )
     )  # fmt: skip
     made = {name: outputs[delay : length + delay, i] for i, name in enumerate(law.outputs)}
     made |= {name: values for name, values in given.items()}
     made |= {name: torque[:, j] for j, name in enumerate(names)}
     made |= {f"{name}_measured": measured[:, i] for i, name in enumerate(law.inputs) if name in sensors}
+    if law.checks:
+        made[f"input_fault_{law.name}"] = (faults != 0).astype(float)
     return run.recording(made, torque, energy, law=law_state[: len(law.states)].copy())
 
 
@@ -238,8 +242,12 @@ class _Wiring:
     def tables(self, last: Array, noise: Array) -> SensorTables:
         from ..kernels.closed_loop import SensorTables
 
+        signal = np.array([self.plant.signal_rows(mode) for mode in self.plant.modes])
+        used = signal != 0.0
+        stop = np.where(used.any(axis=2), signal.shape[2] - np.argmax(used[:, :, ::-1], axis=2), 0)
         return SensorTables(
-            signal=np.array([self.plant.signal_rows(mode) for mode in self.plant.modes]),
+            signal=signal,
+            span=np.stack([np.argmax(used, axis=2), stop], axis=2).astype(np.int64),
             source=self.source,
             resolution=np.array([s.resolution for s in self.sensors]),
             difference=np.array([int(s.difference) for s in self.sensors], dtype=np.int64),

@@ -76,9 +76,6 @@ class MixedLoop:
         noise = disturbance(self.sensors, inputs, length, seed)
         last = np.full(len(inputs), np.nan)
         trial, good = np.zeros(laws.state.size), np.zeros(len(inputs))
-        law_work = np.zeros(
-            sum(len(law.curves) for law in self.laws if isinstance(law, DiscreteSystem)) + trial.size
-        )
         cursor = np.append(run.cursor, 0.0)
 
         def kernel(plant: Any) -> int:
@@ -86,7 +83,7 @@ class MixedLoop:
                 run_mixed_loop(
                     plant, run.s, run.digits, columns, drive, steps, tables, laws, self._readings(run, last, noise),
                     run.plant.dt, run.work, run.states, run.modes, torque, measured, outputs, faults, trial, good,
-                    law_work, run.events, cursor,
+                    run.events, cursor,
                 )
             )  # fmt: skip
             run.cursor[:] = cursor[: run.cursor.size]
@@ -230,7 +227,7 @@ class MixedLoop:
                 if name in self.sensors:
                     made[f"{name}_measured"] = measured[:, laws.input_start[law] + i]
         for number, part in enumerate(self.laws):
-            if isinstance(part, Stepper):
+            if isinstance(part, Stepper) or part.checks:
                 made[f"input_fault_{part.name}"] = (faults[:, number] != 0).astype(float)
         states = tuple(
             laws.state[a:b].copy() for a, b in zip(laws.state_start[:-1], laws.state_start[1:], strict=True)

@@ -205,41 +205,39 @@ class DiscreteSystem:
         return np.asarray(np.linalg.eigvals(self.A), dtype=complex)
 
     def tables(self) -> LawTables:
-        """The law in the form that the kernel runs."""
+        """The law in the form that the kernels run; the first one of a shape compiles its code (some ten ms)."""
         from ..kernels.law import LawTables
+        from ..kernels.law_code import FLAT, ONE, STEEP, LawShape, step_code
 
-        rows = np.vstack(
-            [
-                np.hstack([self.F, self.G, self.H]),
-                np.hstack([self.C, self.D, self.J]),
-                np.hstack([self.A, self.B, self.E]),
-                np.hstack([self.P, self.Q, self.R]),
-            ]
-        )
-        row, column = np.nonzero(rows)
-        checked = {check.input for check in self.checks}
-        points = [np.array(c.points) for c in self.curves]
-        empty = np.empty((0, 2))
-        z_w = np.vstack([empty, *points])
-        return LawTables(
+        rows = np.vstack([
+            np.hstack([self.F, self.G, self.H]),
+            np.hstack([self.C, self.D, self.J]),
+            np.hstack([self.A, self.B, self.E]),
+            np.hstack([self.P, self.Q, self.R]),
+        ])  # fmt: skip
+        shape = LawShape(
             n_states=len(self.states),
             n_inputs=len(self.inputs),
             n_curves=len(self.curves),
             n_outputs=len(self.outputs),
-            row_start=np.searchsorted(row, np.arange(rows.shape[0] + 1)).astype(np.int64),
-            column=column.astype(np.int64),
-            value=rows[row, column],
-            curve_start=np.cumsum([0, *(p.shape[0] for p in points)]).astype(np.int64),
-            z_point=np.ascontiguousarray(z_w[:, 0]),
-            w_point=np.ascontiguousarray(z_w[:, 1]),
-            slope=np.array([s for c in self.curves for s in c.slopes], dtype=float),
             n_early=self.early_curves,
-            checked=np.array([self.inputs.index(c.input) for c in self.checks], dtype=np.int64),
-            plain=np.array([i for i, n in enumerate(self.inputs) if n not in checked], dtype=np.int64),
-            limit=np.array([c.limit for c in self.checks], dtype=float),
-            hold=np.array([c.hold for c in self.checks], dtype=float),
-            forget=np.array([c.forget for c in self.checks], dtype=float),
-            keep=np.array([c.keep for c in self.checks], dtype=np.int64),
+            rows=tuple(tuple(np.flatnonzero(row).tolist()) for row in rows),
+            slopes=tuple(
+                tuple({0.0: FLAT, 1.0: ONE}.get(slope, STEEP) for slope in c.slopes) for c in self.curves
+            ),
+            checks=tuple((self.inputs.index(c.input), c.keep) for c in self.checks),
+        )
+        points = [point for c in self.curves for point in c.points]
+        numbers = [
+            *(z for z, _ in points), *(w for _, w in points), *(slope for c in self.curves for slope in c.slopes),
+            *(number for c in self.checks for number in (c.limit, float(c.hold), c.forget)),
+        ]  # fmt: skip
+        return LawTables(
+            n_states=shape.n_states,
+            n_inputs=shape.n_inputs,
+            n_outputs=shape.n_outputs,
+            code=step_code(shape).address,
+            numbers=np.concatenate([rows[rows != 0.0], numbers]),
         )
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:

@@ -13,11 +13,6 @@ HOLD = 0.03
 #: How long an error that was believed is remembered, s (chosen).
 MEMORY = 1.0
 
-#: Numbers that a check carries from sample to sample, in the order of ``kernels.law``: the value before, how often it
-#: came in a row, the prediction when it came first, refused samples in a row, the largest error and the largest step of
-#: late.
-REMEMBERED = 6
-
 
 @dataclass(frozen=True)
 class InputCheck:
@@ -30,8 +25,8 @@ class InputCheck:
       believed samples count fully and fade (``forget``); the first sample of every jump counts an eighth, so that what
       happens often, as the steps of a coarse encoder do, is soon no jump any more. After a jump, a sample must come
       within half the limit;
-    - **frozen**: the very same value for the fifth time or more, while its prediction has moved, and is off, by more than
-      three quarters of the largest step that the signal itself made of late from one sample to the next.
+    - **frozen**: the very same value for the fifth time or more, while its prediction has moved, and is off, by more
+      than three quarters of the largest step that the signal itself made of late from one sample to the next.
 
     A bad sample is replaced by the prediction, so that the law sees no error and predicts through. No wrong law is ever
     locked out: after ``hold`` bad samples in a row, and at the start, every finite sample is taken, until ``hold``
@@ -84,7 +79,7 @@ class InputCheck:
         return cls(input, limit, max(1, round(hold / dt)), math.exp(-dt / memory), keep)
 
     def start(self) -> list[float]:
-        """What it remembers at the start, when every finite sample is taken."""
+        """What it remembers at the start (``kernels.law_code.check``), when every finite sample is taken."""
         return [0.0, 0.0, 0.0, 2.0 * self.hold, 0.0, 0.0]
 
     def to_dict(self) -> dict[str, Any]:
