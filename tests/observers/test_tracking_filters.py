@@ -30,23 +30,27 @@ TABLE_1 = Drivetrain.two_mass(
 
 
 def plain_kalman(drivetrain, p, torque, speed, averaged):
-    """The Kalman filter of the linear drivetrain in matrices: filtered twist, speeds and their deviations."""
-    a, b = drivetrain.linear()
-    phi, gamma = zero_order_hold(a, b, DT)
-    f = np.zeros((4, 4))
-    f[:3, :3], f[3, 1] = phi, 1.0
-    h = np.array([0.0, 0.5, 0.0, 0.5] if averaged else [0.0, 1.0, 0.0, 0.0])
+    """The Kalman filter of the linear drivetrain in matrices: filtered twist, speeds and their deviations.
+
+    States twist, speed_motor, speed_load, angle of the motor; averaged speeds are summed up to the counted angle.
+    """
+    a, b = np.zeros((4, 4)), np.zeros((4, 1))
+    a[:3, :3], b[:3] = drivetrain.linear()
+    a[3, 1] = 1.0
+    f, gamma = zero_order_hold(a, b, DT)
+    h = np.array([0.0, 0.0, 0.0, 1.0] if averaged else [0.0, 1.0, 0.0, 0.0])
+    measured = DT * np.cumsum(speed) if averaged else speed
     keep = [0, 1, 2, 4]
     q, cov = np.diag(p[[at.PROCESS + i for i in keep]]), np.diag(p[[at.START_VARIANCE + i for i in keep]])
-    x = np.array([0.0, speed[0], speed[0], speed[0]])
+    x = np.array([0.0, speed[0], speed[0], 0.0])
     rows = []
-    for u, y in zip(torque, speed, strict=True):
+    for u, y in zip(torque, measured, strict=True):
         s = h @ cov @ h + p[at.VARIANCE]
         gain = cov @ h / s
         x = x + gain * (y - h @ x)
         cov = cov - np.outer(gain, gain) * s
         rows.append([*x[:3], *np.sqrt(np.diag(cov)[:3])])
-        x = f @ x + np.append(gamma[:, 0] * u, 0.0)
+        x = f @ x + gamma[:, 0] * u
         cov = f @ cov @ f.T + q
     return np.array(rows)
 

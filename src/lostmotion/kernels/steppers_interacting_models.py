@@ -15,6 +15,8 @@ from numba import njit
 
 from .steppers import INIT, STEP
 from .steppers_model import (
+    ANGLE,
+    AVERAGED,
     COULOMB_MOTOR,
     DAMPING,
     DOUBT,
@@ -25,16 +27,16 @@ from .steppers_model import (
     LEAD,
     LEAD_MIDDLE,
     LOST,
-    MEAN_BEFORE,
-    MEAN_NOW,
     MEMORY,
     N_SENSORS,
     OWN,
+    PIECES,
     PROCESS,
     RATIO_MINUS,
     RATIO_PLUS,
     REST_LOAD,
     REST_MOTOR,
+    SCALE,
     SPEED_LOAD,
     SPEED_MOTOR,
     START,
@@ -47,13 +49,14 @@ from .steppers_model import (
     advance,
     doubt,
     mean_gap,
+    next_count,
     sensor_believed,
     torque_believed,
     write_estimates,
 )  # fmt: skip
 
 N, MODELS = 6, 3
-PREVIOUS, LOAD_TORQUE = 4, 5
+LOAD_TORQUE = 5
 ONE = N + N * N  # a model: its mean, then its covariance
 
 # Own parameters: half of the backlash, Coulomb level, smallest chance of a change to any model.
@@ -79,7 +82,7 @@ def _restart(p, s, speed, count):
                 s[at + N + i * N + j] = s[at + N + j * N + i] = 0.0
             s[at + N + i * N + i] = p[START_VARIANCE + i]
         s[at] = (1 - m) * p[HALF]
-        s[at + 1] = s[at + 2] = s[at + PREVIOUS] = speed
+        s[at + 1] = s[at + 2] = speed
         s[at + 3] = s[TORQUE]
         s[CHANCE + m] = 1.0 / MODELS
     for i in range(3):
@@ -98,13 +101,14 @@ def init(p):
 
 @njit(cache=True)
 def _row(p, s, m, kind, h):
-    """Predicted sensor value of model m; its row over the states goes to h."""
+    """Predicted sensor value of model m (from counts: of the angle turned); its row over the states goes to h."""
     at = m * ONE
     for i in range(N):
         h[i] = 0.0
     if kind == SPEED_MOTOR:
-        h[1], h[PREVIOUS] = p[MEAN_NOW], p[MEAN_BEFORE]
-        return p[MEAN_NOW] * s[at + 1] + p[MEAN_BEFORE] * s[at + PREVIOUS]
+        state = ANGLE if p[AVERAGED] else 1
+        h[state] = 1.0
+        return s[at + state]
     if kind == SPEED_LOAD:
         h[2] = 1.0
         return s[at + 2]
@@ -144,7 +148,7 @@ def _sensor(p, s, i, value, missing, h, gain, innovation, variance):
     kind = int(p[KIND + i])
     best = 0
     for m in range(MODELS):
-        innovation[m] = value - _row(p, s, m, kind, h[m])
+        innovation[m] = value * p[SCALE + i] - _row(p, s, m, kind, h[m])
         variance[m] = p[VARIANCE + i]
         for j in range(N):
             gain[m, j] = 0.0
@@ -162,16 +166,24 @@ def _sensor(p, s, i, value, missing, h, gain, innovation, variance):
     if kind > TWIST:
         moved *= p[STIFFNESS]
     verdict = sensor_believed(
-        p, s, SENSOR_MEMORY + MEMORY * i, value, missing, moved, innovation[best], variance[best],
-        math.sqrt(p[VARIANCE + i]),
+        p, s, SENSOR_MEMORY + MEMORY * i, i, value, missing, moved, innovation[best], variance[best]
     )  # fmt: skip
     if verdict in (FROZEN, JUMP):
         for m in range(MODELS):
             doubt(s, m * ONE + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
     if verdict == START_AGAIN:
-        _restart(p, s, value if kind <= SPEED_LOAD else s[ONE + 1], PREVIOUS + 1)
-    if verdict != USE:
-        return True
+        _restart(p, s, value if kind <= SPEED_LOAD else s[ONE + 1], LOAD_TORQUE)
+    if verdict == USE:
+        _weigh(s, h, innovation, variance, gain)
+    if kind == SPEED_MOTOR and p[AVERAGED]:
+        for m in range(MODELS):
+            next_count(p, i, s, m * ONE, m * ONE + N, N, value, verdict == USE)
+    return verdict != USE
+
+
+@njit(cache=True)
+def _weigh(s, h, innovation, variance, gain):
+    """Every model corrected, and its chance by how likely the sample was."""
     total = 0.0
     for m in range(MODELS):
         # Student's t with three degrees of freedom instead of Gauss: a mode that no model has must not decide.
@@ -181,7 +193,6 @@ def _sensor(p, s, i, value, missing, h, gain, innovation, variance):
         _correct(s, m, h[m], innovation[m], variance[m], gain[m])
     for m in range(MODELS):
         s[CHANCE + m] /= total
-    return False
 
 
 @njit(cache=True)
@@ -225,9 +236,9 @@ def _mixed(p, s, mixed):
 
 @njit(cache=True)
 def _jacobian(p, inside, motor, load, f):
-    """f (4, N): derivatives of the moving states."""
+    """f (5, N): derivatives of all states but the load torque, which stays."""
     lead = p[LEAD_MIDDLE]
-    for i in range(3):
+    for i in range(LOAD_TORQUE):
         gap = p[8 * i + 5] * inside
         f[i, 0] = p[8 * i] + gap
         f[i, 1] = p[8 * i + 1] + gap * lead
@@ -235,51 +246,52 @@ def _jacobian(p, inside, motor, load, f):
         f[i, 3] = p[8 * i + 3]
         f[i, 4] = 0.0
         f[i, 5] = -p[8 * i + 7]
-    for j in range(N):
-        f[3, j] = 0.0
-    f[3, 3] = p[27]
+    f[ANGLE, ANGLE] = 1.0
     if abs(motor) < p[COULOMB_MOTOR]:
-        for j in range(N):
-            slope = f[1, j] * p[REST_MOTOR]
-            for i in range(3):
-                f[i, j] += p[8 * i + 6] * slope
+        _add_rest(p, 6, p[REST_MOTOR], f, 1)
     if -p[RATIO_MINUS] * p[COULOMB] < load < p[RATIO_PLUS] * p[COULOMB]:
-        for j in range(N):
-            slope = f[2, j] * p[REST_LOAD]
-            for i in range(3):
-                f[i, j] += p[8 * i + 7] * slope
+        _add_rest(p, 7, p[REST_LOAD], f, 2)
+
+
+@njit(cache=True)
+def _add_rest(p, column, torque, f, speed):
+    """The friction that brings ``speed`` to rest follows all that moves it."""
+    for j in range(N):
+        if j != ANGLE:
+            slope = f[speed, j] * torque
+            for i in range(LOAD_TORQUE):
+                f[i, j] += p[8 * i + column] * slope
 
 
 @njit(cache=True)
 def _predict(p, s, m, x, torque, f, work):
-    """Model m one sample on, from the mixed start x; returns the load's Coulomb torque."""
+    """Model m a piece of a sample on, from the mixed start x; returns the load's Coulomb torque."""
     at, c = m * ONE, m * ONE + N
     gap = (1 - m) * p[HALF]
     if m == 1:
         gap = x[0] + p[LEAD_MIDDLE] * (x[1] - x[2])
-    n0, n1, n2, n3, motor, load = advance(p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], p[COULOMB], gap, torque)
+    n0, n1, n2, n3, turn, motor, load = advance(
+        p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], p[COULOMB], gap, torque
+    )
     _jacobian(p, 1.0 if m == 1 else 0.0, motor, load, f)
-    for i in range(4):
+    for i in range(LOAD_TORQUE):
         for j in range(N):
-            total = f[i, 5] * x[N + 5 * N + j]
-            for k in range(4):
+            total = 0.0
+            for k in range(N):
                 total += f[i, k] * x[N + k * N + j]
             work[i, j] = total
-    for i in range(4):
-        for j in range(i, 4):
-            total = work[i, 5] * f[j, 5]
-            for k in range(4):
+    for i in range(LOAD_TORQUE):
+        for j in range(i, LOAD_TORQUE):
+            total = 0.0
+            for k in range(N):
                 total += work[i, k] * f[j, k]
             s[c + i * N + j] = s[c + j * N + i] = total
-        s[c + i * N + 4] = s[c + 4 * N + i] = work[i, 1]
-        s[c + i * N + 5] = s[c + 5 * N + i] = work[i, 5]
-    s[c + 4 * N + 4] = x[N + N + 1]
-    s[c + 4 * N + 5] = s[c + 5 * N + 4] = x[N + N + 5]
-    s[c + 5 * N + 5] = x[N + 5 * N + 5]
+        s[c + i * N + LOAD_TORQUE] = s[c + LOAD_TORQUE * N + i] = work[i, LOAD_TORQUE]
+    s[c + LOAD_TORQUE * (N + 1)] = x[N + LOAD_TORQUE * (N + 1)]
     for i in range(N):
         s[c + i * N + i] += p[PROCESS + i]
     s[at], s[at + 1], s[at + 2], s[at + 3] = n0, n1, n2, n3
-    s[at + PREVIOUS], s[at + LOAD_TORQUE] = x[1], x[LOAD_TORQUE]
+    s[at + ANGLE], s[at + LOAD_TORQUE] = x[ANGLE] + turn * p[AVERAGED], x[LOAD_TORQUE]
     return load
 
 
@@ -330,7 +342,7 @@ def _write(p, s, h, work, outputs):
 
 @njit(STEP, cache=True)
 def step(p, s, inputs, faults, outputs):
-    mixed, f, work = np.empty((MODELS, ONE)), np.empty((4, N)), np.empty((4, N))
+    mixed, f, work = np.empty((MODELS, ONE)), np.empty((LOAD_TORQUE, N)), np.empty((LOAD_TORQUE, N))
     h, gain = np.empty((MODELS, N)), np.empty((MODELS, N))
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
     if s[STARTED] == 0.0:
@@ -340,10 +352,10 @@ def step(p, s, inputs, faults, outputs):
             faults |= 2 << i
     _recover(p, s)
     _write(p, s, h[0], work, outputs)
-    _mixed(p, s, mixed)
-    friction = 0.0
-    for m in range(MODELS):
-        friction += s[CHANCE + m] * _predict(p, s, m, mixed[m], torque, f, work)
-    s[FRICTION] = friction
+    for _ in range(int(p[PIECES])):
+        _mixed(p, s, mixed)
+        s[FRICTION] = 0.0
+        for m in range(MODELS):
+            s[FRICTION] += s[CHANCE + m] * _predict(p, s, m, mixed[m], torque, f, work)
     _recover(p, s)
     return faults

@@ -2,7 +2,13 @@
 
 The model is that of ``kernels.prediction_error``; its states here are::
 
-    twist, speed_motor, speed_load, torque_actuator, speed_motor_previous
+    twist, speed_motor, speed_load, torque_actuator, angle_counted
+
+``angle_counted`` is the angle that the motor has turned since the angle that its encoder last counted. A speed from
+count differences, times the sample time, measures this state, and the error of one count is white in it: in the speed
+itself it comes twice, with opposite signs, and nearly cancels. Without such a sensor the state stays zero.
+
+A long sample is predicted in several equal pieces, so that the gap term is held for a short time only.
 
 A step reads its numbers from one flat array, at the places named below. numba's cache does not notice a change in this
 file: touch the modules that import it after changing it.
@@ -15,20 +21,21 @@ import math
 from numba import njit
 
 # Places in the parameter array.
-STEP_MATRIX = 0  # 4 × 8: states × (4 states, torque, gap, friction_motor, friction_load), held over a sample
-LEAD_MIDDLE, LEAD = 32, 33  # s: z = twist + lead·rate, at the middle of the sample and at its start
-STIFFNESS, DAMPING, VISCOUS, COULOMB_MOTOR = 34, 35, 36, 37
-RATIO_PLUS, RATIO_MINUS = 38, 39  # Coulomb level of each direction over their mean
-REST_MOTOR, REST_LOAD = 40, 41  # Nm per rad/s that bring an inertia to rest within a sample
-MEAN_NOW, MEAN_BEFORE = 42, 43  # the measured speed is this mean of the speed now and a sample ago
-TORQUE_BOUND = 44  # Nm: a motor torque beyond it is no torque
-GATE, FREEZE, HOLD = 45, 46, 47  # standard deviations, standard deviations, samples
-START, START_VARIANCE, PROCESS = 48, 56, 64  # 8 each
-KIND, VARIANCE, N_SENSORS = 72, 76, 80  # 4 each: what sensor i measures, variance of a sample
-DT = 81
-MISMATCH = 82  # standard deviations of the sensor that the model's own error may add to an innovation
-COULOMB_BOUND = 83  # Nm: largest Coulomb level that is believed
-OWN = 84  # first place that an observer may use for itself
+STEP_MATRIX = 0  # 5 × 8: states × (4 states, torque, gap, friction_motor, friction_load), held over a piece; row 4: change
+LEAD_MIDDLE, LEAD = 40, 41  # s: z = twist + lead·rate, at the middle of the piece and at its start
+STIFFNESS, DAMPING, VISCOUS, COULOMB_MOTOR = 42, 43, 44, 45
+RATIO_PLUS, RATIO_MINUS = 46, 47  # Coulomb level of each direction over their mean
+REST_MOTOR, REST_LOAD = 48, 49  # Nm per rad/s that bring an inertia to rest within a piece
+PIECES = 50  # of a sample
+AVERAGED = 51  # 1 if the measured motor speed comes from counts
+TORQUE_BOUND = 52  # Nm: a motor torque beyond it is no torque
+GATE, HOLD, DT = 53, 54, 55  # standard deviations, samples, s
+START, START_VARIANCE, PROCESS = 56, 64, 72  # 8 each; PROCESS for a piece
+KIND, SCALE, VARIANCE, MISMATCH, STILL = 80, 84, 88, 92, 96  # 4 each, see ``sensor_believed``
+N_SENSORS = 100
+COULOMB_BOUND = 101  # Nm: largest Coulomb level that is believed
+FROZEN_HOLD = 102  # samples
+OWN = 103  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
@@ -42,6 +49,9 @@ USE, MISSING, START_AGAIN, FROZEN, JUMP = 0, 1, 2, 3, 4
 
 #: An estimate beyond this is lost (SI units; chosen far above any drivetrain), and the observer starts again.
 LOST = 1e8
+
+#: Place of ``angle_counted`` among the states.
+ANGLE = 4
 
 #: Rate at which standard deviations grow while samples are refused as jumps, 1/s, and the speed's largest one, rad/s
 #: (chosen: a jump of 8 rad/s is refused for 20 ms).
@@ -58,9 +68,9 @@ def clip(value, low, high):
 
 @njit(cache=True, inline="always")
 def advance(p, x0, x1, x2, x3, load_torque, coulomb, gap, torque):
-    """The four moving states after a sample, with the gap term given; then the friction torques.
+    """The four moving states after a piece of a sample, with the gap term given; the motor's turn; the frictions.
 
-    Each friction takes what brings its inertia to rest at the end of the sample, within its Coulomb level.
+    Each friction takes what brings its inertia to rest at the end of the piece, within its Coulomb level.
     """
     n0 = p[0] * x0 + p[1] * x1 + p[2] * x2 + p[3] * x3 + p[4] * torque + p[5] * gap - p[7] * load_torque
     n1 = p[8] * x0 + p[9] * x1 + p[10] * x2 + p[11] * x3 + p[12] * torque + p[13] * gap - p[15] * load_torque
@@ -68,13 +78,17 @@ def advance(p, x0, x1, x2, x3, load_torque, coulomb, gap, torque):
         p[16] * x0 + p[17] * x1 + p[18] * x2 + p[19] * x3 + p[20] * torque + p[21] * gap - p[23] * load_torque
     )
     n3 = p[27] * x3 + p[28] * torque
+    turn = (
+        p[32] * x0 + p[33] * x1 + p[34] * x2 + p[35] * x3 + p[36] * torque + p[37] * gap - p[39] * load_torque
+    )
     motor = clip(n1 * p[REST_MOTOR], -p[COULOMB_MOTOR], p[COULOMB_MOTOR])
     n2 += p[22] * motor
     load = clip(n2 * p[REST_LOAD], -p[RATIO_MINUS] * coulomb, p[RATIO_PLUS] * coulomb)
     n0 += p[6] * motor + p[7] * load
     n1 += p[14] * motor + p[15] * load
     n2 += p[23] * load
-    return n0, n1, n2, n3, motor, load
+    turn += p[38] * motor + p[39] * load
+    return n0, n1, n2, n3, turn, motor, load
 
 
 @njit(cache=True, inline="always")
@@ -125,20 +139,20 @@ def torque_believed(p, state, at, inputs, faults):
 
 
 @njit(cache=True, inline="always")
-def sensor_believed(p, state, at, value, missing, moved, innovation, variance, deviation):
-    """Whether a sample of a sensor is used; keeps the sensor's memory at ``state[at]``.
+def sensor_believed(p, state, at, i, value, missing, moved, innovation, variance):
+    """Whether a sample of sensor ``i`` is used; keeps the sensor's memory at ``state[at]``.
 
     Missing samples are not. A frozen one is not: the very same value again, while the model alone has moved by more
-    than ``FREEZE`` deviations since it came first. A jump is not: an innovation beyond ``GATE`` times its own
-    deviation plus ``MISMATCH`` times the sensor's; but after ``HOLD`` rejected samples in a row the signal counts as
-    right and the estimate as lost.
+    than ``STILL`` since it came first, and from then on until it changes. A jump is not: an innovation beyond ``GATE`` times its own deviation plus what the
+    model's own error may add, ``MISMATCH``. But after ``HOLD`` jumps in a row, or a value that came ``FROZEN_HOLD`` times,
+    the signal counts as right and the estimate as lost.
 
     Parameters
     ----------
-    moved : float
-        Change of the predicted signal over the last sample by the model alone.
-    deviation : float
-        Standard deviation of the sensor.
+    value, moved : float
+        The sample, and the change of the predicted signal over the last sample by the model alone, as measured.
+    innovation, variance : float
+        Times ``SCALE`` and its square: of the angle turned if the speed comes from counts.
 
     Returns
     -------
@@ -150,14 +164,19 @@ def sensor_believed(p, state, at, value, missing, moved, innovation, variance, d
         return MISSING
     if value == state[at]:
         state[at + 1] += 1.0
-        state[at + 2] += moved
-        if state[at + 1] >= 3.0 and abs(state[at + 2]) > p[FREEZE] * deviation:
-            return FROZEN
+        state[at + 2] = LOST if state[at + 2] >= LOST else state[at + 2] + moved
+        if state[at + 1] >= 3.0 and abs(state[at + 2]) > p[STILL + i]:
+            # Once frozen it stays so, also where the estimate comes past the value again.
+            state[at + 2] = LOST
+            if state[at + 1] <= p[FROZEN_HOLD]:
+                return FROZEN
+            state[at + 1] = state[at + 2] = state[at + 3] = 0.0
+            return START_AGAIN
     else:
         state[at] = value
         state[at + 1] = 1.0
         state[at + 2] = 0.0
-    if abs(innovation) <= p[GATE] * math.sqrt(variance) + p[MISMATCH] * deviation:
+    if abs(innovation) <= p[GATE] * math.sqrt(variance) + p[MISMATCH + i]:
         state[at + 3] = 0.0
         return USE
     state[at + 3] += 1.0
@@ -165,6 +184,22 @@ def sensor_believed(p, state, at, value, missing, moved, innovation, variance, d
         state[at + 3] = 0.0
         return START_AGAIN
     return JUMP
+
+
+@njit(cache=True, inline="always")
+def next_count(p, i, s, mean, covariance, n, value, used):
+    """After sensor ``i`` counted: the angle of the mean at s[mean …] is measured from the newest count on.
+
+    A used sample moves it by what was counted. Otherwise the count is not known: the angle is then its error alone, and
+    in the (n, n) covariance at s[covariance …] it is white noise.
+    """
+    if used:
+        s[mean + ANGLE] -= value * p[SCALE + i]
+        return
+    s[mean + ANGLE] = 0.0
+    for j in range(n):
+        s[covariance + ANGLE * n + j] = s[covariance + j * n + ANGLE] = 0.0
+    s[covariance + ANGLE * (n + 1)] = p[VARIANCE + i]
 
 
 @njit(cache=True)

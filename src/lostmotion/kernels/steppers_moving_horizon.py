@@ -18,6 +18,8 @@ from numba import njit
 from .steppers import INIT, STEP
 from .steppers_extended_kalman import jacobian, propagate
 from .steppers_model import (
+    ANGLE,
+    AVERAGED,
     COULOMB_BOUND,
     DOUBT,
     DT,
@@ -28,7 +30,10 @@ from .steppers_model import (
     MEMORY,
     N_SENSORS,
     OWN,
+    PIECES,
+    SCALE,
     SPEED_LOAD,
+    SPEED_MOTOR,
     START,
     START_AGAIN,
     USE,
@@ -36,6 +41,7 @@ from .steppers_model import (
     advance,
     clip,
     doubt,
+    next_count,
     sensor_believed,
 )  # fmt: skip
 from .steppers_tracking import (
@@ -45,7 +51,7 @@ from .steppers_tracking import (
     COVARIANCE,
     FRICTION,
     LOAD_TORQUE,
-    PREVIOUS,
+    MOVING,
     SENSOR_MEMORY,
     SIZE,
     STARTED,
@@ -81,35 +87,78 @@ def init(p):
 
 
 @njit(cache=True)
-def _move(p, x, at, torque, f):
-    """Model over a sample from x[at …] with its derivatives f; returns the moving states and the load's friction."""
-    half = 0.5 * max(x[at + BACKLASH], 0.0)
-    coulomb = max(x[at + COULOMB], 0.0)
-    z = x[at] + p[LEAD_MIDDLE] * (x[at + 1] - x[at + 2])
+def _move(p, x, torque, f):
+    """Model over a piece of a sample from x (8,), in place, with its derivatives f (5, 8); returns the load's friction."""
+    half = 0.5 * max(x[BACKLASH], 0.0)
+    coulomb = max(x[COULOMB], 0.0)
+    z = x[0] + p[LEAD_MIDDLE] * (x[1] - x[2])
     gap = clip(z, -half, half)
-    n0, n1, n2, n3, motor, load = advance(
-        p, x[at], x[at + 1], x[at + 2], x[at + 3], x[at + LOAD_TORQUE], coulomb, gap, torque
+    n0, n1, n2, n3, turn, motor, load = advance(
+        p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], coulomb, gap, torque
     )
     inside = 1.0 if abs(z) < half else 0.0
     edge = 0.0 if inside == 1.0 else math.copysign(1.0, z)
     jacobian(p, inside, edge, motor, load, coulomb, f)
-    return n0, n1, n2, n3, load
+    x[0], x[1], x[2], x[3] = n0, n1, n2, n3
+    x[ANGLE] += turn * p[AVERAGED]
+    return load
 
 
 @njit(cache=True)
-def _advance_estimate(p, w, s, at, torque, f, work):
-    """The estimate w a sample on, along the node's trajectory at s[at …]; returns the friction."""
-    n0, n1, n2, n3, load = _move(p, s, at, torque, f)
-    propagate(p, w, f, work)
-    before = w[1]
+def _count(p, s, at, w):
+    """The estimate w, before the node's trajectory at s[at …] moves on: its angle from the node's count on."""
+    if p[AVERAGED]:
+        i = _counter(p)
+        next_count(p, i, w, 0, COVARIANCE, N, s[at + NODE_VALUE + i], s[at + NODE_BELIEVED + i] != 0.0)
+
+
+@njit(cache=True)
+def _counter(p):
+    """Which sensor is the motor's."""
+    i = 0
+    while p[KIND + i] != SPEED_MOTOR:
+        i += 1
+    return i
+
+
+@njit(cache=True)
+def _chained(slope, f, work):
+    """slope (5, 8) of the pieces so far, followed by a piece with f."""
+    for i in range(MOVING):
+        for j in range(N):
+            total = f[i, j] if j >= LOAD_TORQUE else 0.0
+            for k in range(MOVING):
+                total += f[i, k] * slope[k, j]
+            work[i, j] = total
+    slope[:] = work
+
+
+@njit(cache=True)
+def _advance_estimate(p, w, s, at, torque, slope, f, work, two):
+    """The estimate w a sample on, along the node's trajectory at s[at …], which two[0] follows; slope (5, 8) of the sample."""
+    x, apart = two[0], two[1]
+    keeps = 1.0
     for j in range(N):
-        apart = w[j] - s[at + j]
-        n0 += f[0, j] * apart
-        n1 += f[1, j] * apart
-        n2 += f[2, j] * apart
-        n3 += f[3, j] * apart
-    w[0], w[1], w[2], w[3], w[PREVIOUS] = n0, n1, n2, n3, before
-    return load
+        x[j] = s[at + j]
+    if p[AVERAGED]:
+        i = _counter(p)
+        keeps = s[at + NODE_BELIEVED + i]
+        x[ANGLE] = keeps * (x[ANGLE] - s[at + NODE_VALUE + i] * p[SCALE + i])
+    _count(p, s, at, w)
+    for j in range(N):
+        apart[j] = w[j] - x[j]
+    for piece in range(int(p[PIECES])):
+        _move(p, x, torque, f)
+        propagate(p, w, f, work)
+        if piece == 0:
+            slope[:] = f
+        else:
+            _chained(slope, f, work)
+    for i in range(MOVING):
+        w[i] = x[i]
+        for j in range(N):
+            w[i] += slope[i, j] * apart[j]
+    slope[ANGLE, ANGLE] = keeps
 
 
 @njit(cache=True)
@@ -117,7 +166,7 @@ def _use(p, w, s, at, i, h, gain):
     """Sensor i of the node at ``at`` into w; returns innovation over variance (0: not believed), variance."""
     if s[at + NODE_BELIEVED + i] == 0.0:
         return 0.0, 1.0
-    innovation = s[at + NODE_VALUE + i] - row(p, w, int(p[KIND + i]), h)
+    innovation = s[at + NODE_VALUE + i] * p[SCALE + i] - row(p, w, int(p[KIND + i]), h)
     variance = p[VARIANCE + i]
     for j in range(N):
         gain[j] = 0.0
@@ -138,9 +187,8 @@ def _backwards(s, count, sensors, known, slopes, rows, gains, scaled):
         if n < count - 1:
             for j in range(N):
                 turned[j] = r[j] if j >= LOAD_TORQUE else 0.0
-                for i in range(4):
+                for i in range(MOVING):
                     turned[j] += slopes[n, i, j] * r[i]
-            turned[1] += r[PREVIOUS]
             r[:] = turned
         for i in range(sensors - 1, -1, -1):
             along = scaled[n, i]
@@ -156,11 +204,11 @@ def _backwards(s, count, sensors, known, slopes, rows, gains, scaled):
 
 
 @njit(cache=True)
-def _solve(p, s, count, w, f, work):
+def _solve(p, s, count, w, f, work, two):
     """One Gauss–Newton pass; w ends as the newest estimate."""
     sensors = int(p[N_SENSORS])
     known = np.empty((count, N + N * N))
-    slopes = np.empty((count, 4, N))
+    slopes = np.empty((count, MOVING, N))
     rows, gains = np.zeros((count, sensors, N)), np.zeros((count, sensors, N))
     scaled = np.zeros((count, sensors))
     for j in range(N + N * N):
@@ -174,18 +222,18 @@ def _solve(p, s, count, w, f, work):
             for j in range(N):
                 gains[n, i, j] /= variance
         if n < count - 1:
-            _advance_estimate(p, w, s, at, s[at + NODE_TORQUE], slopes[n], work)
+            _advance_estimate(p, w, s, at, s[at + NODE_TORQUE], slopes[n], f, work, two)
     _backwards(s, count, sensors, known, slopes, rows, gains, scaled)
 
 
 @njit(cache=True)
-def _forget_oldest(p, s, w, f, work):
+def _forget_oldest(p, s, w, slope, f, work, two):
     """The arrival estimate one sample on, and every node one place down."""
     for j in range(N + N * N):
         w[j] = s[ARRIVAL + j]
     for i in range(int(p[N_SENSORS])):
         _use(p, w, s, FIRST_NODE, i, work[0], work[1])
-    _advance_estimate(p, w, s, FIRST_NODE, s[FIRST_NODE + NODE_TORQUE], f, work)
+    _advance_estimate(p, w, s, FIRST_NODE, s[FIRST_NODE + NODE_TORQUE], slope, f, work, two)
     for j in range(N + N * N):
         s[ARRIVAL + j] = w[j]
     for j in range(FIRST_NODE, FIRST_NODE + (int(s[COUNT]) - 1) * NODE):
@@ -211,14 +259,14 @@ def _append(p, s, inputs, torque, faults, h):
     given = faults
     for i in range(int(p[N_SENSORS])):
         kind = int(p[KIND + i])
-        innovation = inputs[1 + i] - row(p, s, kind, h)
+        innovation = inputs[1 + i] * p[SCALE + i] - row(p, s, kind, h)
         variance = p[VARIANCE + i]
         for j in range(N):
             for k in range(N):
                 variance += h[j] * h[k] * s[COVARIANCE + j * N + k]
         verdict = sensor_believed(
-            p, s, SENSOR_MEMORY + MEMORY * i, inputs[1 + i], given & (2 << i) != 0, moved(p, s, kind), innovation,
-            variance, math.sqrt(p[VARIANCE + i]),
+            p, s, SENSOR_MEMORY + MEMORY * i, i, inputs[1 + i], given & (2 << i) != 0, moved(p, s, kind), innovation,
+            variance,
         )  # fmt: skip
         s[at + NODE_VALUE + i] = inputs[1 + i]
         s[at + NODE_BELIEVED + i] = 1.0 if verdict == USE else 0.0
@@ -244,13 +292,14 @@ def _begin_horizon(s):
 
 @njit(STEP, cache=True)
 def step(p, s, inputs, faults, outputs):
-    w, f, work = np.empty(N + N * N), np.empty((4, N)), np.empty((4, N))
+    w, two = np.empty(N + N * N), np.empty((2, N))
+    slope, f, work = np.empty((MOVING, N)), np.empty((MOVING, N)), np.empty((MOVING, N))
     fresh = s[STARTED] == 0.0
     torque, faults = begin(p, s, inputs, faults)
     if fresh:
         _begin_horizon(s)
     if s[COUNT] >= p[NODES]:
-        _forget_oldest(p, s, w, f, work)
+        _forget_oldest(p, s, w, slope, f, work, two)
         s[COUNT] -= 1.0
     faults, again = _append(p, s, inputs, torque, faults, work[0])
     if again:
@@ -258,19 +307,20 @@ def step(p, s, inputs, faults, outputs):
     else:
         s[COUNT] += 1.0
         for _ in range(int(p[PASSES])):
-            _solve(p, s, int(s[COUNT]), w, f, work)
+            _solve(p, s, int(s[COUNT]), w, f, work, two)
         for j in range(N + N * N):
             s[j] = w[j]
         s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
         s[COULOMB] = clip(s[COULOMB], 0.0, p[COULOMB_BOUND])
     recover(p, s)
     write(p, s, work[0], outputs)
-    n0, n1, n2, n3, load = _move(p, s, 0, torque, f)
-    propagate(p, s, f, work)
     for i in range(4):
         s[BEFORE + i] = s[i]
-    s[PREVIOUS] = s[1]
-    s[0], s[1], s[2], s[3], s[FRICTION] = n0, n1, n2, n3, load
+    if not again:
+        _count(p, s, FIRST_NODE + (int(s[COUNT]) - 1) * NODE, s)
+    for _ in range(int(p[PIECES])):
+        s[FRICTION] = _move(p, s, torque, f)
+        propagate(p, s, f, work)
     if again:
         _begin_horizon(s)
     recover(p, s)

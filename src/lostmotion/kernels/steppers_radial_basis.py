@@ -14,14 +14,25 @@ import numpy as np
 from numba import njit
 
 from .steppers import INIT, STEP
-from .steppers_model import LEAD_MIDDLE, LOST, MEAN_BEFORE, MEAN_NOW, RATIO_MINUS, RATIO_PLUS, advance, clip
+from .steppers_model import (
+    ANGLE,
+    AVERAGED,
+    DT,
+    LEAD_MIDDLE,
+    LOST,
+    PIECES,
+    RATIO_MINUS,
+    RATIO_PLUS,
+    STIFFNESS,
+    advance,
+    clip,
+)  # fmt: skip
 from .steppers_speed_only import (
     COULOMB,
     FREE,
     FRICTION,
     HALF,
     MOVED,
-    PREVIOUS,
     SIZE,
     STARTED,
     innovation_of,
@@ -95,41 +106,69 @@ def _curves(p, s, z, values):
 
 
 @njit(cache=True)
+def _reach(p, s, i):
+    """How far weight i moves the innovation: its filtered response in the measured speed."""
+    at = RESPONSE + 4 * i
+    before = 0.5 * p[AVERAGED]
+    return (1.0 - before) * s[at + 1] + before * s[at + 3]
+
+
+@njit(cache=True)
 def _learn(p, s, innovation):
     """Weights along their filtered responses, as a Kalman filter with a constant variance of each weight would."""
     total = p[INNOVATION]
     for i in range(WEIGHTS_COUNT):
-        at = RESPONSE + 4 * i
-        reach = p[MEAN_NOW] * s[at + 1] + p[MEAN_BEFORE] * s[at + 3]
-        total += (p[STEP_GAP] if i < N_GAP else p[STEP_FRICTION]) * reach * reach
+        total += (p[STEP_GAP] if i < N_GAP else p[STEP_FRICTION]) * _reach(p, s, i) ** 2
     for i in range(WEIGHTS_COUNT):
-        at = RESPONSE + 4 * i
-        reach = p[MEAN_NOW] * s[at + 1] + p[MEAN_BEFORE] * s[at + 3]
         size = p[STEP_GAP] if i < N_GAP else p[STEP_FRICTION]
         bound = p[BOUND_GAP] if i < N_GAP else p[BOUND_FRICTION]
-        s[WEIGHTS + i] = clip(s[WEIGHTS + i] + size * reach * innovation / total, -bound, bound)
+        s[WEIGHTS + i] = clip(s[WEIGHTS + i] + size * _reach(p, s, i) * innovation / total, -bound, bound)
 
 
 @njit(cache=True)
 def _respond(p, s, inside, slips, values):
-    """The filtered responses one sample on; ``inside``: slope of the whole gap curve, ``slips``: the load turns."""
+    """The filtered responses a piece on; ``inside``: slope of the whole gap curve, ``slips``: the load turns."""
     lead = p[LEAD_MIDDLE]
     for i in range(WEIGHTS_COUNT):
         at = RESPONSE + 4 * i
         x0, x1, x2 = s[at], s[at + 1], s[at + 2]
-        out = p[MEAN_NOW] * x1 + p[MEAN_BEFORE] * s[at + 3]
         gap = inside * (x0 + lead * (x1 - x2))
         load = 0.0
         if i < N_GAP:
             gap += values[i]
         elif slips:
             load = values[i]
-        s[at] = p[0] * x0 + p[1] * x1 + p[2] * x2 + p[5] * gap + p[7] * load - p[GAIN] * out
-        s[at + 1] = p[8] * x0 + p[9] * x1 + p[10] * x2 + p[13] * gap + p[15] * load - p[GAIN + 1] * out
-        s[at + 2] = p[16] * x0 + p[17] * x1 + p[18] * x2 + p[21] * gap + p[23] * load - p[GAIN + 2] * out
+        s[at] = p[0] * x0 + p[1] * x1 + p[2] * x2 + p[5] * gap + p[7] * load
+        s[at + 1] = p[8] * x0 + p[9] * x1 + p[10] * x2 + p[13] * gap + p[15] * load
+        s[at + 2] = p[16] * x0 + p[17] * x1 + p[18] * x2 + p[21] * gap + p[23] * load
         if not slips:
             s[at + 2] = 0.0
-        s[at + 3] = x1 - p[GAIN + 4] * out
+
+
+@njit(cache=True)
+def _correct_responses(p, s, out, before):
+    """What the observer's gain takes from the responses of a sample: ``out`` is each one's part of the innovation."""
+    for i in range(WEIGHTS_COUNT):
+        at = RESPONSE + 4 * i
+        for j in range(3):
+            s[at + j] -= p[GAIN + j] * out[i]
+        s[at + 3] = before[i] - p[GAIN + 4] * out[i]
+
+
+@njit(cache=True)
+def _predict(p, s, torque, values):
+    """Observer and responses a sample on, in pieces, without the correction."""
+    before, s[ANGLE] = s[1], 0.0
+    for _ in range(int(p[PIECES])):
+        z = s[0] + p[LEAD_MIDDLE] * (s[1] - s[2])
+        learned, slope, friction = _curves(p, s, z, values)
+        gap = clip(z, -p[HALF], p[HALF]) + learned
+        inside = clip((1.0 if abs(z) < p[HALF] else 0.0) + slope, 0.0, 1.0)
+        n0, n1, n2, n3, turn, _, load = advance(p, s[0], s[1], s[2], s[3], -friction, p[COULOMB], gap, torque)
+        _respond(p, s, inside, abs(load) >= p[COULOMB] * min(p[RATIO_PLUS], p[RATIO_MINUS]), values)
+        s[0], s[1], s[2], s[3], s[FRICTION] = n0, n1, n2, n3, load
+        s[ANGLE] += turn
+    s[MOVED] = s[1] - before
 
 
 @njit(cache=True)
@@ -137,7 +176,7 @@ def _write(p, s, gap_now, inside, friction, outputs):
     outputs_of(p, s, outputs)
     # A learned curve is nowhere exactly flat: where it is nearly so, the twist counts as free.
     outputs[1] = 0.0 if inside > 0.5 else s[0] - gap_now
-    outputs[4] += p[34] * (clip(s[0], -p[HALF], p[HALF]) - gap_now)
+    outputs[4] += p[STIFFNESS] * (clip(s[0], -p[HALF], p[HALF]) - gap_now)
     outputs[5] += friction
     outputs[6] = 2.0 * p[HALF]
     for i in range(N_GAP):
@@ -147,23 +186,21 @@ def _write(p, s, gap_now, inside, friction, outputs):
 @njit(STEP, cache=True)
 def step(p, s, inputs, faults, outputs):
     values = np.empty(WEIGHTS_COUNT + GAP_CENTRES)
+    out, before = np.empty(WEIGHTS_COUNT), np.empty(WEIGHTS_COUNT)
     torque, innovation, faults = innovation_of(p, s, inputs, faults)
     if faults & 2 == 0:
         _learn(p, s, innovation)
+    for i in range(WEIGHTS_COUNT):
+        out[i], before[i] = _reach(p, s, i), s[RESPONSE + 4 * i + 1]
     z = s[0] + p[LEAD_MIDDLE] * (s[1] - s[2])
     learned, slope, friction = _curves(p, s, z, values)
-    gap = clip(z, -p[HALF], p[HALF])
     inside = clip((1.0 if abs(z) < p[HALF] else 0.0) + slope, 0.0, 1.0)
     _write(p, s, clip(s[0], -p[HALF], p[HALF]) + learned, inside, friction, outputs)
-    n0, n1, n2, n3, _, load = advance(p, s[0], s[1], s[2], s[3], -friction, p[COULOMB], gap + learned, torque)
-    slips = abs(load) >= p[COULOMB] * min(p[RATIO_PLUS], p[RATIO_MINUS])
-    _respond(p, s, inside, slips, values)
-    s[MOVED], s[FRICTION] = n1 - s[1], load
-    s[PREVIOUS] = s[1] + p[GAIN + 4] * innovation
-    s[0] = n0 + p[GAIN] * innovation
-    s[1] = n1 + p[GAIN + 1] * innovation
-    s[2] = n2 + p[GAIN + 2] * innovation
-    s[3] = n3 + p[GAIN + 3] * innovation
+    _predict(p, s, torque, values)
+    _correct_responses(p, s, out, before)
+    for i in range(4):
+        s[i] += p[GAIN + i] * innovation
+    s[ANGLE] += 0.5 * p[DT] * (p[GAIN + 1] + p[GAIN + 4]) * innovation
     if not (abs(s[0]) < LOST and abs(s[1]) < LOST and abs(s[2]) < LOST and abs(s[3]) < LOST):
         restart(p, s, 0.0)
         s[STARTED] = 0.0

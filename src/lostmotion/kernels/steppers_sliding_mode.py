@@ -7,11 +7,11 @@ from numba import njit
 
 from .steppers import INIT, STEP
 from .steppers_model import clip
-from .steppers_speed_only import FREE, SIZE, correct, innovation_of, outputs_of
+from .steppers_speed_only import FREE, SIZE, correct, innovation_of, outputs_of, predict
 
 # Own parameters: reach (largest correction of the motor speed per sample), layer (innovation at which it is reached),
-# corrections of twist and load speed per correction of the motor speed.
-REACH, LAYER, TO_TWIST, TO_LOAD = FREE, FREE + 1, FREE + 2, FREE + 3
+# corrections of twist and load speed per correction of the motor speed, correction of the angle per innovation.
+REACH, LAYER, TO_TWIST, TO_LOAD, TO_ANGLE = FREE, FREE + 1, FREE + 2, FREE + 3, FREE + 4
 
 
 @njit(INIT, cache=True)
@@ -22,7 +22,8 @@ def init(p):
 @njit(STEP, cache=True)
 def step(p, s, inputs, faults, outputs):
     torque, innovation, faults = innovation_of(p, s, inputs, faults)
-    outputs_of(p, s, outputs)
     injection = p[REACH] * clip(innovation / p[LAYER], -1.0, 1.0)
-    correct(p, s, torque, p[TO_TWIST] * injection, injection, p[TO_LOAD] * injection)
+    correct(p, s, p[TO_ANGLE] * innovation, p[TO_TWIST] * injection, injection, p[TO_LOAD] * injection)
+    outputs_of(p, s, outputs)
+    predict(p, s, torque)
     return faults

@@ -8,35 +8,43 @@ import numpy as np
 from numba import njit
 
 from .steppers import INIT, STEP
-from .steppers_model import clip
-from .steppers_speed_only import FREE, SIZE, correct, innovation_of, outputs_of
+from .steppers_model import ANGLE, DT, clip
+from .steppers_speed_only import FREE, SENSOR, SIZE, correct, innovation_of, outputs_of, predict
 
 # Own parameters: gain on the root of the innovation and gain of the integral (both per sample), bound of the integral,
-# innovation below which the sign is a line, corrections of twist and load speed per integral, inertia over sample time.
-ROOT, INTEGRAL, BOUND, LAYER, TO_TWIST, TO_LOAD, INERTIA = (
-    FREE, FREE + 1, FREE + 2, FREE + 3, FREE + 4, FREE + 5, FREE + 6,
+# innovation below which the sign is a line, corrections of twist and load speed per integral, inertia over sample time,
+# correction of the angle per innovation.
+ROOT, INTEGRAL, BOUND, LAYER, TO_TWIST, TO_LOAD, INERTIA, TO_ANGLE = (
+    FREE, FREE + 1, FREE + 2, FREE + 3, FREE + 4, FREE + 5, FREE + 6, FREE + 7,
 )  # fmt: skip
 
-#: Place of the integral in the state: correction of the motor speed per sample.
-SUM = SIZE
+#: Places in the state: the integral, which is the correction of the motor speed per sample, and what it was before the
+#: sensor's present value came.
+SUM, KEPT = SIZE, SIZE + 1
 
 
 @njit(INIT, cache=True)
 def init(p):
-    return np.zeros(SIZE + 1)
+    return np.zeros(SIZE + 2)
 
 
 @njit(STEP, cache=True)
 def step(p, s, inputs, faults, outputs):
     torque, innovation, faults = innovation_of(p, s, inputs, faults)
+    if faults & 2:
+        s[SUM] = s[KEPT]
+    else:
+        if s[SENSOR + 1] == 1.0:
+            s[KEPT] = s[SUM]
+        sign = clip(innovation / p[LAYER], -1.0, 1.0)
+        injection = p[ROOT] * math.sqrt(abs(innovation)) * sign
+        s[SUM] = clip(s[SUM] + p[INTEGRAL] * sign, -p[BOUND], p[BOUND])
+        correct(p, s, p[TO_ANGLE] * innovation, p[TO_TWIST] * s[SUM], injection, p[TO_LOAD] * s[SUM])
     outputs_of(p, s, outputs)
     outputs[6] = p[INERTIA] * s[SUM]
-    if faults & 2:
-        injection = 0.0
-    else:
-        sign = clip(innovation / p[LAYER], -1.0, 1.0)
-        injection = p[ROOT] * math.sqrt(abs(innovation)) * sign + s[SUM]
-        s[SUM] = clip(s[SUM] + p[INTEGRAL] * sign, -p[BOUND], p[BOUND])
-    if correct(p, s, torque, p[TO_TWIST] * s[SUM], injection, p[TO_LOAD] * s[SUM]):
-        s[SUM] = 0.0
+    if faults & 2 == 0:
+        s[1] += s[SUM]
+        s[ANGLE] += 0.5 * p[DT] * s[SUM]
+    if predict(p, s, torque):
+        s[SUM] = s[KEPT] = 0.0
     return faults

@@ -11,6 +11,8 @@ import numpy as np
 from numba import njit
 
 from .steppers_model import (
+    ANGLE,
+    AVERAGED,
     COULOMB_BOUND,
     DAMPING,
     DOUBT,
@@ -20,10 +22,9 @@ from .steppers_model import (
     KIND,
     LEAD,
     LOST,
-    MEAN_BEFORE,
-    MEAN_NOW,
     MEMORY,
     N_SENSORS,
+    SCALE,
     SPEED_LOAD,
     SPEED_MOTOR,
     START,
@@ -37,13 +38,16 @@ from .steppers_model import (
     clip,
     doubt,
     mean_gap,
+    next_count,
     sensor_believed,
     torque_believed,
     write_estimates,
 )  # fmt: skip
 
 N = 8
-ACTUATOR, PREVIOUS, LOAD_TORQUE, BACKLASH, COULOMB = 3, 4, 5, 6, 7
+#: The first states move, the last ones are constants that wander.
+MOVING = 5
+ACTUATOR, LOAD_TORQUE, BACKLASH, COULOMB = 3, 5, 6, 7
 
 # Places in the state.
 COVARIANCE = N
@@ -63,7 +67,7 @@ def restart(p, s, speed, count):
         for j in range(N):
             s[COVARIANCE + i * N + j] = s[COVARIANCE + j * N + i] = 0.0
         s[COVARIANCE + i * N + i] = p[START_VARIANCE + i]
-    s[1] = s[2] = s[PREVIOUS] = speed
+    s[1] = s[2] = speed
     s[ACTUATOR] = s[TORQUE]
     for i in range(4):
         s[BEFORE + i] = s[i]
@@ -92,12 +96,13 @@ def spread(s, lead):
 
 @njit(cache=True)
 def row(p, s, kind, h):
-    """Predicted sensor value; its row over the states goes to h."""
+    """Predicted sensor value (from counts: of the angle turned); its row over the states goes to h."""
     for i in range(N):
         h[i] = 0.0
     if kind == SPEED_MOTOR:
-        h[1], h[PREVIOUS] = p[MEAN_NOW], p[MEAN_BEFORE]
-        return p[MEAN_NOW] * s[1] + p[MEAN_BEFORE] * s[PREVIOUS]
+        state = ANGLE if p[AVERAGED] else 1
+        h[state] = 1.0
+        return s[state]
     if kind == SPEED_LOAD:
         h[2] = 1.0
         return s[2]
@@ -171,7 +176,7 @@ def correct_all(p, s, inputs, torque_faults, work):
     faults = torque_faults
     for i in range(int(p[N_SENSORS])):
         kind = int(p[KIND + i])
-        innovation = inputs[1 + i] - row(p, s, kind, h)
+        innovation = inputs[1 + i] * p[SCALE + i] - row(p, s, kind, h)
         variance = p[VARIANCE + i]
         for j in range(N):
             gain[j] = 0.0
@@ -180,8 +185,8 @@ def correct_all(p, s, inputs, torque_faults, work):
         for j in range(N):
             variance += h[j] * gain[j]
         verdict = sensor_believed(
-            p, s, SENSOR_MEMORY + MEMORY * i, inputs[1 + i], torque_faults & (2 << i) != 0, moved(p, s, kind),
-            innovation, variance, math.sqrt(p[VARIANCE + i]),
+            p, s, SENSOR_MEMORY + MEMORY * i, i, inputs[1 + i], torque_faults & (2 << i) != 0, moved(p, s, kind),
+            innovation, variance,
         )  # fmt: skip
         if verdict == USE:
             correct(s, h, innovation, variance, gain)
@@ -193,6 +198,8 @@ def correct_all(p, s, inputs, torque_faults, work):
             doubt(s, COVARIANCE, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
         if verdict == START_AGAIN:
             restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
+        if kind == SPEED_MOTOR and p[AVERAGED]:
+            next_count(p, i, s, 0, COVARIANCE, N, inputs[1 + i], verdict == USE)
     return faults
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from .steppers import INIT, STEP
-from .steppers_model import LEAD_MIDDLE, PROCESS, advance, clip
+from .steppers_model import ANGLE, AVERAGED, LEAD_MIDDLE, PIECES, PROCESS, advance, clip
 from .steppers_tracking import (
     BACKLASH,
     BEFORE,
@@ -20,7 +20,6 @@ from .steppers_tracking import (
     COVARIANCE,
     FRICTION,
     LOAD_TORQUE,
-    PREVIOUS,
     N,
     begin,
     correct_all,
@@ -61,12 +60,14 @@ def _factor(s, root):
 def _move(p, x, torque):
     """One point a sample later, in place; returns the load's Coulomb torque."""
     half = 0.5 * max(x[BACKLASH], 0.0)
-    gap = clip(x[0] + p[LEAD_MIDDLE] * (x[1] - x[2]), -half, half)
-    n0, n1, n2, n3, _, load = advance(
-        p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], max(x[COULOMB], 0.0), gap, torque
-    )
-    x[PREVIOUS] = x[1]
-    x[0], x[1], x[2], x[3] = n0, n1, n2, n3
+    load = 0.0
+    for _ in range(int(p[PIECES])):
+        gap = clip(x[0] + p[LEAD_MIDDLE] * (x[1] - x[2]), -half, half)
+        n0, n1, n2, n3, turn, _, load = advance(
+            p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], max(x[COULOMB], 0.0), gap, torque
+        )
+        x[0], x[1], x[2], x[3] = n0, n1, n2, n3
+        x[ANGLE] += turn * p[AVERAGED]
     return load
 
 
@@ -99,7 +100,7 @@ def _predict(p, s, torque, root, points):
             total = _MIDDLE * points[0, i] * points[0, j] + _WEIGHT * total
             s[COVARIANCE + i * N + j] = s[COVARIANCE + j * N + i] = total
     for i in range(N):
-        s[COVARIANCE + i * N + i] += p[PROCESS + i]
+        s[COVARIANCE + i * N + i] += p[PIECES] * p[PROCESS + i]
 
 
 @njit(STEP, cache=True)

@@ -97,7 +97,7 @@ def extended_kalman(
     """
     measured = measured_sensors(measured)
     p = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)
-    fill_tracking(p, drivetrain, dt, unknown_torque, drift, uncertainty)
+    fill_tracking(p, drivetrain, unknown_torque, drift, uncertainty)
     return Stepper(
         name="extended_kalman",
         inputs=("torque_motor", *measured),
@@ -111,7 +111,6 @@ def extended_kalman(
 def fill_tracking(
     p: Array,
     drivetrain: Drivetrain,
-    dt: float,
     unknown_torque: Mapping[str, float] | None,
     drift: Mapping[str, float] | None,
     uncertainty: Mapping[str, float] | None,
@@ -124,10 +123,14 @@ def fill_tracking(
     backlash, coulomb = drivetrain.backlash, drivetrain.coulomb
     units = np.array([1.0, backlash, coulomb])
     names = ("torque_load", "backlash", "coulomb")
+    dt = p[at.DT] / p[at.PIECES]
     q_motor, q_load = process_of_torque(drivetrain, unknown_torque, dt)
     p[at.START + 5 : at.START + 8] = 0.0, backlash, coulomb
     # At the start the twist lies anywhere in the gap, the load turns about as fast as the motor.
-    p[at.START_VARIANCE : at.START_VARIANCE + 5] = (0.5 * backlash) ** 2 + 1e-8, 0.25, 0.25, 0.25, 0.25
+    p[at.START_VARIANCE : at.START_VARIANCE + 4] = (0.5 * backlash) ** 2 + 1e-8, 0.25, 0.25, 0.25
+    if p[at.AVERAGED]:
+        motor = list(p[at.KIND : at.KIND + int(p[at.N_SENSORS])]).index(0.0)
+        p[at.START_VARIANCE + at.ANGLE] = p[at.VARIANCE + motor]
     p[at.COULOMB_BOUND] = (1.0 + COULOMB_REACH * known["coulomb"]) * coulomb
     p[at.START_VARIANCE + 5 : at.START_VARIANCE + 8] = (units * [known[n] for n in names]) ** 2
     p[at.PROCESS : at.PROCESS + 5] = 1e-14, q_motor, q_load, 0.0, 0.0

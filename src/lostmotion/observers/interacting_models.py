@@ -79,7 +79,7 @@ def interacting_models(
     measured = measured_sensors(measured)
     p = np.zeros(kernel.LEAST + 1)
     p[: at.OWN] = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)
-    fill_tracking(p, drivetrain, dt, unknown_torque, drift, uncertainty)
+    fill_tracking(p, drivetrain, unknown_torque, drift, uncertainty)
     p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + 1e-8
     p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb
     p[kernel.LEAST] = LEAST_CHANGE

@@ -65,7 +65,7 @@ def moving_horizon(
     measured = measured_sensors(measured)
     p = np.zeros(kernel.PASSES + 1)
     p[: at.OWN] = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)
-    fill_tracking(p, drivetrain, dt, unknown_torque, drift, uncertainty)
+    fill_tracking(p, drivetrain, unknown_torque, drift, uncertainty)
     nodes = max(3, round(positive("horizon", horizon) / dt))
     if nodes > MAX_NODES:
         raise InvalidInput(

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
-from .speed_only import ESTIMATES, default_bandwidth, load_corrections, speed_only_parameters
+from .speed_only import (
+    ESTIMATES,
+    FASTEST,
+    default_poles,
+    follow_share,
+    load_corrections,
+    speed_only_parameters,
+)
 from .tuning import positive
 
 
@@ -15,8 +24,8 @@ def sliding_mode(
     unknown_torque: float = 10.0,
     layer: float | None = None,
     bandwidth: float | None = None,
-    damping_ratio: float = 0.7,
-    sensor_noise: float = 0.03,
+    damping_ratio: float | None = None,
+    sensor_noise: float | None = None,
     count_averaged: bool = False,
 ) -> Stepper:
     """Sliding-mode observer from motor torque and motor speed.
@@ -58,14 +67,15 @@ def sliding_mode(
     """
     from ..kernels import steppers_sliding_mode as kernel
 
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 4)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 5)
     reach = positive("unknown_torque", unknown_torque) / drivetrain.inertia_motor * dt
-    width = max(4.0 * sensor_noise, 2.0 * reach) if layer is None else positive("layer", layer)
-    rate = default_bandwidth(drivetrain) if bandwidth is None else positive("bandwidth", bandwidth)
-    p[kernel.REACH], p[kernel.LAYER] = reach, width
-    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(
-        drivetrain, rate, positive("damping_ratio", damping_ratio)
-    )
+    share = follow_share(drivetrain, p)
+    if layer is not None:
+        share = min(math.sqrt(reach / positive("layer", layer)), FASTEST)
+    p[kernel.REACH], p[kernel.LAYER] = reach, reach / share**2 if layer is None else layer
+    p[kernel.TO_ANGLE] = share * (2.0 - share) * dt
+    poles = default_poles(drivetrain, share, dt, bandwidth, damping_ratio)
+    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(drivetrain, *poles)
     return Stepper(
         name="sliding_mode",
         inputs=("torque_motor", "speed_motor"),

@@ -6,8 +6,17 @@ import math
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
-from .speed_only import ESTIMATES, default_bandwidth, load_corrections, speed_only_parameters
+from .speed_only import (
+    ESTIMATES,
+    default_poles,
+    error_of_counts,
+    load_corrections,
+    speed_only_parameters,
+)
 from .tuning import positive
+
+#: Largest share of the motor's error that a sample takes away (chosen).
+FASTEST = 0.4
 
 OUTPUTS = (*ESTIMATES, "torque_unknown_estimated")
 
@@ -19,8 +28,8 @@ def super_twisting(
     torque_rate: float = 3000.0,
     unknown_torque: float = 20.0,
     bandwidth: float | None = None,
-    damping_ratio: float = 0.7,
-    sensor_noise: float = 0.03,
+    damping_ratio: float | None = None,
+    sensor_noise: float | None = None,
     count_averaged: bool = False,
 ) -> Stepper:
     """Super-twisting observer from motor torque and motor speed.
@@ -58,16 +67,18 @@ def super_twisting(
     """
     from ..kernels import steppers_super_twisting as kernel
 
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 7)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 8)
     jm = drivetrain.inertia_motor
-    rate = default_bandwidth(drivetrain) if bandwidth is None else positive("bandwidth", bandwidth)
     bound = positive("torque_rate", torque_rate) / jm
     p[kernel.ROOT], p[kernel.INTEGRAL] = 1.5 * math.sqrt(bound) * dt, 1.1 * bound * dt**2
     p[kernel.BOUND] = positive("unknown_torque", unknown_torque) / jm * dt
-    p[kernel.LAYER] = 0.1 * positive("sensor_noise", sensor_noise)
-    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(
-        drivetrain, rate, positive("damping_ratio", damping_ratio)
-    )
+    # At the sensor's own noise the root counts as a gain; angle and integral are placed for three equal poles there.
+    error = error_of_counts(p)
+    share = min(math.sqrt(p[kernel.ROOT] / (3.0 * math.sqrt(error))), FASTEST)
+    p[kernel.LAYER] = max(p[kernel.INTEGRAL] / share**3, (p[kernel.ROOT] / (3.0 * share**2)) ** 2)
+    p[kernel.TO_ANGLE] = (1.0 - (1.0 - share) ** 3) * dt
+    poles = default_poles(drivetrain, share, dt, bandwidth, damping_ratio)
+    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(drivetrain, *poles)
     p[kernel.INERTIA] = jm / dt
     return Stepper(
         name="super_twisting",

@@ -19,21 +19,30 @@ Array = NDArray[np.float64]
 #: Sensors of the steppers, in the order of their kinds in ``kernels.steppers_model``.
 STEPPER_SENSORS = ("speed_motor", "speed_load", "twist", "torque_shaft")
 
-#: Standard deviation of one sample. Speeds: a 20-bit encoder differenced at 0.1 ms has 0.025 rad/s; torque: a drive's
-#: test-rig sensor; twist: 20 bit (chosen).
+#: Standard deviation of one sample, but for a speed from counts. Speeds: a 20-bit encoder differenced at 0.1 ms has 0.025
+#: rad/s; torque: a drive's test-rig sensor; twist: 20 bit (chosen).
 SENSOR_NOISE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 0.03, "speed_load": 0.03, "twist": 1e-5, "torque_shaft": 0.3}
 )
 
+#: Encoder that a speed from counts is taken to come from, counts in a turn (chosen: 20 bit).
+COUNTS = 2**20
+
 #: Torque that the model does not know, as the root of its density, Nm·√s: 0.02 is 0.63 Nm held for 1 ms each (chosen).
 UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.02, "load": 0.02})
 
-#: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH of the sensor's: the virtual rig's
-#: modes beyond the model throw 20 of them at hard impacts. A sensor is frozen if the model has moved by FREEZE of its
-#: deviations meanwhile. All chosen.
-GATE, MISMATCH, FREEZE = 10.0, 25.0, 6.0
-#: After this time of rejected samples the signal is right and the estimate wrong, s (chosen).
-HOLD = 0.03
+#: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit: the virtual rig's
+#: modes beyond the model throw 0.6 rad/s at hard impacts. A sensor is frozen if the model has moved by FREEZE of its
+#: deviations meanwhile (of counts: two and a half, which no speed can hide). All chosen.
+GATE, FREEZE = 10.0, 6.0
+MISMATCH: Mapping[str, float] = MappingProxyType(
+    {"speed_motor": 0.75, "speed_load": 0.75, "twist": 2.5e-4, "torque_shaft": 7.5}
+)
+#: After this time of rejected samples the signal is right and the estimate wrong, s (chosen): jumps, the same value.
+HOLD, FROZEN_HOLD = 0.03, 0.1
+#: A sample is predicted in pieces in which the shaft's closed mode turns by at most this angle, rad (chosen: the gap term is
+#: held over a piece; 0.25 ms on the paper's rig).
+PIECE = 0.16
 
 
 def measured_sensors(measured: Sequence[str]) -> tuple[str, ...]:
@@ -66,14 +75,29 @@ def chosen(
     return {name: positive(f"{where}[{name!r}]", v, zero) for name, v in {**default, **(given or {})}.items()}
 
 
+def speed_of_counts(dt: float, counts: float = COUNTS) -> float:
+    """Standard deviation (rad/s) of a speed that is a difference of counts over dt: two errors, each even in ±½."""
+    return 2.0 * math.pi / counts / (dt * math.sqrt(6.0))
+
+
+def pieces(drivetrain: Drivetrain, dt: float) -> int:
+    """Into how many equal pieces a sample is split."""
+    mode = math.sqrt(drivetrain.stiffness * (1.0 / drivetrain.inertia_motor + 1.0 / drivetrain.inertia_load))
+    return max(1, math.ceil(mode * dt / PIECE))
+
+
 def step_matrix(drivetrain: Drivetrain, dt: float) -> Array:
-    """(4, 8): twist, speeds, actuator torque after a sample; columns: those before, torque, gap, frictions held."""
-    model = observer_model(drivetrain, ("speed_motor",))
+    """(5, 8): twist, speeds, actuator torque after dt, and the motor's turn.
+
+    Columns: the four before, torque, gap, frictions held.
+    """
+    model = observer_model(drivetrain, ("speed_motor", "angle_motor"))
     b = np.hstack([model.B, model.E_gap, model.E_motor, model.E_load])
     phi, gamma = zero_order_hold(model.A, b, dt)
-    rows = np.zeros((4, 8))
-    n = phi.shape[0]
-    rows[:n, :n], rows[:n, 4:] = phi, gamma
+    rows = np.zeros((5, 8))
+    n = phi.shape[0] - 1
+    to = [*range(n), 4]
+    rows[to, :n], rows[to, 4:] = phi[:, :n], gamma
     return rows
 
 
@@ -90,28 +114,45 @@ def model_parameters(
     if count_averaged and "speed_motor" not in measured:
         raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
     shaft, friction = drivetrain.shaft, drivetrain.frictions[1]
-    noise = chosen("sensor_noise", SENSOR_NOISE, sensor_noise, zero=False)
-    rows = step_matrix(drivetrain, dt)
+    split = pieces(drivetrain, dt)
+    rows = step_matrix(drivetrain, dt / split)
     lead = 0.0 if shaft.contact == "dead_zone" else shaft.damping / shaft.stiffness
     level = drivetrain.coulomb
     limit = drivetrain.actuator.torque_limit
     p = np.zeros(at.OWN)
-    p[at.STEP_MATRIX : at.STEP_MATRIX + 32] = rows.ravel()
-    p[at.LEAD_MIDDLE], p[at.LEAD] = lead + 0.5 * dt, lead
+    p[at.STEP_MATRIX : at.STEP_MATRIX + 40] = rows.ravel()
+    p[at.LEAD_MIDDLE], p[at.LEAD], p[at.PIECES] = lead + 0.5 * dt / split, lead, split
     p[at.STIFFNESS], p[at.DAMPING], p[at.VISCOUS] = shaft.stiffness, shaft.damping, drivetrain.viscous
     p[at.COULOMB_MOTOR] = drivetrain.coulomb_motor
     p[at.RATIO_PLUS] = friction.coulomb_plus / level if level > 0.0 else 1.0
     p[at.RATIO_MINUS] = friction.coulomb_minus / level if level > 0.0 else 1.0
     p[at.REST_MOTOR], p[at.REST_LOAD] = 1.0 / abs(rows[1, 6]), 1.0 / abs(rows[2, 7])
-    p[at.MEAN_NOW], p[at.MEAN_BEFORE] = (0.5, 0.5) if count_averaged else (1.0, 0.0)
+    p[at.AVERAGED] = float(count_averaged)
     p[at.TORQUE_BOUND] = 2.0 * limit if math.isfinite(limit) else 1e30
-    p[at.MISMATCH] = MISMATCH
-    p[at.GATE], p[at.FREEZE], p[at.HOLD] = GATE, FREEZE, max(1.0, round(HOLD / dt))
-    for i, name in enumerate(measured):
-        p[at.KIND + i] = STEPPER_SENSORS.index(name)
-        p[at.VARIANCE + i] = noise[name] ** 2
-    p[at.N_SENSORS], p[at.DT] = len(measured), dt
+    p[at.GATE], p[at.HOLD], p[at.DT] = GATE, max(1.0, round(HOLD / dt)), dt
+    p[at.N_SENSORS], p[at.FROZEN_HOLD] = len(measured), max(3.0, round(FROZEN_HOLD / dt))
+    _fill_sensors(p, measured, dt, sensor_noise, count_averaged)
     return p
+
+
+def _fill_sensors(
+    p: Array,
+    measured: tuple[str, ...],
+    dt: float,
+    sensor_noise: Mapping[str, float] | None,
+    count_averaged: bool,
+) -> None:
+    """What each sensor shows and how well; a speed from counts is judged by the angle turned, which has one error."""
+    from ..kernels import steppers_model as at
+
+    usual = {**SENSOR_NOISE, "speed_motor": speed_of_counts(dt)} if count_averaged else SENSOR_NOISE
+    noise = chosen("sensor_noise", usual, sensor_noise, zero=False)
+    for i, name in enumerate(measured):
+        counted = count_averaged and name == "speed_motor"
+        scale = dt if counted else 1.0
+        p[at.KIND + i], p[at.SCALE + i] = STEPPER_SENSORS.index(name), scale
+        p[at.VARIANCE + i] = (noise[name] * scale) ** 2 * (0.5 if counted else 1.0)
+        p[at.MISMATCH + i], p[at.STILL + i] = MISMATCH[name] * scale, FREEZE * noise[name]
 
 
 def process_of_torque(
