@@ -33,7 +33,7 @@ def chain(n: int, contact: str, lag: float = 0.0) -> Drivetrain:
 def test_chain_with_several_backlashes(contact, n):
     plant = chain(n, contact, lag=3e-4 if n in (3, 12) else 0.0)
     rng = np.random.default_rng([n, len(contact)])
-    samples = {3: 150, 4: 150, 6: 80, 7: 40}.get(n, 20)
+    samples = {3: 150, 4: 150, 6: 80}.get(n, 40)
     torque = 20.0 * rng.standard_normal(samples) + np.where(np.arange(samples) % 100 < 50, 15.0, -15.0)
     start = np.concatenate([np.zeros(n - 1), rng.uniform(-4.0, 4.0, n)])
     fine, coarse = Independent(plant, 1e-13), Independent(plant, 1e-12)
