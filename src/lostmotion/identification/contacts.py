@@ -68,7 +68,9 @@ def compare_contacts(
     from scipy.stats import t
 
     found = {
-        law: identify(recording, start=start, fixed=fixed, contact=law, count_averaged=count_averaged)
+        law: identify(
+            recording, start=start, fixed=fixed, contact=law, joint_piece=False, count_averaged=count_averaged
+        )
         for law in CONTACTS
     }
     order = sorted(CONTACTS, key=lambda law: found[law].prediction.rms)

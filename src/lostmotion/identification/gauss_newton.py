@@ -39,6 +39,7 @@ def minimise(
     lower: Array,
     upper: Array,
     iterations: int,
+    smallest_gain: float = SMALLEST_GAIN,
 ) -> Fit:
     """Lower the sum of squares of ``residual(theta)`` over the ``free`` entries of theta.
 
@@ -50,6 +51,8 @@ def minimise(
         Steps are cut at these bounds.
     iterations : int
         At most so many steps.
+    smallest_gain : float
+        A step that lowers the cost by less than this fraction is the last one.
     """
     fit = Fit(theta.copy(), *_evaluate(residual, theta), 0, not free)
     iterations = iterations if free else 0
@@ -69,7 +72,7 @@ def minimise(
             # No lower cost in any direction between Gauss–Newton and steepest descent: the bottom.
             return Fit(fit.theta, fit.residual, fit.cost, count, True)
         moved = np.max(np.abs(trial[free] - fit.theta[free]))
-        small = moved < SMALLEST_STEP or fit.cost - cost < SMALLEST_GAIN * fit.cost
+        small = moved < SMALLEST_STEP or fit.cost - cost < smallest_gain * fit.cost
         damping = max(damping / 8.0, 1e-8)
         fit = Fit(trial, r, cost, count, bool(small))
         if small:

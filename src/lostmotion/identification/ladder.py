@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,11 +84,18 @@ def fit(predictor: Predictor, theta: Array, free: list[int], box: Box, bandwidth
     )  # fmt: skip
 
 
-def descend(predictor: Predictor, theta: Array, free: list[int], box: Box, say: Progress) -> Stage:
-    """Fit with ever lower gain, each from the result of the one before."""
+def descent(
+    predictor: Predictor,
+    theta: Array,
+    free: list[int],
+    box: Box,
+    say: Progress,
+    rungs: Sequence[Bandwidth] = LADDER,
+) -> list[Stage]:
+    """Fits with ever lower gain, each from the result of the one before."""
     stages: list[Stage] = []
-    for number, rung in enumerate(LADDER):
-        say(0.2 + 0.2 * number, f"fitting, gain {number + 1} of {len(LADDER)}")
+    for number, rung in enumerate(rungs):
+        say(0.2 + 0.2 * number, f"fitting, gain {number + 1} of {len(rungs)}")
         bandwidth = bandwidth_for(predictor.drivetrain(theta), rung)
         found = fit(predictor, theta, free, box, bandwidth)
         if stages and not found.cost < LARGEST_GROWTH**2 * stages[-1].fit.cost:
@@ -96,7 +103,12 @@ def descend(predictor: Predictor, theta: Array, free: list[int], box: Box, say: 
         done = found.iterations + (stages[-1].iterations if stages else 0)
         stages.append(Stage(found, bandwidth, free, done))
         theta = found.theta
-    return stages[-1]
+    return stages
+
+
+def descend(predictor: Predictor, theta: Array, free: list[int], box: Box, say: Progress) -> Stage:
+    """The last fit of a descent."""
+    return descent(predictor, theta, free, box, say)[-1]
 
 
 def descend_again(predictor: Predictor, theta: Array, free: list[int], box: Box, say: Progress) -> Stage:

@@ -15,7 +15,8 @@ from . import findings, starts
 from .channel_fit import refine
 from .channel_predictor import ChannelPredictor
 from .intervals import half_widths, higher_mode, without_unexcited
-from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend_again, fit
+from .joint_piece import with_joint_piece
+from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend_again, descent, fit
 from .pieces import Pieces, join
 from .predictor import NAMES, Predictor, from_theta
 from .result import Identification, Prediction, Source
@@ -44,6 +45,7 @@ def identify(
     measured: Sequence[str] = ("speed_motor",),
     load_torque: bool = False,
     contact: str = "viscoelastic",
+    joint_piece: bool = True,
     count_averaged: bool | None = None,
     progress: Progress | None = None,
 ) -> Identification:
@@ -51,7 +53,9 @@ def identify(
 
     The innovations of ``observers.kalman`` (motor torque and motor speed alone) are minimised over the
     logarithms of the parameters. A grid over motor inertia, stiffness and backlash around the nameplate
-    finds the valley; the observer's gain then goes from high to low.
+    finds the valley; the observer's gain then goes from high to low. Where it predicts clearly better, the model gets a
+    joint piece: a part of the motor's inertia that sits on the shaft before the gap (``joint_piece``). Stiffness and
+    damping then are those of the two masses with the same torsional mode.
 
     A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + n² + a²). s is the sandwich
     standard error times Student's factor. The rest stands for what the model leaves out: g is how far a
@@ -77,6 +81,8 @@ def identify(
         Whether an unknown, slowly changing torque acts on the load. How slowly is estimated.
     contact : {"viscoelastic", "dead_zone"}
         Contact law of the observer; see ``compare_contacts``.
+    joint_piece : bool
+        Whether a joint piece is tried; not with further channels, a load torque or the dead-zone law.
     count_averaged : bool, optional
         Whether the speeds are an encoder's count difference, so a mean over the sample before. Default: what
         ``recording.meta["count_averaged"]`` says, else found from the quantisation of the signal.
@@ -112,18 +118,28 @@ def identify(
     theta, total = starts.complete(start, predictor, fixed)
     box = Box.around(theta, predictor.dt)
     theta, second = starts.search(theta, total, predictor, start, fixed, bandwidth_for(start, LADDER[0]))
-    stage = descend_again(predictor, theta, free, box, say)
+    wide = load_torque or contact != "viscoelastic" or len(measured) > 1
+    found = None
+    if joint_piece and not wide:
+        upper = descent(predictor, theta, free, box, say, rungs=LADDER[:2])
+        found = with_joint_piece(predictor, upper, box)
+    predictor, stage = found or (predictor, descend_again(predictor, theta, free, box, _from(0.5, say)))
     ambiguous = _second_minimum(predictor, second, stage, box)
-    if load_torque or contact != "viscoelastic" or len(measured) > 1:
+    if wide:
         say(0.7, "fitting all channels")
-        wide = _channel_predictor(predictor, pieces, recordings[0], measured, contact, count_averaged)
-        predictor, stage = refine(wide, theta, stage, box, load_torque)
+        channels = _channel_predictor(predictor, pieces, recordings[0], measured, contact, count_averaged)
+        predictor, stage = refine(channels, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
     stage = without_unexcited(predictor, stage, start, box)
-    found = _result(pieces, predictor, stage, start, fixed, total)
-    found = replace(found, problems=(*found.problems, *ambiguous))
+    result = _result(pieces, predictor, stage, start, fixed, total)
+    result = replace(result, problems=(*result.problems, *ambiguous))
     say(1.0, "identified")
-    return found
+    return result
+
+
+def _from(first: float, say: Progress) -> Progress:
+    """Progress that never goes back before ``first``."""
+    return lambda fraction, text: say(max(first, fraction), text)
 
 
 def _check(start: Drivetrain, fixed: Collection[str], measured: Sequence[str], contact: str) -> None:
@@ -218,6 +234,7 @@ def _result(
         iterations=stage.iterations,
         unmodelled_frequency=higher_mode(predictor, stage),
         levels=predictor.noise_levels(residual),
+        joint_piece=predictor.joint_piece,
     )
     sources: dict[str, Source] = {
         name: "identified" if name in names else "nameplate" if name in fixed else "not excited"

@@ -68,6 +68,11 @@ class Predictor:
         object.__setattr__(self, "bounds", self.bounds or (0, self.torque.size))
 
     @property
+    def joint_piece(self) -> tuple[float, float] | None:
+        """Share of the motor's inertia on the shaft, and of the shaft's compliance before it; None: two masses."""
+        return None
+
+    @property
     def pieces(self) -> list[slice]:
         """Rows of each piece."""
         return [slice(a, b) for a, b in zip(self.bounds, self.bounds[1:], strict=False)]

@@ -35,6 +35,9 @@ class Prediction:
         Peak of the innovations' spectrum above the torsional mode, if one stands out.
     levels : mapping of name → float
         Rms of the innovations of each measured channel, in its own unit.
+    joint_piece : (float, float), optional
+        The part of the motor's inertia that sits on the shaft before the gap, and the part of the shaft's compliance
+        before that, if the model needed one; values belong to the two masses with the same torsional mode.
     """
 
     time: NDArray[np.float64]
@@ -45,6 +48,7 @@ class Prediction:
     iterations: int
     unmodelled_frequency: float | None
     levels: Mapping[str, float] = field(default_factory=dict)
+    joint_piece: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
