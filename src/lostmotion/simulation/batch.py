@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
-import pickle
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,16 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
-from ..errors import InvalidInput, LostMotionError
-from ..recording import Recording
-from .simulate import simulate
+from ..errors import InvalidInput
+from .batch_chunk import EVENT_KINDS, Chunk, Work
+from .batch_store import Store
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int, float], None]
-
-EVENT_KINDS = ("impact", "separation", "stick", "slip")
-#: Times at which a signal is kept for its quantiles (chosen: a picture's width).
-_TIMES = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +78,7 @@ def simulate_batch(
     folder: str | Path | None = None,
     trajectories: bool = False,
     workers: int | None = None,
-    chunk: int = 50,
+    chunk: int = 100,
     progress: Progress | None = None,
     **arguments: Any,
 ) -> BatchResult:
@@ -97,9 +98,10 @@ def simulate_batch(
     trajectories : bool
         Keep whole recordings too: one file for each chunk in `folder`, see ``read_trajectories``.
     workers : int, optional
-        Processes; default: one for each core. The numbers do not depend on it.
+        Default: one for each core. The numbers do not depend on it. Under torques alone whole variants run in compiled
+        code on threads; with a law, or where trajectories are kept, by ``simulate`` in processes.
     chunk : int
-        Variants in a chunk (chosen: some seconds of work).
+        Variants in a chunk (chosen: little to lose, little to hand over).
     progress : function of (variants done, all variants, remaining seconds), optional
         Called after every chunk.
     **arguments
@@ -108,8 +110,8 @@ def simulate_batch(
     Raises
     ------
     InvalidInput
-        If there is no drivetrain, or trajectories are wanted without a folder. What a single variant raises is
-        reported under its index in ``failures``.
+        If there is no drivetrain, trajectories are wanted without a folder, or the torques are no finite signals of one
+        length. What a single variant raises is reported under its index in ``failures``.
     """
     drivetrains = tuple(drivetrains)
     if not drivetrains:
@@ -118,84 +120,41 @@ def simulate_batch(
         raise InvalidInput(
             "simulate_batch.trajectories", "True without a folder", "a folder", "Say where to keep them."
         )
-    work = _Work(dt, tuple(signals), tuple(quantiles), trajectories, dict(arguments))
-    starts = range(0, len(drivetrains), chunk)
-    parts = {start: drivetrains[start : start + chunk] for start in starts}
-    store = None if folder is None else _Store(Path(folder), work, chunk)
-    finished = (
-        {} if store is None else {start: rows for start in parts if (rows := store.read(start, parts[start]))}
-    )
+    work = Work(dt, tuple(signals), tuple(quantiles), trajectories, dict(arguments))
+    parts = {start: drivetrains[start : start + chunk] for start in range(0, len(drivetrains), chunk)}
+    store = None if folder is None else Store(Path(folder), work, chunk)
+    finished: dict[int, Chunk] = {}
+    if store is not None:
+        finished = {start: stood for start in parts if (stood := store.read(start, parts[start])) is not None}
     todo = {start: part for start, part in parts.items() if start not in finished}
+    before = done = sum(len(parts[start]) for start in finished)
     began = time.monotonic()
-    before = sum(len(finished_rows) for finished_rows in finished.values())
 
-    def note(start: int, rows: list[dict[str, Any]]) -> None:
-        finished[start] = rows
+    def note(start: int, made: Chunk) -> None:
+        nonlocal done
+        finished[start] = made
+        done += len(parts[start])
         if progress is not None:
-            done = sum(len(rows) for rows in finished.values())
-            each = (time.monotonic() - began) / max(1, done - before)
+            each = (time.monotonic() - began) / (done - before)
             progress(done, len(drivetrains), each * (len(drivetrains) - done))
 
     _run_all(work, todo, store, min(workers or os.cpu_count() or 1, max(1, len(todo))), note)
-    rows = [row for start in starts for row in finished[start]]
-    return _gather(rows, work)
-
-
-@dataclass(frozen=True, eq=False)
-class _Work:
-    """What is the same for all variants."""
-
-    dt: float
-    signals: tuple[str, ...]
-    quantiles: tuple[str, ...]
-    trajectories: bool
-    arguments: dict[str, Any]
-
-    def run(self, part: Sequence[Drivetrain], first: int, file: Path | None) -> list[dict[str, Any]]:
-        """Summaries of a chunk; a variant that fails leaves its message."""
-        rows: list[dict[str, Any]] = []
-        kept: dict[str, Any] = {}
-        for index, drivetrain in enumerate(part, first):
-            try:
-                recording = simulate(drivetrain, dt=self.dt, **self.arguments)
-            except LostMotionError as error:
-                rows.append({"failure": str(error)})
-                continue
-            rows.append(self._summary(recording))
-            if file is not None and self.trajectories:
-                kept |= {f"{index}/{name}": recording[name] for name in recording}
-        if kept and file is not None:
-            _write_whole(file.with_suffix(".npz"), lambda stream: np.savez_compressed(stream, **kept))
-        return rows
-
-    def _summary(self, recording: Recording) -> dict[str, Any]:
-        names = recording.final_state["names"]
-        state = recording.final_state["state"]
-        kinds = [event.kind for event in recording.events]
-        step = -(-len(recording) // _TIMES)
-        return {
-            "final_state": [v for n, v in zip(names, state, strict=True) if n.startswith(("twist", "speed"))],
-            "peak": {n: float(np.max(np.abs(recording[n]))) for n in self.signals if n in recording},
-            "rms": {n: float(np.sqrt(np.mean(recording[n] ** 2))) for n in self.signals if n in recording},
-            "events": {kind: kinds.count(kind) for kind in EVENT_KINDS},
-            "time": recording.time[::step],
-            "samples": {n: recording[n][::step].copy() for n in self.quantiles if n in recording},
-        }
+    return _gather([finished[start] for start in parts], work, chunk)
 
 
 def _run_all(
-    work: _Work,
+    work: Work,
     todo: Mapping[int, Sequence[Drivetrain]],
-    store: _Store | None,
+    store: Store | None,
     workers: int,
-    note: Callable[[int, list[dict[str, Any]]], None],
+    note: Callable[[int, Chunk], None],
 ) -> None:
     """Works off all chunks, and stores each as it is finished."""
 
-    def finish(start: int, rows: list[dict[str, Any]]) -> None:
+    def finish(start: int, made: Chunk) -> None:
         if store is not None:
-            store.write(start, todo[start], rows)
-        note(start, rows)
+            store.write(start, todo[start], made)
+        note(start, made)
 
     def file(start: int) -> Path | None:
         return None if store is None else store.file(start)
@@ -204,8 +163,9 @@ def _run_all(
         for start, part in todo.items():
             finish(start, work.run(part, start, file(start)))
         return
-    with ProcessPoolExecutor(workers) as pool:
-        running: dict[Future[list[dict[str, Any]]], int] = {
+    pool: Executor = ThreadPoolExecutor(workers) if work.compiled else ProcessPoolExecutor(workers)
+    with pool:
+        running: dict[Future[Chunk], int] = {
             pool.submit(work.run, part, start, file(start)): start for start, part in todo.items()
         }
         try:
@@ -215,63 +175,6 @@ def _run_all(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-
-
-class _Store:
-    """Finished chunks in a folder; one that was made from anything else is worked out again."""
-
-    def __init__(self, folder: Path, work: _Work, chunk: int) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
-        self.folder = folder
-        self.key = pickle.dumps(
-            (work.dt, work.signals, work.quantiles, work.trajectories, work.arguments, chunk)
-        )
-
-    def file(self, start: int) -> Path:
-        return self.folder / f"variants-{start:06d}"
-
-    def _mark(self, part: Sequence[Drivetrain]) -> str:
-        return hashlib.sha256(self.key + repr(part).encode()).hexdigest()
-
-    def read(self, start: int, part: Sequence[Drivetrain]) -> list[dict[str, Any]] | None:
-        try:
-            with np.load(self.file(start).with_suffix(".summary.npz"), allow_pickle=False) as data:
-                if str(data["mark"]) != self._mark(part):
-                    return None
-                return [_unpacked(data, i) for i in range(len(part))]
-        except (OSError, KeyError, ValueError):
-            return None
-
-    def write(self, start: int, part: Sequence[Drivetrain], rows: list[dict[str, Any]]) -> None:
-        arrays: dict[str, Any] = {"mark": self._mark(part)}
-        for i, row in enumerate(rows):
-            for name, value in row.items():
-                if isinstance(value, dict):
-                    arrays |= {f"{i}/{name}/{key}": v for key, v in value.items()}
-                else:
-                    arrays[f"{i}/{name}"] = value
-        _write_whole(self.file(start).with_suffix(".summary.npz"), lambda stream: np.savez(stream, **arrays))
-
-
-def _unpacked(data: Any, index: int) -> dict[str, Any]:
-    row: dict[str, Any] = {"peak": {}, "rms": {}, "events": {}, "samples": {}}
-    for name in data.files:
-        where, *rest = name.split("/")
-        if where != str(index):
-            continue
-        value = data[name]
-        if len(rest) == 2:
-            row[rest[0]][rest[1]] = value if value.ndim else float(value)
-        else:
-            row[rest[0]] = str(value) if rest[0] == "failure" else value
-    return row
-
-
-def _write_whole(file: Path, write: Callable[[Any], None]) -> None:
-    part = file.with_suffix(f".part{os.getpid()}")
-    with part.open("wb") as stream:
-        write(stream)
-    part.replace(file)
 
 
 def read_trajectories(folder: str | Path, index: int) -> dict[str, Array]:
@@ -288,31 +191,29 @@ def read_trajectories(folder: str | Path, index: int) -> dict[str, Array]:
     )
 
 
-def _gather(rows: list[dict[str, Any]], work: _Work) -> BatchResult:
-    done = np.array(["failure" not in row for row in rows])
-    width = max((len(row["final_state"]) for row in rows if "final_state" in row), default=0)
-    final = np.full((len(rows), width), np.nan)
-    for i, row in enumerate(rows):
-        if done[i]:
-            final[i, : len(row["final_state"])] = row["final_state"]
-    times = next((row["time"] for row in rows if "time" in row), np.empty(0))
+def _gather(chunks: Sequence[Chunk], work: Work, size: int) -> BatchResult:
+    width = max(chunk.final_state.shape[1] for chunk in chunks)
+    final = [
+        np.pad(c.final_state, ((0, 0), (0, width - c.final_state.shape[1])), constant_values=np.nan)
+        for c in chunks
+    ]
+    failures = {
+        size * k + i: text for k, chunk in enumerate(chunks) for i, text in sorted(chunk.failures.items())
+    }
+    count = sum(len(chunk.final_state) for chunk in chunks)
+    done = np.ones(count, dtype=bool)
+    done[list(failures)] = False
 
-    def column(kind: str, name: str) -> Array:
-        return np.array([row[kind].get(name, np.nan) if "failure" not in row else np.nan for row in rows])
+    def columns(rows: Sequence[Array], names: Sequence[str]) -> dict[str, Array]:
+        return dict(zip(names, np.concatenate(rows, axis=1), strict=True))
 
-    samples = {}
-    for name in work.quantiles:
-        samples[name] = np.full((len(rows), times.size), np.nan)
-        for i, row in enumerate(rows):
-            if done[i] and name in row["samples"]:
-                samples[name][i] = row["samples"][name]
     return BatchResult(
         done=done,
-        failures={i: row["failure"] for i, row in enumerate(rows) if "failure" in row},
-        final_state=final,
-        peak={name: column("peak", name) for name in work.signals},
-        rms={name: column("rms", name) for name in work.signals},
-        events={kind: column("events", kind) for kind in EVENT_KINDS},
-        quantile_time=times,
-        samples=samples,
+        failures=failures,
+        final_state=np.concatenate(final),
+        peak=columns([chunk.peak for chunk in chunks], work.signals),
+        rms=columns([chunk.rms for chunk in chunks], work.signals),
+        events=columns([chunk.events for chunk in chunks], EVENT_KINDS),
+        quantile_time=work.time,
+        samples=columns([chunk.samples for chunk in chunks], work.quantiles),
     )

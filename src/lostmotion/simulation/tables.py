@@ -138,8 +138,8 @@ class Plant:
         self.chain = chain_of(self.layout, self.elements)
         self.numbers = numbers_of(drivetrain, dt)
         self._work = new_mode_work(self.chain)
-        self._size = block_size(self.layout.states, self.layout.columns, len(digits), ORDER)
-        self._flat = np.zeros((min(count, 16), self._size))
+        self.block_size = block_size(self.layout.states, self.layout.columns, len(digits), ORDER)
+        self._flat = np.zeros((min(count, 16), self.block_size))
         self._digits: list[tuple[int, ...]] = []
         self._rows: list[Array] = []
 
@@ -169,7 +169,9 @@ class Plant:
         row = len(self._digits)
         if row == len(self._flat):
             self._flat = np.concatenate([self._flat, np.zeros_like(self._flat)])
-        build_mode(self.chain, self.numbers, digits, self._flat.reshape(-1), row * self._size, *self._work)
+        build_mode(
+            self.chain, self.numbers, digits, self._flat.reshape(-1), row * self.block_size, *self._work
+        )
         self._digits.append(tuple(digits.tolist()))
         self._rows.append(self._work.rows.copy())
 
@@ -182,7 +184,7 @@ class Plant:
         return digits
 
     @cached_property
-    def _events(self) -> dict[str, Any]:
+    def element_tables(self) -> dict[str, Any]:
         """What the kernel needs to know of the elements, the same in all modes."""
         layout, n, e = self.layout, self.layout.states, len(self.elements)
         speed_row, reset_row = np.zeros((e, n)), np.zeros((e, 3, n + 1))
@@ -221,7 +223,7 @@ class Plant:
             radix=self.radix,
             order=ORDER,
             idle=self.layout.angle_motor,
-            **self._events,
+            **self.element_tables,
         )
 
     def signal_names(self) -> tuple[str, ...]:
@@ -242,18 +244,30 @@ class Plant:
             ]
         return tuple(names)
 
-    def signal_rows(self, mode: Mode) -> Array:
-        """(signals, C) rows over [x, inputs, 1]; ``torque_shaft`` is the torque in the softest shaft."""
+    @cached_property
+    def signal_weights(self) -> Array:
+        """(signals, C + n − 1): the signals of `signal_names` over [x, inputs, 1] and the shafts' torques.
+
+        ``torque_shaft`` is the torque in the softest shaft.
+        """
         layout, n = self.layout, self.layout.n
-        unit = np.eye(layout.columns)
+        unit = np.eye(layout.columns + n - 1)
+        shaft_torques = list(unit[layout.columns :])
         rows = [unit[layout.speed(i)] for i in range(n)] + [unit[layout.angle_motor]]
         if n > 1:
             twist = np.sum([unit[layout.twist(i)] for i in range(n - 1)], axis=0)
             softest = int(np.argmin([shaft.stiffness for shaft in self.drivetrain.shafts]))
-            rows += [unit[layout.angle_motor] - twist, twist, mode.shaft_torques[softest]]
+            rows += [unit[layout.angle_motor] - twist, twist, shaft_torques[softest]]
         if n > 2:
-            rows += [unit[layout.twist(i)] for i in range(n - 1)] + list(mode.shaft_torques)
+            rows += [unit[layout.twist(i)] for i in range(n - 1)] + shaft_torques
         return np.array(rows)
+
+    def signal_rows(self, mode: Mode) -> Array:
+        """(signals, C) rows over [x, inputs, 1] in a mode."""
+        columns = self.layout.columns
+        return np.asarray(
+            self.signal_weights[:, :columns] + self.signal_weights[:, columns:] @ mode.shaft_torques
+        )
 
 
 def check_modes(digits: Sequence[int]) -> int:
