@@ -207,6 +207,8 @@ def test_lost_samples_are_predicted_through_and_flagged():
 @pytest.mark.parametrize(
     ("change", "where"),
     [
+        ({"law": []}, r"simulate\.law"),
+        ({"law": [controller(), "observer"]}, r"simulate\.law"),
         ({"delay": (0, 1, 2)}, r"simulate\.delay"),
         ({"delay": (0, -1)}, r"simulate\.delay"),
         ({"law": [observers.sliding_mode(MODEL, dt=DT)] * 2, "torque_motor": np.zeros(100)}, "made or given twice"),

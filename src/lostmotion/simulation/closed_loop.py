@@ -43,7 +43,7 @@ def simulate_law(
     moved: MovedEnd | None,
 ) -> Recording:
     """``simulate`` with laws; `given` holds checked (n,) signals from outside."""
-    laws = tuple(law) if isinstance(law, Sequence) else (law,)
+    laws = _laws(law)
     every = tuple(_samples(part, dt) for part in laws)
     delays = _delays(delay, len(laws))
     if not given:
@@ -106,6 +106,19 @@ def _simulate_joined(
     if law.checks:
         made[f"input_fault_{law.name}"] = (faults != 0).astype(float)
     return run.recording(made, torque, energy, law=law_state[: len(law.states)].copy())
+
+
+def _laws(law: Law | Sequence[Law]) -> tuple[Law, ...]:
+    """One law or several, checked."""
+    laws = (law,) if isinstance(law, Law) else tuple(law) if isinstance(law, Sequence) else ()
+    if not laws or not all(isinstance(part, Law) for part in laws):
+        raise InvalidInput(
+            "simulate.law",
+            f"{law!r:.100}",
+            "a DiscreteSystem, a Stepper, or a sequence of them",
+            "Give the law.",
+        )
+    return laws
 
 
 def _samples(law: Law, dt: float) -> int:
