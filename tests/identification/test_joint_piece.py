@@ -94,7 +94,7 @@ def fitted(plant: lm.Drivetrain, noise: float = 0.02):
     torque, speed = recorded(plant, noise)
     predictor = Predictor(torque, speed, DT, False, TWO, 1000)
     box = Box.around(THETA, DT)
-    stages = descent(predictor, THETA, list(range(8)), box, lambda fraction, text: None, LADDER[:2])
+    stages = descent(predictor, THETA, list(range(8)), box, lambda fraction, text: None, rungs=LADDER[:2])
     return predictor, stages, with_joint_piece(predictor, stages, box)
 
 
