@@ -7,7 +7,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.joint_piece import JointPredictor, with_joint_piece
-from lostmotion.identification.ladder import LADDER, Box, bandwidth_for, descent
+from lostmotion.identification.ladder import LADDER, Box, Stage, bandwidth_for, fit
 from lostmotion.identification.predictor import NAMES, Bandwidth, Predictor, from_theta, to_theta
 from lostmotion.kernels.prediction_joint import two_springs
 from lostmotion.rig import modes
@@ -94,16 +94,21 @@ def fitted(plant: lm.Drivetrain, noise: float = 0.02):
     torque, speed = recorded(plant, noise)
     predictor = Predictor(torque, speed, DT, False, TWO, 1000)
     box = Box.around(THETA, DT)
-    stages = descent(predictor, THETA, list(range(8)), box, lambda fraction, text: None, rungs=LADDER[:2])
+    theta, free, stages = THETA, list(range(8)), []
+    for rung in LADDER[:2]:
+        bandwidth = bandwidth_for(TWO, rung)
+        found = fit(predictor, theta, free, box, bandwidth)
+        stages.append(Stage(found, bandwidth, free, found.iterations))
+        theta = found.theta
     return predictor, stages, with_joint_piece(predictor, stages, box)
 
 
 def test_a_piece_is_found_and_takes_the_bias():
-    predictor, stages, found = fitted(chain())
+    _, stages, found = fitted(chain())
     assert found is not None
     joint, stage = found
     assert joint.joint_piece == pytest.approx((SHARE, COMPLIANCE), rel=0.1)
-    assert stage.bandwidth == bandwidth_for(predictor.drivetrain(stages[0].fit.theta), LADDER[1])
+    assert stage.bandwidth == stages[-1].bandwidth
 
     def errors(theta: np.ndarray) -> dict[str, float]:
         values = dict(zip(NAMES, from_theta(theta, DT), strict=True))
