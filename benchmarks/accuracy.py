@@ -6,6 +6,9 @@ Each window is a random chain with backlash in three shafts (two of three masses
 20 Nm and a constant torque of 15 Nm, 60 samples at 10 kHz, from a random start in, at the edge of and beyond the gaps.
 Reference: scipy's DOP853 from event to event (tests/simulation/independent.py) at rtol 1e-13. A window is left out
 where that reference at rtol 1e-12 differs by more than 1e-10 of the range. Prints a Markdown table.
+
+scipy looks for events at the ends of its steps alone and overlooks two crossings within one, at both tolerances alike.
+So windows that differ by more than 1e-9 are judged once more with steps of at most 2 µs, and both results are printed.
 """
 
 from __future__ import annotations
@@ -27,6 +30,8 @@ from windows import Judged, judge
 MASSES = (3, 4, 6, 12, 20)
 SAMPLES = 60
 BOUND = 1e-9
+#: Of the second look at windows beyond the bound, s.
+SHORT_STEP = 2e-6
 
 
 def judged(job: tuple[int, str, int]) -> Judged:
@@ -66,7 +71,9 @@ def main() -> None:
     print(row("all", list(found.values())))
     for job, window in found.items():
         if window.counts and window.error > BOUND:
-            print(f"beyond: {job}, error {window.error:.1e}, reference {window.disagreement:.1e}")
+            closer = judge(*job, SAMPLES, SHORT_STEP)
+            print(f"beyond: {job}, error {window.error:.1e}, {window.events} events in the reference;")
+            print(f"  with steps of at most 2 µs error {closer.error:.1e}, {closer.events} events")
 
 
 if __name__ == "__main__":

@@ -28,11 +28,15 @@ class Regime:
 class Independent:
     """State: n − 1 twists, n speeds, n − 1 shaft angles (physical law only), actuator torque."""
 
-    def __init__(self, drivetrain: Drivetrain, rtol: float, method: str = "DOP853") -> None:
+    def __init__(
+        self, drivetrain: Drivetrain, rtol: float, method: str = "DOP853", max_step: float = np.inf
+    ) -> None:
         self.d = drivetrain
         self.n = len(drivetrain.inertias)
         self.rtol = rtol
         self.method = method
+        #: Crossings are looked for at the ends of steps: two within one step are overlooked.
+        self.max_step = max_step
         self.events = 0
 
     def twist(self, y, i):
@@ -263,4 +267,5 @@ class Independent:
 
     def solve(self, t, end, y, u, r, events):
         slope = lambda t, y: self.slope(t, y, u, r)  # noqa: E731
-        return solve_ivp(slope, (t, end), y, self.method, events=events, rtol=self.rtol, atol=1e-16)
+        options = {"rtol": self.rtol, "atol": 1e-16, "max_step": self.max_step}
+        return solve_ivp(slope, (t, end), y, self.method, events=events, **options)

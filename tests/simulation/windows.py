@@ -59,14 +59,14 @@ def random_chain(n: int, contact: str, rng: np.random.Generator) -> Drivetrain:
     return Drivetrain(tuple(inertias), tuple(shafts), tuple(frictions), Actuator(3e-4 * int(rng.integers(2))))
 
 
-def judge(n: int, contact: str, seed: int, samples: int) -> Judged:
-    """One window of `samples` samples, everything drawn from the seed."""
+def judge(n: int, contact: str, seed: int, samples: int, max_step: float = np.inf) -> Judged:
+    """One window of `samples` samples, everything drawn from the seed; max_step in s is the reference's."""
     rng = np.random.default_rng([seed, n, *contact.encode()])
     plant = random_chain(n, contact, rng)
     torque = 20.0 * rng.standard_normal(samples) + 15.0 * np.sign(rng.uniform(-1.0, 1.0))
     gaps = np.array([shaft.backlash for shaft in plant.shafts])
     start = np.concatenate([rng.uniform(-0.6, 0.6, n - 1) * gaps, rng.uniform(-4.0, 4.0, n)])
-    fine, coarse = Independent(plant, 1e-13), Independent(plant, 1e-12)
+    fine, coarse = (Independent(plant, rtol, max_step=max_step) for rtol in (1e-13, 1e-12))
     got = trajectory(lm.simulate(plant, torque_motor=torque, dt=DT, state=start))
     try:
         expected, other = (reference.run(torque, DT, start) for reference in (fine, coarse))
