@@ -90,6 +90,12 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
             "fit": found.prediction.fit,
             "iterations": found.prediction.iterations,
         }
+        if found.prediction.joint_piece is not None:
+            share, compliance = found.prediction.joint_piece
+            fits["joint piece on the shaft"] = {
+                "part of the motor's inertia": share,
+                "part of the shaft's compliance before it": compliance,
+            }
         return _finished(material.nameplate, table, found, fits=fits, problems=tuple(problems))
     # Without a motor torque, speeds on both ends and the torque of a shaft still tell its stiffness.
     if all(name in recording for name in SHAFT):
