@@ -10,7 +10,6 @@ from lostmotion.kernels.vectors import (
     add,
     address,
     fused,
-    lane,
     larger,
     less,
     load,
@@ -44,7 +43,7 @@ def _all(a, b, out):
     store(to, 20, larger(x, y))
     store(to, 24, fused(x, y, splat(read(second, 0))))
     store(to, 28, spread(x, 2))
-    store(to, 32, pack(lane(x, 3), lane(x, 0), 5.0, total(y)))
+    store(to, 32, pack(read(first, 4), read(first, 1), 5.0, total(y)))
     write(to, 36, read(first, 5))
 
 

@@ -181,6 +181,33 @@ def _sizes(at, table, height, s, C, idle):
 
 
 @njit(inline="always", **_PLANT)
+def _two_products(at, table, height, s, C, idle):
+    """The four rows at at[table] and the next four times s, at once: neither waits for the other."""
+    last = table + (C - 1) * height
+    first, second = load(at, last), load(at, last + LANES)
+    for j in range(C - 1):
+        if j != idle:
+            value, column = splat(read(s, j)), table + j * height
+            first = fused(load(at, column), value, first)
+            second = fused(load(at, column + LANES), value, second)
+    return first, second
+
+
+@njit(inline="always", **_PLANT)
+def _guards(at, table, wide, height, s, C, idle):
+    """Four guards whose rows begin at at[table], their rates and swings, at once."""
+    last = table + (C - 1) * height
+    g, d, swing = load(at, last), load(at, last + wide), load(at, last + 2 * wide)
+    for j in range(C - 1):
+        if j != idle:
+            value, column = splat(read(s, j)), table + j * height
+            g = fused(load(at, column), value, g)
+            d = fused(load(at, column + wide), value, d)
+            swing = fused(load(at, column + 2 * wide), absolute(value), swing)
+    return g, d, swing
+
+
+@njit(inline="always", **_PLANT)
 def _within(low, g, d, swing, high):
     """Bits of the guards that stay within their bounds: g + d·t ∓ swing·t² is extreme at an end."""
     end = add(g, d)
@@ -193,14 +220,17 @@ def _quiet(at, s, change, N, C, E, idle):
     """True if no guard can leave its bounds in the whole sample; `change` becomes the state's change over it."""
     wide = padded(E)
     height = padded(N) + ELEMENT_ROWS * wide
-    for i in range(0, padded(N), LANES):
+    pairs = padded(N) & -2 * LANES
+    for i in range(0, pairs, 2 * LANES):
+        first, second = _two_products(at, i, height, s, C, idle)
+        store(change, i, first)
+        store(change, i + LANES, second)
+    for i in range(pairs, padded(N), LANES):
         store(change, i, _product(at, i, height, s, C, idle))
     bounds = C * height
     for e in range(0, wide, LANES):
         guard = padded(N) + e
-        g0 = _product(at, guard, height, s, C, idle)
-        d0 = _product(at, guard + wide, height, s, C, idle)
-        swing = _sizes(at, guard + 2 * wide, height, s, C, idle)
+        g0, d0, swing = _guards(at, guard, wide, height, s, C, idle)
         low, high = load(at, bounds + e), load(at, bounds + wide + e)
         inside = _within(low, g0, d0, swing, high)
         if inside == ALL:
@@ -379,9 +409,7 @@ def _next_event(at, s, series, order, stride, length, time, N, C, E, idle):
     rows = padded(stride + 1)
     for e in range(0, wide, LANES):
         guard = padded(N) + e
-        g = _product(at, guard, height, s, C, idle)
-        d = _product(at, guard + wide, height, s, C, idle)
-        swing = _sizes(at, guard + 2 * wide, height, s, C, idle)
+        g, d, swing = _guards(at, guard, wide, height, s, C, idle)
         # What the guard's sum may be wrong by; a bound is a number of the same size.
         sizes = add(_sizes(at, guard, height, s, C, idle), add(absolute(d), swing))
         tolerances = multiply(sizes, splat(4.5e-16))
@@ -410,6 +438,16 @@ def _next_event(at, s, series, order, stride, length, time, N, C, E, idle):
                 if found <= first:
                     first, which, direction = found, e + i, 1
     return first, which, direction
+
+
+@njit(inline="always", **_PLANT)
+def _copy(s, to, N):
+    """to[:N] = s[:N]."""
+    whole = N & -LANES
+    for i in range(0, whole, LANES):
+        store(to, i, load(s, i))
+    for i in range(whole, N):
+        write(to, i, read(s, i))
 
 
 @njit(inline="always", **_PLANT)
@@ -494,8 +532,7 @@ def finish_sample(places, s, digits, start, k, events, space, count, N, C, E, id
         write(event, 3, float(new))
         write(event, 4, speed)
         write(event, 5, float(mode))
-        for i in range(N):
-            write(event, EVENT_COLUMNS + i, read(s, i))
+        _copy(s, event + 8 * EVENT_COLUMNS, N)
         count += 1
     return status, t, count
 
@@ -538,9 +575,8 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
         quiet = False
         if not begun:
             for j in range(M):
-                s[N + j] = inputs[k, j]
-            for i in range(N):
-                states[k, i] = s[i]
+                write(x, N + j, inputs[k, j])
+            _copy(x, address(states) + 8 * k * N, N)
             modes[k] = mode
             quiet = _quiet(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
@@ -557,8 +593,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
         k += 1
     cursor[0], cursor[1], cursor[2], cursor[3] = k, start, count, begun
     if status == DONE:
-        for i in range(N):
-            states[k, i] = s[i]
+        _copy(x, address(states) + 8 * k * N, N)
         modes[k] = mode
     return status
 

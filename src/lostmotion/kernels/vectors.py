@@ -108,17 +108,6 @@ def spread(typing: Any, values: Any, lane: Any) -> Any:
     return four(four, lane), code
 
 
-@intrinsic(prefer_literal=True)
-def lane(typing: Any, values: Any, place: Any) -> Any:
-    """One of the four numbers, its place given by a literal."""
-    number = place.literal_value
-
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.extract_element(args[0], _INDEX(number))
-
-    return types.float64(four, place), code
-
-
 @intrinsic
 def pack(typing: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
     """Four numbers side by side."""
