@@ -97,6 +97,32 @@ def test_numba_and_c_give_the_same_bits(law, tmp_path):
     assert_same_bits(outputs, wanted)
 
 
+CHECKED = {name: law for name, law in LAWS.items() if law.checks}
+
+
+@pytest.mark.parametrize("law", CHECKED.values(), ids=CHECKED.keys())
+def test_checks_that_are_armed_give_the_same_bits(law, tmp_path):
+    """Signals that stand and wander slowly, and are missing, jump and freeze for some samples; a short hold time."""
+    checks = tuple(replace(check, hold=6, limit=1e-4, forget=0.99) for check in law.checks)
+    law, rng, n = replace(law, checks=checks), np.random.default_rng(8), 6000
+    checked = [law.inputs.index(check.input) for check in checks]
+    inputs = 5.0 * rng.normal(size=(n, len(law.inputs)))
+    inputs[:, checked] = 0.002 * np.cumsum(rng.normal(size=(n, len(checked))), axis=0)
+    for start in range(50, n, 25):
+        i, burst = rng.choice(checked), slice(start, start + rng.integers(1, 12))
+        kind, size = rng.integers(4), 10.0 ** rng.uniform(-3.0, 2.0)
+        inputs[burst, i] = (np.nan, inputs[start - 1, i], inputs[burst, i] + size, 1e31)[kind]
+    outputs, faults = numba_run(law, inputs)
+    bits = sum(1 << i for i in checked)
+    assert 0.02 < np.mean((faults & bits) != 0) < 0.5
+    runs = [python_run(law, inputs)]
+    if COMPILER is not None:
+        runs.append(c_run(law, inputs, tmp_path))
+    for other, other_faults in runs:
+        np.testing.assert_array_equal(faults, other_faults)
+        assert_same_bits(outputs, other)
+
+
 def test_corners_of_a_curve_belong_to_the_segment_on_the_right_and_sums_start_with_their_first_product(
     tmp_path,
 ):

@@ -55,6 +55,7 @@ class SensorTables(NamedTuple):
     difference: Indices
     last: Array  # (inputs,): the value of the sample before, NaN before the first
     disturbance: Array  # (n, inputs), or (1, inputs) where it is the same in every sample
+    exact: Indices  # 1: shows the true value
 
 
 class LoopTables(NamedTuple):
@@ -99,6 +100,7 @@ class _Places(NamedTuple):
     last: int
     disturbance: int
     noise_row: int
+    exact: int
     signals: int
     columns: int
     given: int
@@ -127,11 +129,25 @@ def _places(loop):
     return _Places(
         address(s.signal), address(s.span), address(s.source), address(s.resolution), address(s.difference),
         address(s.last), address(s.disturbance), s.disturbance.shape[1] if s.disturbance.shape[0] > 1 else 0,
+        address(s.exact),
         s.signal.shape[1], s.signal.shape[2], address(loop.given), loop.given.shape[1], address(loop.drive),
         loop.every, loop.delay, loop.limit, loop.step, loop.dt * loop.every, loop.code, address(loop.numbers),
         address(loop.state), address(loop.torque), address(loop.measured), address(loop.outputs),
         address(loop.faults), loop.torque.shape[1], loop.measured.shape[1], loop.outputs.shape[1],
     )  # fmt: skip
+
+
+@njit(**_PLANT)
+def _shown(p, value, i, k):
+    """What the sensor of input i shows in sample k."""
+    resolution = read(p.resolution, i)
+    if resolution > 0.0:
+        value = np.floor(value / resolution) * resolution
+    if read_integer(p.difference, i) == 1:
+        now, before = value, read(p.last, i)
+        value = 0.0 if np.isnan(before) else (now - before) / p.law_dt
+        write(p.last, i, now)
+    return value + read(p.disturbance, k * p.noise_row + i)
 
 
 @njit(inline="always", **_PLANT)
@@ -146,14 +162,9 @@ def _measure(p, m, s, k):
                 value += read(p.signal, place * p.columns + j) * read(s, j)
         else:
             value = read(p.given, k * p.given_row - 1 - source)
-        resolution = read(p.resolution, i)
-        if resolution > 0.0:
-            value = np.floor(value / resolution) * resolution
-        if read_integer(p.difference, i) == 1:
-            now, before = value, read(p.last, i)
-            value = 0.0 if np.isnan(before) else (now - before) / p.law_dt
-            write(p.last, i, now)
-        write(p.measured, k * p.n_inputs + i, value + read(p.disturbance, k * p.noise_row + i))
+        if read_integer(p.exact, i) == 0:
+            value = _shown(p, value, i, k)
+        write(p.measured, k * p.n_inputs + i, value)
 
 
 @njit(inline="always", **_PLANT)

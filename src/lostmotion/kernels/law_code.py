@@ -173,6 +173,61 @@ def _curve(w: _Writer, i: int, slopes: tuple[int, ...], z_at: int, w_at: int, sl
     return w.make("phi double " + ", ".join(f"[{value}, %{block}]" for value, block in values))
 
 
+def _larger(w: _Writer, a: str, b: str) -> str:
+    return w.make(f"select i1 {w.make(f'fcmp ogt double {a}, {b}')}, double {a}, double {b}")
+
+
+def _smaller(w: _Writer, a: str, b: str) -> str:
+    return w.make(f"select i1 {w.make(f'fcmp olt double {a}, {b}')}, double {a}, double {b}")
+
+
+def _checked(
+    w: _Writer, i: int, given: str, predicted: str, kept: str, keep: bool, place: int, at: int
+) -> tuple[str, str]:
+    """Input i as the law takes it, and its bit if it is bad.
+
+    A good sample of a signal that moves takes the short way; all others, and the start, go through ``check``. The
+    check's numbers are those from ``place`` on, and it remembers from ``at`` on.
+    """
+    limit, hold, forget = (w.load("%numbers", place + part) for part in range(3))
+    last, times, doubt, largest, steps = (w.load("%state", at + part) for part in (0, 1, 3, 4, 5))
+    distance = w.make(f"call double @llvm.fabs.f64(double {w.make(f'fsub double {given}, {predicted}')})")
+    bound = _larger(w, limit, w.make(f"fmul double {largest}, {LEARNED:e}"))
+    usual = w.usable(given)
+    for condition in (
+        w.usable(predicted),
+        w.make(f"fcmp ole double {distance}, {bound}"),
+        w.make(f"fcmp one double {given}, {last}"),
+        w.make(f"fcmp oge double {times}, 0.0"),
+        w.make(f"fcmp olt double {doubt}, {hold}"),
+    ):
+        usual = w.make(f"and i1 {usual}, {condition}")
+    w.lines.append(f"br i1 {usual}, label %good{i}, label %other{i}, !prof !0")
+    w.label(f"good{i}")
+    moved = w.make(f"call double @llvm.fabs.f64(double {w.make(f'fsub double {given}, {last}')})")
+    step = _larger(w, _smaller(w, moved, bound), w.make(f"fmul double {forget}, {steps}"))
+    first = w.make(f"fcmp oeq double {times}, 1.0")
+    step = w.make(f"select i1 {first}, double {step}, double {steps}")
+    error = _larger(w, distance, w.make(f"fmul double {forget}, {largest}"))
+    for part, value in enumerate((given, "1.0", predicted, "0.0", error, step)):
+        w.store(value, "%state", at + part)
+    w.lines.append(f"br label %taken{i}")
+    w.label(f"other{i}")
+    arguments = ", ".join(f"double {x}" for x in (given, predicted, limit, hold, forget))
+    memory = w.at("%state", at)
+    found = w.make(f"call i64 inttoptr (i64 {check.address} to ptr)(ptr {memory}, {arguments})")
+    if not keep:
+        kept = w.make(f"select i1 {w.usable(predicted)}, double {predicted}, double {kept}")
+    replaced = w.make(f"icmp eq i64 {found}, {REPLACED}")
+    value = w.make(f"select i1 {replaced}, double {kept}, double {given}")
+    good = w.make(f"icmp eq i64 {found}, {GOOD}")
+    bad = w.make(f"select i1 {good}, i64 0, i64 {1 << i}")
+    w.lines.append(f"br label %taken{i}")
+    w.label(f"taken{i}")
+    value = w.make(f"phi double [{given}, %good{i}], [{value}, %other{i}]")
+    return value, w.make(f"phi i64 [0, %good{i}], [{bad}, %other{i}]")
+
+
 def _source(shape: LawShape) -> str:
     w, n_known = _Writer(), shape.n_states + shape.n_inputs
     starts = [0]
@@ -203,18 +258,11 @@ def _source(shape: LawShape) -> str:
         curve(i)
     expected = shape.n_curves + shape.n_outputs + shape.n_states
     for j, (i, keep) in enumerate(shape.checks):
-        given, predicted = w.load("%inputs", i), _row(w, shape.rows[expected + j], starts[expected + j], v)
-        numbers = [w.load("%numbers", checks_at + 3 * j + part) for part in range(3)]
-        memory = w.at("%state", n_known + REMEMBERED * j)
-        arguments = ", ".join(f"double {x}" for x in (given, predicted, *numbers))
-        found = w.make(f"call i64 inttoptr (i64 {check.address} to ptr)(ptr {memory}, {arguments})")
+        predicted = _row(w, shape.rows[expected + j], starts[expected + j], v)
+        place, at = checks_at + 3 * j, n_known + REMEMBERED * j
         kept = v[shape.n_states + i]
-        if not keep:
-            kept = w.make(f"select i1 {w.usable(predicted)}, double {predicted}, double {kept}")
-        replaced = w.make(f"icmp eq i64 {found}, {REPLACED}")
-        v[shape.n_states + i] = w.make(f"select i1 {replaced}, double {kept}, double {given}")
-        good = w.make(f"icmp eq i64 {found}, {GOOD}")
-        faults = w.make(f"or i64 {faults}, {w.make(f'select i1 {good}, i64 0, i64 {1 << i}')}")
+        v[shape.n_states + i], bad = _checked(w, i, w.load("%inputs", i), predicted, kept, keep, place, at)
+        faults = w.make(f"or i64 {faults}, {bad}")
     for i in range(shape.n_early, shape.n_curves):
         curve(i)
     for i in range(shape.n_outputs):
@@ -228,7 +276,11 @@ def _source(shape: LawShape) -> str:
         w.store(value, "%state", i)
     w.lines.append(f"ret i64 {faults}")
     pointers = ", ".join(f"ptr noalias %{name}" for name in ("numbers", "state", "inputs", "outputs"))
-    return f"define i64 @step({pointers}) nounwind {{\nentry:\n" + "\n".join(w.lines) + "\n}\n"
+    body = "\n".join(w.lines)
+    return (
+        f"declare double @llvm.fabs.f64(double)\ndefine i64 @step({pointers}) nounwind {{\nentry:\n{body}\n}}\n"
+        '!0 = !{!"branch_weights", i32 1000, i32 1}\n'
+    )
 
 
 class _Code(NamedTuple):

@@ -230,6 +230,7 @@ class _Wiring:
         names: tuple[str, ...],
     ) -> None:
         self.plant = run.plant
+        self._rows: list[Array] = []  # of the signals, in every mode that was entered
         self.signals = run.plant.signal_names()
         columns = list(given)
         self.sensors = [sensors.get(name, Sensor(name)) for name in law.inputs]
@@ -254,16 +255,18 @@ class _Wiring:
 
     def tables(self, last: Array, noise: Array) -> SensorTables:
         from ..kernels.closed_loop import SensorTables
+        from ..kernels.signals import spans
 
-        signal = np.array([self.plant.signal_rows(mode) for mode in self.plant.modes])
-        used = signal != 0.0
-        stop = np.where(used.any(axis=2), signal.shape[2] - np.argmax(used[:, :, ::-1], axis=2), 0)
+        for mode in self.plant.modes[len(self._rows) :]:
+            self._rows.append(self.plant.signal_rows(mode))
+        signal = np.array(self._rows)
         return SensorTables(
             signal=signal,
-            span=np.stack([np.argmax(used, axis=2), stop], axis=2).astype(np.int64),
+            span=spans(signal),
             source=self.source,
             resolution=np.array([s.resolution for s in self.sensors]),
             difference=np.array([int(s.difference) for s in self.sensors], dtype=np.int64),
             last=last,
             disturbance=noise,
+            exact=np.array([s == Sensor(s.source) for s in self.sensors], dtype=np.int64),
         )

@@ -254,25 +254,16 @@ class PlantRun:
 
     def signals(self) -> dict[str, NDArray[np.float64]]:
         """All signals at every sample, the one after the last torque included: (n + 1,) each."""
-        names = self.plant.signal_names()
-        s = np.column_stack(
-            [
-                self.states,
-                np.zeros((self.length + 1, len(self.plant.layout.inputs))),
-                np.ones(self.length + 1),
-            ]
-        )
-        values = np.empty((self.length + 1, len(names)))
-        for number in np.unique(self.modes):
-            rows = self.plant.signal_rows(self.plant.modes[self.plant.row_of_mode[number]])
-            at = self.modes == number
-            values[at] = s[at] @ rows.T
-        return {name: values[:, j] for j, name in enumerate(names)}
+        from ..kernels.signals import signals_of, spans
+
+        rows = np.array([self.plant.signal_rows(mode) for mode in self.plant.modes])
+        values = signals_of(self.states, self.modes, self.plant.row_of_mode, rows, spans(rows))
+        return dict(zip(self.plant.signal_names(), values, strict=True))
 
     def event_list(self) -> tuple[Event, ...]:
         found = []
         rows = self.events[: int(self.cursor[2]), :5]
-        for (time, element, old, new, speed), skip in zip(rows, _passing(rows), strict=True):
+        for (time, element, old, new, speed), skip in zip(rows.tolist(), _passing(rows), strict=True):
             part = self.plant.elements[int(element)]
             if skip or part.kind not in ("shaft", "friction"):
                 continue
