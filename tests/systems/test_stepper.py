@@ -66,6 +66,16 @@ def test_a_step_leaves_its_arguments_alone(counting):
     assert counting.step(new, [np.nan, np.inf])[2] == 0b11
 
 
+def test_renamed_signals_carry_the_same_numbers(counting):
+    other = counting.renamed({"a": "first", "count": "samples"})
+    assert (other.inputs, other.outputs) == (("first", "b"), ("samples", "integral"))
+    data = {"b": np.arange(4.0), "a": np.zeros(4)}
+    result = other.run({"b": data["b"], "first": data["a"]})
+    assert np.array_equal(result["samples"], counting.run(data)["count"])
+    with pytest.raises(InvalidInput, match=r"counting\.renamed"):
+        counting.renamed({"c": "d"})
+
+
 @pytest.mark.parametrize(
     ("change", "where"),
     [
