@@ -65,6 +65,21 @@ def test_simulate_names_both_files(tmp_path: Path) -> None:
     assert {p.name for p in tmp_path.iterdir()} == {"plant.toml", "a.csv", "a.png"}
 
 
+def test_simulate_variants_writes_a_row_for_each(tmp_path: Path) -> None:
+    plant = lm.Drivetrain.two_mass(
+        inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, damping=0.3, backlash=0.01
+    )
+    lm.save_drivetrain(plant, tmp_path / "plant.toml")
+    options = ("--duration", "0.5", "--variants", "12", "--spread", "0.1", "--seed", "3", "--out", "a.csv")
+    done = call("simulate", "plant.toml", *options, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "12 of 12 variants" in done.stdout and "written: a.csv, a.png" in done.stdout
+    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml", "a.csv", "a.png"}  # chunks are cleared away
+    assert len((tmp_path / "a.csv").read_text().splitlines()) == 13
+    refused = call("simulate", "plant.toml", *options, "--spread", "1.5", cwd=tmp_path)
+    assert refused.returncode == 1 and "spread" in refused.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [

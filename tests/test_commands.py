@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from lostmotion.commands.frf import frequency_response_file
 from lostmotion.commands.identify import identify_file
 from lostmotion.commands.recordings import check_writable, material_of, outputs, recording_of, save_picture
 from lostmotion.commands.simulate import simulate_file
+from lostmotion.commands.simulate_variants import chunk_folder, simulate_variants
 from lostmotion.io import load_json
 from lostmotion.plot import recording_overview
 
@@ -105,6 +107,30 @@ def test_simulate_refuses_a_name_that_its_picture_would_take(tmp_path: Path, nam
     with pytest.raises(lm.InvalidInput, match="ending"):
         simulate_file(plant_file(tmp_path), tmp_path / name, duration=0.1)
     assert {p.name for p in tmp_path.iterdir()} == {"plant.toml"}
+
+
+def test_an_interrupted_batch_of_variants_goes_on(tmp_path: Path) -> None:
+    plant, out = plant_file(tmp_path), tmp_path / "run.csv"
+    arguments = dict(count=250, spread=0.1, duration=0.2, seed=2)
+
+    def interrupt(done: int, everything: int, remaining: float) -> None:
+        assert everything == 250
+        if done >= 100:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate_variants(plant, out, **arguments, progress=interrupt)
+    assert not out.exists() and len(list(chunk_folder(out).glob("*.npz"))) >= 1
+    calls: list[int] = []
+    made = simulate_variants(plant, out, **arguments, progress=lambda done, a, b: calls.append(done))
+    assert calls[0] > 100 and calls[-1] == 250
+    assert not chunk_folder(out).exists() and is_picture(out.with_suffix(".png"))
+    with out.open() as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["variant"]) for row in rows] == list(range(250))
+    assert float(rows[7]["peak_speed_load [rad/s]"]) == pytest.approx(made.peak["speed_load"][7], rel=1e-8)
+    inertias = np.array([float(row["inertia_2 [kg m2]"]) for row in rows])
+    assert 0.09 <= inertias.min() < 0.092 and 0.108 < inertias.max() <= 0.11
 
 
 @pytest.mark.parametrize("dt", [0.0, np.nan, -1e-4])

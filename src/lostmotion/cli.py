@@ -211,9 +211,20 @@ def simulate(
     torque: Annotated[Path | None, typer.Option(help="CSV with time and torque_motor.")] = None,
     duration: Annotated[float, typer.Option(help="Without a torque: length of the excitation, s.")] = 10.0,
     dt: Annotated[float, typer.Option(help="Without a torque: sample time, s.")] = 1e-4,
-    seed: Annotated[int, typer.Option(min=0, help="Without a torque: its seed.")] = 1,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Of the variants, and without a torque of the excitation.")
+    ] = 1,
+    variants: Annotated[
+        int | None, typer.Option(min=1, help="Simulate so many variants instead; the CSV has a row for each.")
+    ] = None,
+    spread: Annotated[
+        float, typer.Option(help="With variants: how far each number may be off, 0.2 for 20 %.")
+    ] = 0.2,
 ) -> None:
-    """Simulate a drivetrain exactly, from event to event."""
+    """Simulate a drivetrain exactly, from event to event; or variants of it, going on after an interruption."""
+    if variants is not None:
+        _simulate_variants(drivetrain, out, variants, spread, torque, duration, dt, seed)
+        return
     from .commands.simulate import simulate_file
 
     with _interruptible():
@@ -242,6 +253,28 @@ def observers(
     _finished([], out, "/leaderboard.md", "/leaderboard.svg")
 
 
+def _simulate_variants(
+    drivetrain: Path,
+    out: Path,
+    count: int,
+    spread: float,
+    torque: Path | None,
+    duration: float,
+    dt: float,
+    seed: int,
+) -> None:
+    from .commands.simulate_variants import chunk_folder, simulate_variants
+    from .terminal import Countdown
+
+    kept = f"finished chunks stand in {chunk_folder(out)}, the same command goes on"
+    with _interruptible(kept), Countdown("variants") as bar:
+        made = simulate_variants(drivetrain, out, count, spread, torque, duration, dt, seed, bar)
+    for index, message in made.failures.items():
+        typer.secho(f"variant {index} failed: {message}", fg="yellow", err=True)
+    typer.echo(f"  {int(made.done.sum())} of {count} variants")
+    _finished([], out.with_suffix(""), out.suffix, *([".png"] if made.done.any() else []))
+
+
 def _method(name: str) -> Any:
     if name not in ("H1", "H2", "Hv"):
         raise typer.BadParameter(f"{name!r} is none of H1, H2, Hv", param_hint="--method")
@@ -255,12 +288,12 @@ def _finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
 
 
 @contextmanager
-def _interruptible() -> Iterator[None]:
+def _interruptible(kept: str = "an earlier output is as it was") -> Iterator[None]:
     """Ctrl-C becomes a message and an exit code (typer itself would end without a word)."""
     try:
         yield
     except KeyboardInterrupt:
-        typer.secho("Interrupted; an earlier output is as it was.", fg="yellow", err=True)
+        typer.secho(f"Interrupted; {kept}.", fg="yellow", err=True)
         raise typer.Exit(INTERRUPTED) from None
 
 

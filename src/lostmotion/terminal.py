@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 
 class StageLines:
@@ -49,6 +49,36 @@ class StageLines:
         self._progress.update(self._tasks[stage], completed=fraction, description=shown)
         if done and not self._console.is_terminal:
             self._console.print(f"{stage} done in {time.perf_counter() - self._started[stage]:.1f} s")
+
+
+class Countdown:
+    """A bar on standard error for work of known amount, with the time that is left; call it as (done, all, seconds)."""
+
+    def __init__(self, what: str) -> None:
+        console = Console(stderr=True, highlight=False)
+        self._progress = Progress(
+            TextColumn(what),
+            BarColumn(30),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("{task.description}"),
+            console=console,
+            disable=not console.is_terminal,
+        )
+        self._task = self._progress.add_task("", total=None)
+
+    def __enter__(self) -> Countdown:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def __call__(self, done: int, everything: int, remaining: float) -> None:
+        left = f"{remaining:.0f} s left" if done < everything else ""
+        self._progress.update(self._task, completed=done, total=everything, description=left)
 
 
 def summary(results: Mapping[str, Any], out: Path) -> None:

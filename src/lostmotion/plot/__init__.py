@@ -11,6 +11,7 @@ from .identified_parameters import identified_parameters
 from .leaderboard import leaderboard
 from .observer_step import observer_step
 from .prediction_fit import prediction_fit
+from .quantile_bands import quantile_bands
 from .recording_overview import recording_overview
 from .ring_down_fit import ring_down_fit
 from .sensor_worth import sensor_worth
@@ -26,6 +27,7 @@ __all__ = [
     "leaderboard",
     "observer_step",
     "prediction_fit",
+    "quantile_bands",
     "recording_overview",
     "ring_down_fit",
     "sensor_worth",

@@ -3,5 +3,6 @@
 from .batch import BatchResult, read_trajectories, simulate_batch
 from .sensors import Sensor, measure
 from .simulate import simulate
+from .variants import variants
 
-__all__ = ["BatchResult", "Sensor", "measure", "read_trajectories", "simulate", "simulate_batch"]
+__all__ = ["BatchResult", "Sensor", "measure", "read_trajectories", "simulate", "simulate_batch", "variants"]

@@ -125,9 +125,7 @@ class Work:
         state = self.arguments.get("state")
         return TorqueRun(self.dt, self.torques, state, self.signals, self.quantiles, self.step)
 
-    def _family(
-        self, run: TorqueRun, part: Sequence[Drivetrain], members: list[int], chunk: Chunk
-    ) -> None:
+    def _family(self, run: TorqueRun, part: Sequence[Drivetrain], members: list[int], chunk: Chunk) -> None:
         """Variants that differ in their numbers only."""
         from ..kernels.plant import DONE
 

@@ -1,0 +1,111 @@
+"""lostmotion simulate --variants: a batch of variants as a CSV of summaries and a picture; resumable."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .. import plot
+from ..drivetrain import Drivetrain
+from ..io import load_drivetrain
+from ..io.whole_files import write_bytes
+from ..recording import unit_of
+from ..simulation import BatchResult, simulate, simulate_batch, variants
+from .recordings import check_writable, save_picture
+from .simulate import check_ending, torque_of
+
+#: Shown as bands, and summed up.
+_SIGNALS = ("speed_motor", "speed_load", "twist", "torque_shaft")
+_LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
+
+
+def chunk_folder(out: Path) -> Path:
+    """Where finished chunks stand until all are done."""
+    return out.with_suffix(".chunks")
+
+
+def simulate_variants(
+    drivetrain: Path,
+    out: Path,
+    count: int,
+    spread: float = 0.2,
+    torque: Path | None = None,
+    duration: float = 10.0,
+    dt: float = 1e-4,
+    seed: int = 1,
+    progress: Callable[[int, int, float], None] | None = None,
+) -> BatchResult:
+    """Simulate `count` variants and write OUT (.csv), a row for each, and a picture (.png) of the signals' quantiles.
+
+    Torque as for ``simulate_file``. Finished chunks stand in ``chunk_folder(out)`` until all are done, so that the same
+    call goes on where an interrupted one stopped.
+    """
+    check_ending(out)
+    check_writable(out, out.with_suffix(".png"))
+    plant = load_drivetrain(drivetrain)
+    given, dt = torque_of(plant, torque, duration, dt, seed)
+    plants = variants(plant, count, spread=spread, seed=seed)
+    signals = _SIGNALS if len(plant.inertias) > 1 else _SIGNALS[:1]
+    made = simulate_batch(
+        plants,
+        dt=dt,
+        signals=signals,
+        quantiles=signals,
+        torque_motor=given,
+        folder=chunk_folder(out),
+        progress=progress,
+    )
+    write_bytes(out, _table(plants, made).encode("utf-8"))
+    if made.done.any():
+        alone = simulate(plant, torque_motor=given, dt=dt)
+        figure = plot.quantile_bands(
+            made.quantile_time,
+            {name: made.quantiles(name, _LEVELS) for name in signals},
+            single={name: alone[name][:: -(-len(alone) // made.quantile_time.size)] for name in signals},
+            title=f"{drivetrain.name}: {count} variants, ± {100.0 * spread:g} %",
+        )
+        save_picture(figure, out.with_suffix(".png"))
+    shutil.rmtree(chunk_folder(out), ignore_errors=True)
+    return made
+
+
+def _table(plants: Sequence[Drivetrain], made: BatchResult) -> str:
+    """One row for each variant: its numbers, final state, peaks, RMS, counts of events, or why it failed."""
+    parameters = [_parameters(plant) for plant in plants]
+    n = len(plants[0].inertias)
+    twists = ["twist"] if n == 2 else [f"twist_{i + 1}" for i in range(n - 1)]
+    speeds = ["speed_motor", *(f"speed_{i + 1}" for i in range(1, n - 1)), *(["speed_load"] if n > 1 else [])]
+    columns = {f"final_{name}{_unit(name)}": made.final_state[:, i] for i, name in enumerate(twists + speeds)}
+    columns |= {f"peak_{name}{_unit(name)}": values for name, values in made.peak.items()}
+    columns |= {f"rms_{name}{_unit(name)}": values for name, values in made.rms.items()}
+    columns |= {f"{kind}s": values for kind, values in made.events.items()}
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["variant", *parameters[0], *columns, "failure"])
+    for i, numbers in enumerate(parameters):
+        values = [column[i] for column in columns.values()]
+        cells = [f"{value:.9g}" if np.isfinite(value) else "" for value in (*numbers.values(), *values)]
+        writer.writerow([i, *cells, made.failures.get(i, "")])
+    return text.getvalue()
+
+
+def _parameters(plant: Drivetrain) -> dict[str, float]:
+    """The numbers that differ, by column."""
+    units = {"inertia": "kg m2", "stiffness": "Nm/rad", "damping": "Nm s/rad", "backlash": "rad"}
+    units |= {"coulomb": "Nm", "viscous": "Nm s/rad"}
+    rows = {"inertia": plant.inertias, "coulomb": tuple(f.coulomb_plus for f in plant.frictions)}
+    rows["viscous"] = tuple(f.viscous for f in plant.frictions)
+    for name in ("stiffness", "damping", "backlash"):
+        rows[name] = tuple(getattr(shaft, name) for shaft in plant.shafts)
+    return {
+        f"{name}_{i + 1} [{units[name]}]": v for name, values in rows.items() for i, v in enumerate(values)
+    }
+
+
+def _unit(name: str) -> str:
+    return f" [{unit_of(name)}]"
