@@ -58,6 +58,23 @@ def test_too_low_a_resolution():
     assert told(found(), "in a speed that varies by") == []
 
 
+@pytest.mark.parametrize("bits", [11, 12])
+def test_values_from_coarse_counts_are_right_or_not_told(bits: int):
+    """Rows are joined; without that 12 bit gave values that were 50 to 100 % wrong."""
+    result = found(bits=bits)
+    for name, (low, high) in result.intervals.items():
+        assert low <= getattr(PLANT, name) <= high, name
+    assert result.prediction.time.size < 20000
+
+
+def test_nothing_is_told_where_no_rows_can_be_joined():
+    """Counts of 9 bit: joining six rows leaves too much of the speed's variation."""
+    result = found(bits=9)
+    assert set(result.sources.values()) == {"not excited"} and result.intervals == {}
+    assert any("nothing is identified" in p.remedy for p in result.problems)
+    assert result.drivetrain.stiffness == pytest.approx(PLANT.stiffness)
+
+
 def test_a_start_far_off():
     (problem,) = [p for p in found(factor=0.33).problems if p.where == "stiffness"]
     assert "nameplate" in problem.expected and "Check the nameplate" in problem.remedy

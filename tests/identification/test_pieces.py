@@ -9,7 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification import Identification
-from lostmotion.identification.pieces import join
+from lostmotion.identification.pieces import Pieces, join
 
 DT = 1e-4
 PLANT = lm.Drivetrain.two_mass(
@@ -121,3 +121,14 @@ def test_misuse_is_told():
         lm.identify(recorded(1).with_signals("measured", speed_motor=speed), start=PLANT)
     with pytest.raises(lm.InvalidInput, match="NaN throughout"):
         lm.identify(with_nan(recorded(1), slice(None)), start=PLANT)
+
+
+def test_rows_are_joined_so_that_means_stay_means():
+    """The torque acts from its row on, a count-averaged speed is the mean up to its row; the rest of a piece is cut."""
+    time = 0.001 * np.arange(7)
+    signals = {"torque_motor": np.arange(7.0), "speed_motor": np.array([5.0, 1.0, 3.0, 2.0, 4.0, 6.0, 9.0])}
+    joined = Pieces(time, signals, (0, 4, 7), 0.001, 0.0, 1).joined(2)
+    assert joined.bounds == (0, 2, 3) and joined.dt == 0.002
+    assert joined.time.tolist() == [0.0, 0.002, 0.004]
+    assert joined.signals["torque_motor"].tolist() == [0.5, 2.5, 4.5]
+    assert joined.signals["speed_motor"].tolist() == [5.0, 2.0, 4.0]

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.findings import is_quantised
+from lostmotion.identification.findings import count_step
 from lostmotion.identification.gauss_newton import minimise
 from lostmotion.identification.starts import rigid_body
 from lostmotion.identification.uncertainty import (
     BLOCKS,
+    Blocks,
+    excess,
     growth,
     model_allowance,
     sandwich,
@@ -37,6 +39,31 @@ def test_sandwich_sees_the_colour_of_the_noise():
     blue = np.diff(rng.standard_normal(n + 1))
     white_formula = np.var(blue) / np.sum(jacobian**2)
     assert sandwich(jacobian, blue)[0, 0] < 0.01 * white_formula
+
+
+def test_pulls_are_those_of_a_jackknife():
+    """What a block pulls is what the estimate loses without it, however much of a parameter that block tells."""
+    rng = np.random.default_rng(7)
+    n = 20 * BLOCKS
+    columns = rng.standard_normal((2, n)) * np.array([[1.0], [30.0]])
+    columns[0, 60:] *= 0.05
+    y = columns.T @ np.array([0.3, 0.01]) + 0.1 * rng.standard_normal(n)
+    found = np.linalg.lstsq(columns.T, y, rcond=None)[0]
+    blocks = Blocks.of(-columns, y - columns.T @ found)
+    assert blocks.step == pytest.approx([0.0, 0.0], abs=1e-12)
+    for block in (0, 1, 7):
+        rest = np.r_[0 : 20 * block, 20 * (block + 1) : n]
+        without = np.linalg.lstsq(columns[:, rest].T, y[rest], rcond=None)[0]
+        assert blocks.influences[:, block] == pytest.approx(found - without, rel=1e-6)
+
+
+def test_only_what_is_more_than_chance_counts():
+    spread = np.tile([0.1, -0.1], BLOCKS // 2)
+    spread = np.array([spread, spread])
+    chance = 2.0 * 0.1 * BLOCKS / np.sqrt(BLOCKS - 1)
+    assert excess(np.array([0.9 * chance, -1.25 * chance]), spread, 2.0) == pytest.approx(
+        [0.0, 0.75 * chance]
+    )
 
 
 def test_growth_tells_one_block_from_all():
@@ -103,14 +130,15 @@ def test_allowance_grows_with_the_square_of_the_frequency_ratio():
     assert model_allowance(names, drivetrain, DT, None) == pytest.approx(
         [0.5 * (2.0 * np.pi * pole * DT) ** 2] * 3
     )
+    assert model_allowance(names, drivetrain, DT, None, sampled=True) == pytest.approx([0.0] * 3)
 
 
 def test_quantised_speeds():
     rng = np.random.default_rng(6)
     speed = 10.0 + np.cumsum(rng.standard_normal(20000)) * 0.02
-    assert not is_quantised(speed)
-    assert is_quantised(np.round(speed / 0.06) * 0.06)
-    assert is_quantised(np.round(speed / 0.7) * 0.7)
+    assert count_step(speed) is None
+    assert count_step(np.round(speed / 0.06) * 0.06) == pytest.approx(0.06)
+    assert count_step(np.round(speed / 0.7) * 0.7) == pytest.approx(0.7)
 
 
 def test_rigid_body_start():

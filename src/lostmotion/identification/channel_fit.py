@@ -38,7 +38,7 @@ def refine(
     tried = []
     for rate in LOAD_RATES:
         following = replace(predictor, load_rate=rate)
-        tried.append(_settled(following, descend(following, theta, stage.free, box, _silent), box))
+        tried.append(_settled(following, descend(following, theta, stage.free, box, _silent, fit), box))
     # With normal innovations of the levels σ, the likelihood falls with the sum of log σ over the channels.
     scores = [float(np.sum(np.log(list(found.levels.values())))) for found, _ in tried]
     return next(t for t, score in zip(tried, scores, strict=True) if score < min(scores) + np.log(MUCH_WORSE))

@@ -41,6 +41,11 @@ class ChannelPredictor(Predictor):
     load_rate: float = 0.0
 
     @property
+    def replicable(self) -> bool:
+        """Not with further channels or an unknown load torque."""
+        return False
+
+    @property
     def measured(self) -> tuple[str, ...]:
         return ("speed_motor", *self.channels)
 

@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
+from .findings import too_coarse
+from .gauss_newton import sum_of_squares
 from .ladder import Box, Stage, fit
 from .predictor import NAMES, Bandwidth, Predictor, to_theta
-from .uncertainty import growth, model_allowance, sandwich, shift, student_factor, unmodelled_mode
+from .replica import Replica, replicas
+from .uncertainty import (
+    Blocks,
+    covariance,
+    excess,
+    growth,
+    model_allowance,
+    shift,
+    student_factor,
+    unmodelled_mode,
+)
 
 Array = NDArray[np.float64]
 
@@ -16,35 +31,92 @@ Array = NDArray[np.float64]
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
 
+#: Intervals are wider by this where rows had to be joined (chosen on exact recordings with 12 and 13 bit, where
+#: the shift by the counts is so large that it is not known well): others hold the truth then.
+JOINED = 1.5
+
 #: And if a gap or a Coulomb torque that is off by ``NOT_EXCITED`` either way predicts no worse: by less than a typical
 #: block's sum of squares, and by less than so many standard deviations (chosen). Then the twist has touched one side
 #: only, and some gap with room for it would pass for known; or the load has stuck, and the friction that held it would.
 SURE = 3.0
 
 
-def half_widths(predictor: Predictor, stage: Stage) -> tuple[Array, Array]:
-    """Sandwich covariance, and half widths of the 95 % intervals (see ``identify``), both in the logarithms."""
-    j = predictor.jacobian(stage.fit.theta, stage.bandwidth, stage.free, stage.fit.residual)
-    covariance = sandwich(j, stage.fit.residual)
-    higher = Bandwidth(3.0 * stage.bandwidth.motor, 3.0 * stage.bandwidth.load)
-    residual = predictor.residual(stage.fit.theta, higher)
-    by_gain = shift(predictor.jacobian(stage.fit.theta, higher, stage.free, residual), residual)
-    fast = np.abs(predictor.speed) > 0.5 * np.max(np.abs(predictor.speed))
-    fast = np.repeat(fast, residual.size // fast.size)
-    by_speed = shift(j[:, fast], stage.fit.residual[fast])
+@dataclass(frozen=True, eq=False)
+class _Views:
+    """The fit as it is, under a three times higher gain, and if only the faster half of the speeds counts."""
+
+    own: Blocks
+    gain: Blocks
+    fast: Blocks
+    jacobian: Array
+
+    @classmethod
+    def of(cls, predictor: Predictor, theta: Array, residual: Array, stage: Stage) -> _Views:
+        j = predictor.jacobian(theta, stage.bandwidth, stage.free, residual)
+        higher = Bandwidth(3.0 * stage.bandwidth.motor, 3.0 * stage.bandwidth.load)
+        r = predictor.residual(theta, higher)
+        # By the predicted speed: rows that are chosen by their noise would shift the fit.
+        speed = np.abs(predictor.speed - predictor.speed_residual(residual))
+        fast = np.repeat(speed > 0.5 * np.max(speed), residual.size // speed.size)
+        gain = Blocks.of(predictor.jacobian(theta, higher, stage.free, r), r)
+        return cls(Blocks.of(j, residual), gain, Blocks.of(j * fast, residual), j)
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """Parameter vector (8,), and for the free ones covariance (m, m) and half widths (m,), all in the logarithms."""
+
+    theta: Array
+    covariance: Array
+    half: Array
+
+
+def half_widths(predictor: Predictor, stage: Stage, others: Sequence[Replica] = ()) -> tuple[Array, Array]:
+    """Covariance of the logarithms, and half widths of the 95 % intervals (see ``identify``).
+
+    With replicas, for the values ``without_shift``: what their blocks show is taken off, and their own scatter added.
+    """
+    own = _Views.of(predictor, stage.fit.theta, stage.fit.residual, stage)
+    views = [_Views.of(o.predictor, o.fit.theta, o.fit.residual, stage) for o in others]
+    # The pulls are those of a jackknife over the blocks, which has as many degrees of freedom as these less one.
+    factor = student_factor(1)
+    spread = covariance(_difference([v.own.influences for v in (own, *views)]))
+    parts = [factor * np.sqrt(np.diag(spread))]
+    for kind in ("gain", "fast"):
+        pairs = [(getattr(v, kind), v.own) for v in (own, *views)]
+        moved = _difference([a.step - b.step for a, b in pairs])
+        parts.append(excess(moved, _difference([a.influences - b.influences for a, b in pairs]), factor))
     # A nameplate value that had to be taken may be off by a factor of two, and moves the others with it.
     taken = predictor.jacobian(stage.fit.theta, stage.bandwidth, list(stage.unexcited), stage.fit.residual)
-    by_nameplate = [shift(j, np.log(2.0) * moved) for moved in taken]
-    statistical = student_factor(len(stage.free)) * np.sqrt(np.diag(covariance))
+    parts += [shift(own.jacobian, np.log(2.0) * moved) for moved in taken]
+    # A nameplate of zero may be off by any factor: the others may be what they were with a value that fitted.
+    parts.append(stage.unknown[stage.free])
+    # The replicas are made with the torque as it is used: joined rows are not like the recorded ones.
+    parts.append(_allowance(predictor, stage, bool(others) and not predictor.joined))
+    wider = JOINED if predictor.joined else 1.0
+    return spread, wider * np.sqrt(np.sum(np.square(parts), axis=0))
+
+
+def without_shift(stage: Stage, others: Sequence[Replica]) -> Array:
+    """Parameter vector of the fit without what the replicas' fits are off by, on average."""
+    theta, free = stage.fit.theta.copy(), stage.free
+    if others:
+        theta[free] -= np.mean([other.fit.theta[free] - theta[free] for other in others], axis=0)
+    return theta
+
+
+def _difference(values: list[Array]) -> Array:
+    """The first without the mean of the others."""
+    return values[0] - np.mean(values[1:], axis=0) if len(values) > 1 else values[0]
+
+
+def _allowance(predictor: Predictor, stage: Stage, sampled: bool) -> Array:
     names = tuple(NAMES[i] for i in stage.free)
-    mode = higher_mode(predictor, stage)
-    further = residual.size > predictor.speed.size
+    further = stage.fit.residual.size > predictor.speed.size
     usual = float(np.sqrt(np.mean(np.square(predictor.speed))))
-    allowance = model_allowance(
-        names, predictor.drivetrain(stage.fit.theta), predictor.dt, mode, further, usual
-    )
-    parts = [statistical, by_gain, by_speed, *by_nameplate, allowance]
-    return covariance, np.sqrt(np.sum(np.square(parts), axis=0))
+    drivetrain = predictor.drivetrain(stage.fit.theta)
+    mode = higher_mode(predictor, stage)
+    return model_allowance(names, drivetrain, predictor.dt, mode, further, usual, sampled)
 
 
 def higher_mode(predictor: Predictor, stage: Stage) -> float | None:
@@ -61,13 +133,43 @@ def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box
         name = _unexcited(predictor, stage, box)
         if name is None:
             break
-        dropped = NAMES.index(name)
-        theta, free = stage.fit.theta.copy(), [i for i in stage.free if i != dropped]
-        theta[dropped] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[dropped]
-        found = fit(predictor, theta, free, box, stage.bandwidth)
-        done = stage.iterations + found.iterations
-        stage = Stage(found, stage.bandwidth, free, done, (*stage.unexcited, dropped))
+        stage = _put_back(predictor, stage, start, box, name)
     return stage
+
+
+def told(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box) -> tuple[Stage, Told]:
+    """The stage without what recording or replicas do not tell, and values and intervals of the rest."""
+    rest, speed = predictor.speed_residual(stage.fit.residual), predictor.speed
+    if too_coarse(float(np.sqrt(np.mean(rest[predictor.settled()] ** 2))), float(np.std(speed))):
+        stage = _nothing(predictor, stage, start)
+    while True:
+        stage = without_unexcited(predictor, stage, start, box)
+        others = replicas(predictor, stage, box) if stage.free else []
+        covariance, half = half_widths(predictor, stage, others)
+        if not np.any(half > np.log(NOT_EXCITED)):
+            return stage, Told(without_shift(stage, others), covariance, half)
+        stage = _put_back(predictor, stage, start, box, NAMES[stage.free[int(np.argmax(half))]])
+
+
+def _nothing(predictor: Predictor, stage: Stage, start: Drivetrain) -> Stage:
+    """All that is free put back to the nameplate."""
+    theta = stage.fit.theta.copy()
+    theta[stage.free] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[stage.free]
+    residual = predictor.residual(theta, stage.bandwidth)
+    nameplate = replace(stage.fit, theta=theta, residual=residual, cost=sum_of_squares(residual))
+    return replace(stage, fit=nameplate, free=[], unexcited=(*stage.unexcited, *stage.free))
+
+
+def _put_back(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, name: str) -> Stage:
+    dropped = NAMES.index(name)
+    theta, free = stage.fit.theta.copy(), [i for i in stage.free if i != dropped]
+    theta[dropped] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[dropped]
+    found = fit(predictor, theta, free, box, stage.bandwidth)
+    done = stage.iterations + found.iterations
+    unknown = stage.unknown.copy()
+    if getattr(start, name) == 0.0:
+        unknown[free] = np.hypot(unknown[free], found.theta[free] - stage.fit.theta[free])
+    return Stage(found, stage.bandwidth, free, done, (*stage.unexcited, dropped), unknown)
 
 
 def _unexcited(predictor: Predictor, stage: Stage, box: Box) -> str | None:
@@ -89,7 +191,10 @@ def _unexcited(predictor: Predictor, stage: Stage, box: Box) -> str | None:
         return edge[0]
     # A spring before a load that does not answer cannot be told from the gap.
     lost = {NAMES[i] for i in stage.unexcited}
-    return "stiffness" if "stiffness" in free and {"inertia_load", "backlash"} <= lost else None
+    if "stiffness" in free and {"inertia_load", "backlash"} <= lost:
+        return "stiffness"
+    # And friction shows by how it slows the load, or twists the shaft.
+    return "coulomb" if "coulomb" in free and {"inertia_load", "stiffness"} <= lost else None
 
 
 def _other_does_as_well(predictor: Predictor, stage: Stage, name: str) -> bool:

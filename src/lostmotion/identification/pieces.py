@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,23 @@ class Pieces:
     dt: float
     left_out: float
     recordings: int
+
+    def joined(self, rows: int) -> Pieces:
+        """``rows`` rows each taken as one: the mean of the torque after, of the count-averaged speed before it.
+
+        For motor torque and motor speed. The rest of each piece is left out.
+        """
+        cut = [slice(a, a + (b - a) // rows * rows) for a, b in pairwise(self.bounds)]
+        torque = [self.signals["torque_motor"][c].reshape(-1, rows).mean(axis=1) for c in cut]
+        speed = []
+        for c in cut:
+            values = self.signals["speed_motor"][c]
+            sums = np.cumsum(values)[::rows]
+            speed.append(np.diff(sums, prepend=sums[0] - rows * values[0]) / rows)
+        signals = {"torque_motor": np.concatenate(torque), "speed_motor": np.concatenate(speed)}
+        time = np.concatenate([self.time[c][::rows] for c in cut])
+        bounds = (0, *np.cumsum([t.size for t in torque]).tolist())
+        return replace(self, time=time, signals=signals, bounds=bounds, dt=rows * self.dt)
 
     def problems(self) -> list[Problem]:
         """A warning if there are gaps."""

@@ -14,9 +14,9 @@ from ..recording import Recording
 from . import findings, starts
 from .channel_fit import refine
 from .channel_predictor import ChannelPredictor
-from .intervals import half_widths, higher_mode, without_unexcited
+from .intervals import Told, higher_mode, told
 from .joint_piece import with_joint_piece
-from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend_again, descent, fit
+from .ladder import LADDER, Box, Progress, Stage, bandwidth_for, descend, descent, fit
 from .pieces import Pieces, join
 from .predictor import NAMES, Predictor, from_theta
 from .result import Identification, Prediction, Source
@@ -111,28 +111,33 @@ def identify(
     for one in recordings:
         findings.check_recording(one, ("torque_motor", *measured))
     pieces = join(recordings, ("torque_motor", *measured))
+    wide = load_torque or contact != "viscoelastic" or len(measured) > 1
     findings.check_length(pieces.time.size, pieces.dt, MIN_ROWS, MIN_TIME)
     predictor = _predictor(pieces, recordings[0], start, count_averaged)
+    coarse: list[Problem] = []
+    if predictor.count_averaged and not wide:
+        rows, coarse = findings.rows_to_join(predictor.speed, pieces.dt, start.pole_frequency)
+        if rows > 1:
+            pieces = pieces.joined(rows)
+            predictor = replace(_predictor(pieces, recordings[0], start, True), joined=True)
     free = [i for i, name in enumerate(NAMES) if name not in fixed]
     say(0.0, "searching the start")
     theta, total = starts.complete(start, predictor, fixed)
     box = Box.around(theta, predictor.dt)
     theta, second = starts.search(theta, total, predictor, start, fixed, bandwidth_for(start, LADDER[0]))
-    wide = load_torque or contact != "viscoelastic" or len(measured) > 1
     found = None
     if joint_piece and not wide:
-        upper = descent(predictor, theta, free, box, say, rungs=LADDER[:2])
+        upper = descent(predictor, theta, free, box, say, fit, LADDER[:2])
         found = with_joint_piece(predictor, upper, box)
-    predictor, stage = found or (predictor, descend_again(predictor, theta, free, box, _from(0.5, say)))
+    predictor, stage = found or (predictor, descend(predictor, theta, free, box, _from(0.5, say)))
     ambiguous = _second_minimum(predictor, second, stage, box)
     if wide:
         say(0.7, "fitting all channels")
         channels = _channel_predictor(predictor, pieces, recordings[0], measured, contact, count_averaged)
         predictor, stage = refine(channels, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
-    stage = without_unexcited(predictor, stage, start, box)
-    result = _result(pieces, predictor, stage, start, fixed, total)
-    result = replace(result, problems=(*result.problems, *ambiguous))
+    result = _result(pieces, predictor, *told(predictor, stage, start, box), start, fixed, total)
+    result = replace(result, problems=(*result.problems, *ambiguous, *coarse))
     say(1.0, "identified")
     return result
 
@@ -169,7 +174,7 @@ def _predictor(
 ) -> Predictor:
     speed = pieces.signals["speed_motor"]
     if count_averaged is None:
-        count_averaged = bool(recording.meta.get("count_averaged", findings.is_quantised(speed)))
+        count_averaged = bool(recording.meta.get("count_averaged", findings.count_step(speed) is not None))
     skip = min(int(SETTLING / pieces.dt), pieces.bounds[1] // 10)
     later = int(SETTLING_LATER / pieces.dt)
     base = start.with_contact("viscoelastic")
@@ -200,7 +205,7 @@ def _channel_predictor(
     averaged = ["speed_motor"] if predictor.count_averaged else []
     if "speed_load" in channels:
         stated = recording.meta.get("count_averaged") if count_averaged is None else count_averaged
-        if findings.is_quantised(channels["speed_load"]) if stated is None else stated:
+        if findings.count_step(channels["speed_load"]) is not None if stated is None else stated:
             averaged.append("speed_load")
     return ChannelPredictor(
         predictor.torque, predictor.speed, predictor.dt, predictor.count_averaged,
@@ -213,15 +218,16 @@ def _result(
     pieces: Pieces,
     predictor: Predictor,
     stage: Stage,
+    values: Told,
     start: Drivetrain,
     fixed: Collection[str],
     total: float,
 ) -> Identification:
-    theta, residual, names = stage.fit.theta, stage.fit.residual, tuple(NAMES[i] for i in stage.free)
+    residual, names = stage.fit.residual, tuple(NAMES[i] for i in stage.free)
+    theta = values.theta
     drivetrain = predictor.drivetrain(theta)
-    covariance, half = half_widths(predictor, stage)
     full = np.zeros(theta.size)
-    full[stage.free] = half
+    full[stage.free] = values.half
     low, high = (from_theta(theta + sign * full, predictor.dt) for sign in (-1.0, 1.0))
     innovation = predictor.speed_residual(residual)
     rms = float(np.sqrt(np.mean(innovation[predictor.settled()] ** 2)))
@@ -253,7 +259,7 @@ def _result(
                 total,
                 sources,
                 names,
-                covariance,
+                values.covariance,
                 prediction,
                 stage.fit.converged,
                 pieces.dt,
@@ -261,6 +267,6 @@ def _result(
         ),
         prediction=prediction,
         names=names,
-        covariance=covariance,
+        covariance=values.covariance,
         count_averaged=predictor.count_averaged,
     )

@@ -52,6 +52,8 @@ class Predictor:
         First row of each piece, and the number of rows; default: one piece.
     skip_later : int
         The same as ``skip`` for every further piece, which may begin in the middle of a motion.
+    joined : bool
+        Each row stands for several recorded ones.
     """
 
     torque: Array
@@ -62,6 +64,7 @@ class Predictor:
     skip: int
     bounds: tuple[int, ...] = ()
     skip_later: int = 0
+    joined: bool = False
     _pool: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(THREADS))
 
     def __post_init__(self) -> None:
@@ -71,6 +74,11 @@ class Predictor:
     def joint_piece(self) -> tuple[float, float] | None:
         """Share of the motor's inertia on the shaft, and of the shaft's compliance before it; None: two masses."""
         return None
+
+    @property
+    def replicable(self) -> bool:
+        """Whether all that is measured can be simulated anew from the motor torque."""
+        return True
 
     @property
     def pieces(self) -> list[slice]:

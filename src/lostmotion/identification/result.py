@@ -50,6 +50,11 @@ class Prediction:
     levels: Mapping[str, float] = field(default_factory=dict)
     joint_piece: tuple[float, float] | None = None
 
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the measured speed, rad/s."""
+        return float(np.std(self.speed_motor + self.residual))
+
 
 @dataclass(frozen=True, eq=False)
 class Identification:
