@@ -254,23 +254,6 @@ def six_masses() -> lm.Drivetrain:
     return lm.Drivetrain((0.02, 0.01, 0.01, 0.01, 0.01, 0.05), shafts, frictions)
 
 
-def closed_loop(runs: int) -> float:
-    model = PAPER.with_contact("viscoelastic")
-    observer = lm.observers.kalman(model, dt=DT)
-    control = lm.controllers.pole_placement(model, poles=(-400, -400, -400), dt=DT, torque_limit=73.5)
-    names = ("speed_reference", "speed_motor")
-    law = lm.connect([observer, control], inputs=names, outputs=("torque_motor",))
-    reference = np.where(np.arange(20_000) * DT % 0.2 < 0.1, -2.0, 2.0)
-    short, long = reference[:2000], reference
-
-    def spent(r: np.ndarray) -> float:
-        return seconds(lambda: lm.simulate(PAPER, dt=DT, law=law, speed_reference=r), runs)
-
-    return (spent(long) - spent(short)) / (
-        long.size - short.size
-    )  # what does not grow with the length is left out
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
@@ -289,9 +272,6 @@ def main() -> None:
     chain = kernel_run(long_torque("contact", 20_000), np.zeros(11), run_open_loop, six_masses())
     print(
         f"| contact | six masses, two backlashes | {seconds(chain, arguments.runs) / 20_000 * 1e9:.4g} | | | |"
-    )
-    print(
-        f"| set-point steps | loop with observer and pole placement | {closed_loop(arguments.runs) * 1e9:.4g} | | | |"
     )
 
 

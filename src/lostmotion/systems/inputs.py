@@ -38,8 +38,16 @@ def input_columns(
                 f"{name}.run", f"a recording with dt = {data.dt:g} s", f"the law's {dt:g} s",
                 "Design the law for the recording's sample time, or resample the recording.",
             )  # fmt: skip
-        return data.time, np.array(columns, dtype=np.float64).reshape(-1, len(data)).T.copy()
+        return data.time, _side_by_side(columns, len(data))
     if not columns:
         raise InvalidInput(f"{name}.run", "a law without inputs", "a Recording", "Give its time axis.")
     time = dt * np.arange(columns[0].size, dtype=np.float64)
-    return time, np.array(columns, dtype=np.float64).T.copy()
+    return time, _side_by_side(columns, time.size)
+
+
+def _side_by_side(columns: list[Matrix], rows: int) -> Matrix:
+    """(rows, columns), written once: fresh memory costs more than the law's own work."""
+    inputs = np.empty((rows, len(columns)))
+    for i, column in enumerate(columns):
+        inputs[:, i] = column
+    return inputs
