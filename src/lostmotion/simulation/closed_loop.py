@@ -230,10 +230,15 @@ class _Wiring:
         names: tuple[str, ...],
     ) -> None:
         self.plant = run.plant
-        self._rows: list[Array] = []  # of the signals, in every mode that was entered
+        # Of the signals, in every mode that was entered; see ``kernels.signals``.
+        self._rows: list[Array] = []
+        self._spans: list[NDArray[np.int64]] = []
         self.signals = run.plant.signal_names()
         columns = list(given)
         self.sensors = [sensors.get(name, Sensor(name)) for name in law.inputs]
+        self._resolution = np.array([s.resolution for s in self.sensors], dtype=float)
+        self._difference = np.array([s.difference for s in self.sensors], dtype=np.int64)
+        self._exact = np.array([s == Sensor(s.source) for s in self.sensors], dtype=np.int64)
         self.source = np.array([self._source(s.source, columns) for s in self.sensors], dtype=np.int64)
         self.drive = np.array([self._drive(name, law.outputs, columns) for name in names], dtype=np.int64)
 
@@ -259,14 +264,14 @@ class _Wiring:
 
         for mode in self.plant.modes[len(self._rows) :]:
             self._rows.append(self.plant.signal_rows(mode))
-        signal = np.array(self._rows)
+            self._spans.append(spans(self._rows[-1]))
         return SensorTables(
-            signal=signal,
-            span=spans(signal),
+            signal=np.array(self._rows),
+            span=np.array(self._spans),
             source=self.source,
-            resolution=np.array([s.resolution for s in self.sensors]),
-            difference=np.array([int(s.difference) for s in self.sensors], dtype=np.int64),
+            resolution=self._resolution,
+            difference=self._difference,
             last=last,
             disturbance=noise,
-            exact=np.array([s == Sensor(s.source) for s in self.sensors], dtype=np.int64),
+            exact=self._exact,
         )
