@@ -124,6 +124,8 @@ def test_allowance_grows_with_the_square_of_the_frequency_ratio():
     assert model_allowance(("viscous",), rubbing, 1e-6, 5.0 * pole, speed=20.0) == pytest.approx(
         [0.075], rel=1e-3
     )
+    joint = model_allowance(names, drivetrain, 1e-6, 5.0 * pole, joint=True)
+    assert joint == pytest.approx(near * [0.5, 0.5, 1.0])
     more = model_allowance(names, drivetrain, 1e-6, 5.0 * pole, further=True)
     assert more == pytest.approx(near * [1.0, 2.0, 1.0])
     assert far[0] == pytest.approx(near[0] / 4.0, rel=1e-3)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.stages.excitation_design import ExcitationDesign, design_excitation
-from lostmotion.stages.excitation_shapes import KINDS
+from lostmotion.stages.excitation_design import HALVINGS, ExcitationDesign, _played, _rigs, design_excitation
+from lostmotion.stages.excitation_shapes import KINDS, Limits
 
 NAMEPLATE = lm.Drivetrain.two_mass(
     inertia_motor=0.0196, inertia_load=0.1096, stiffness=6570.0, damping=0.39, backlash=0.012, coulomb=2.0,
@@ -43,13 +43,21 @@ def test_every_kind_keeps_its_limits(kind: str) -> None:
     assert len(design.recording) == 5000
     for name, limit in limits.items():
         assert 0.0 < design.peaks[name.removesuffix("_limit")] <= limit
-    assert max(design.peaks[n] / limits[f"{n}_limit"] for n in design.peaks) > 0.9, "the largest amplitude"
+    # Where impacts add up the peaks jump with the scale, so that no limit needs to be reached: a hair more leaves one.
+    more = (1.0 + 2.5 * 2.0**-HALVINGS / design.scale) * design.recording["torque_motor"]
+    nameplate = NAMEPLATE.with_parameters(torque_limit=1e3)
+    rigs = _rigs(nameplate, {}, 2, 20, seed=1)
+    assert _played(more, rigs, Limits(*limits.values()), 2e-4) is None, "the largest amplitude"
     run = lm.simulate(NAMEPLATE, torque_motor=design.recording["torque_motor"], dt=2e-4)
     assert np.max(np.abs(run["speed_load"])) < 1.2 * limits["speed_limit"]
 
 
 def test_levels_within_an_angle() -> None:
-    design = design_excitation(NAMEPLATE, duration=4.0, dt=2e-4, speed_limit=30.0, angle_limit=4.0, plants=2)
+    """In open loop the speed levels drift by what the friction is off: it must be known for an angle to be kept."""
+    known = {"coulomb": (1.9, 2.1), "viscous": (0.0165, 0.0185)}
+    design = design_excitation(
+        NAMEPLATE, duration=4.0, dt=2e-4, speed_limit=30.0, angle_limit=4.0, plants=2, spread=known
+    )
     assert design.peaks["angle"] <= 4.0
     assert design.scale < 1.0
 

@@ -26,6 +26,11 @@ Array = NDArray[np.float64]
 #: Halvings of the search for the largest amplitude (chosen: 1 % of it).
 HALVINGS = 7
 
+#: How far the plants of the rehearsal are off the nameplate, as a fraction (as the virtual rigs are; others ±10 %), and
+#: what is at its low end on the lightest of them.
+SPREAD = {"inertia_motor": 0.1, "inertia_load": 0.1, "backlash": 0.2, "coulomb": 0.2, "viscous": 0.2}
+LIGHT = ("inertia_motor", "inertia_load", "coulomb", "viscous")
+
 #: Encoders have up to about 32 bit (chosen, with room).
 MOST_BITS = 40
 
@@ -98,9 +103,9 @@ def design_excitation(
     """Torque of the largest amplitude that keeps the limits, rehearsed on finer plants around the nameplate.
 
     The plants have four inertias, Stribeck friction and another contact law than the model (``rig.finer_rig``): one
-    with the nameplate's values, the others varied. The limits hold on all of them. Each is recorded through the
-    encoder and identified; the median of the half widths is the prediction. Where the nameplate has no damping, the
-    damping ratio is taken as 0.02.
+    with the nameplate's values, one with the least inertia and friction, the others varied. The limits hold on all of
+    them. Each is recorded through the encoder and identified; the median of the half widths is the prediction. Where
+    the nameplate has no damping, the damping ratio is taken as 0.02.
 
     Parameters
     ----------
@@ -122,7 +127,7 @@ def design_excitation(
     band : (low, high), Hz, optional
         Default: ``excitation_shapes.BAND`` times the torsional frequency.
     spread : mapping of name → (low, high), optional
-        Ranges of the varied plants, SI. Default: ±10 %.
+        Ranges of the varied plants, SI. Default: ``SPREAD``.
     plants : int
         Plants of the rehearsal, at least 2.
 
@@ -206,10 +211,13 @@ def _rigs(
     encoder_bits: int,
     seed: int,
 ) -> list[rig.Rig]:
-    """The plant with the nameplate's own values first, then varied ones, all with the given encoder."""
-    exact = {name: (value, value) for name, value in nameplate.parameters().items()}
+    """The nameplate's own values first, then the lightest plant, which is the fastest, then varied ones."""
+    values = nameplate.parameters()
+    exact = {name: (value, value) for name, value in values.items()}
+    ranges = {n: ((1.0 - s) * values[n], (1.0 + s) * values[n]) for n, s in SPREAD.items()} | dict(spread)
+    light = ranges | {name: (ranges[name][0],) * 2 for name in LIGHT}
     rigs = [rig.finer_rig(nameplate, exact, seed)]
-    rigs += [rig.finer_rig(nameplate, spread, 1000 * seed + i) for i in range(1, plants)]
+    rigs += [rig.finer_rig(nameplate, light if i == 1 else ranges, 1000 * seed + i) for i in range(1, plants)]
     encoder = Sensor("angle_motor", 2.0 * np.pi / 2**encoder_bits, difference=True)
     return [replace(r, sensors={**r.sensors, "speed_motor": encoder}) for r in rigs]
 
@@ -234,7 +242,7 @@ def _largest(
             "design_excitation",
             f"limits {limits}",
             "room for a motion",
-            "Raise the speed or the angle limit.",
+            "Raise the speed or the angle limit; or give a narrower spread, above all of the friction.",
         )
     return low, best
 
