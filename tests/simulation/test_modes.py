@@ -149,7 +149,7 @@ def test_every_mode_of_two_masses(contact):
 
 
 def test_stiffness_is_rounded_once():
-    """What a twist does to the speeds over a sample is the double nearest to the exact number, with hardly an exception.
+    """What a twist does to the speeds over a sample is the double nearest to the exact number, hardly ever another.
 
     The plain sum of the same terms hits it in two cases of three.
     """
