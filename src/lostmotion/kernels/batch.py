@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from .modes import ANGLE, ELEMENT, GAP, SHAFT_NUMBERS, Chain, build_mode, start_digits
+from .mode_rows import ANGLE, ELEMENT, GAP, SHAFT_NUMBERS, Chain, start_digits
+from .modes import build_mode
 from .plant import (
     CHATTERING,
     DONE,
@@ -275,7 +276,7 @@ def run_variants(
     ----------
     family : Family
     numbers : (V, P) array
-        See ``modes.Chain``.
+        See ``mode_rows.Chain``.
     limits : (V, 2) array
         Largest torque, Nm, and its largest change from sample to sample, Nm.
     scratch : Scratch

@@ -4,7 +4,7 @@ A mode is one combination of contact and friction states: the linear system ds/d
 ``kernels.plant``). States x: n − 1 twists, n speeds, the motor angle, the angles of shafts that relax, the actuator's
 torque. From F come, over a piece [0, L] of the sample time T = 2ʰ L, short against the fastest pole,
 
-- the Taylor terms F (L F)ⁿ⁻¹ L / n!, from left products with the few numbers of each row of F,
+- the Taylor terms F (L F)ⁿ⁻¹ L / n!, from left products with dx/dx,
 - exp(F T) − 1 as their sum, doubled h times: (1 + D)² − 1 = 2 D + D²,
 - the Taylor coefficients cₙ of the guards, and from them the enclosure's bounds: |second derivative| ≤
   Σ n (n − 1) |cₙ| / L² on the piece, elementwise and likewise for the fourth, and over twice a time at most the larger
@@ -18,20 +18,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from .plant import ELEMENT_ROWS, FRICTION, HEADER, SHAFT, Array, Indices, padded
+from .mode_rows import (
+    ANGLE,
+    ELEMENT,
+    ELEMENT_OF_FRICTION,
+    GAP,
+    LAW,
+    LINEAR,
+    REST,
+    SHAFT_NUMBERS,
+    Chain,
+    driving_torque,
+    fill_rows,
+)
+from .plant import ELEMENT_ROWS, HEADER, Array, padded
 from .vectors import LANES, absolute, add, address, fused, load, read, splat, store, total, write
 
-#: Contact laws of a shaft. LINEAR: no backlash; without damping PHYSICAL is VISCOELASTIC.
-LINEAR, VISCOELASTIC, DEAD_ZONE, LIMITED, CLIPPED, PHYSICAL = range(6)
-#: Digits of a shaft with backlash, ordered along the twist.
-MINUS, GAP, PLUS = 0, 1, 2
-#: Columns of ``Chain.shafts``, ``Chain.inertias`` and ``Chain.elements``.
-LAW, ANGLE, ELEMENT, SUM, DIFFERENCE = range(5)
-ELEMENT_OF_FRICTION, POINT = range(2)
-KIND, INDEX, REST = range(3)
-#: Numbers of a shaft (stiffness, damping, half the backlash) and of a friction (viscous, Coulomb level of positive and
-#: negative speed, breakaway level of positive and negative torque).
-SHAFT_NUMBERS, FRICTION_NUMBERS = 3, 5
 #: Largest ‖F‖·(length of a piece) in the norm of energy (chosen: 15 terms reach the next number).
 PIECE_NORM = 0.5
 #: The Taylor series ends where its terms fall below this part of what a torque moves in a piece (rounding of that).
@@ -40,25 +42,6 @@ LAST_TERM = 1e-16
 ORDER = 15
 #: Times this, a number splits in two halves.
 SPLIT = 2.0**27 + 1.0
-
-
-class Chain(NamedTuple):
-    """What the variants of one plant share. Their numbers are one vector each, in the order
-
-    dt, lag; n inertias; n − 1 times the numbers of a shaft; n times those of a friction; points of the Stribeck curves
-    (speed, extra torque).
-    """
-
-    shafts: Indices  # (n − 1, 5): law; state of the shaft's own angle; elements of the shaft, of the sign of
-    #                  k·dz(twist) + d·rate, and of k·dz(twist) − d·rate; −1 for none
-    inertias: Indices  # (n + 1, 2): element of the friction, −1 for none; first point of the Stribeck curve
-    elements: (
-        Indices  # (E, 3): SHAFT, FRICTION or BRANCH; shaft or inertia; digit of the gap or of standstill
-    )
-    targets: Indices  # (M,): inertia on which an input's torque acts; −1 − i: it is inertia i's acceleration
-    states: int
-    actuator: int  # state of the actuator's torque, −1 for none
-    locked: int  # inertia that is held, −1 for none
 
 
 class ModeWork(NamedTuple):
@@ -88,173 +71,9 @@ def new_mode_work(chain: Chain) -> ModeWork:
 
 
 _MODES: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy", "nogil": True}
-#: Of what Python does not call: a part of the time to compile goes into its wrappers.
 _INNER: Any = {**_MODES, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 #: Where every rounding counts: nothing is contracted.
 _EXACT: Any = {**_INNER, "fastmath": False}
-
-
-@njit(**_INNER)
-def _friction_segment(chain, p, i, digit):
-    """(constant, slope, low, high): torque = constant + slope·speed of a moving digit, between two speeds."""
-    n = chain.inertias.shape[0] - 1
-    at = 2 + n + SHAFT_NUMBERS * (n - 1) + FRICTION_NUMBERS * i
-    away = digit - chain.elements[chain.inertias[i, ELEMENT_OF_FRICTION], REST]
-    sign = 1.0 if away > 0 else -1.0
-    level = p[at + 1] if away > 0 else p[at + 2]
-    number, last = chain.inertias[i, POINT] + abs(away) - 1, chain.inertias[i + 1, POINT]
-    point = 2 + n + SHAFT_NUMBERS * (n - 1) + FRICTION_NUMBERS * n + 2 * number
-    near, extra, far, slope = 0.0, 0.0, np.inf, 0.0
-    if number < last:
-        near, extra = p[point], p[point + 1]
-    if number + 1 < last:
-        far = p[point + 2]
-        slope = (p[point + 3] - extra) / (far - near)
-    constant = sign * (level + extra - slope * near)
-    if away > 0:
-        return constant, slope, near, far
-    return constant, slope, -far, -near
-
-
-@njit(**_INNER)
-def _torque_rows(chain, p, digits, rows):
-    """Torques of shafts and their springs, from outside, and of friction."""
-    shafts, inertias = chain.shafts, chain.inertias
-    n, last = inertias.shape[0] - 1, rows.shape[1] - 1
-    for i in range(n - 1):
-        at, elastic = 2 + n + SHAFT_NUMBERS * i, n - 1 + i
-        k, d, half = p[at], p[at + 1], p[at + 2]
-        law, speed = shafts[i, LAW], n - 1 + i
-        if law == LINEAR:
-            rows[i, i], rows[i, speed], rows[i, speed + 1] = k, d, -d
-            continue
-        side = digits[shafts[i, ELEMENT]]
-        right = 1 if side == PLUS else 0  # on the left flank all signs are the other way round
-        offset = -k * (side - GAP) * half
-        rows[elastic, i], rows[elastic, last] = k, offset
-        spring, damped = 1.0, True
-        if side == GAP:
-            spring, damped = 0.0, law == DEAD_ZONE
-        elif law == PHYSICAL:
-            spring = 0.0
-            rows[i, shafts[i, ANGLE]] = k
-        elif law >= LIMITED and digits[shafts[i, SUM]] != right:
-            spring, damped = 0.0, False
-        elif law == LIMITED and digits[shafts[i, DIFFERENCE]] != right:
-            spring, damped = 2.0, False
-        rows[i, i], rows[i, last] = spring * k, spring * offset
-        if damped:
-            rows[i, speed], rows[i, speed + 1] = d, -d
-    for j in range(chain.targets.size):
-        i = chain.targets[j]
-        if i >= 0:
-            source = chain.actuator if j == 0 and chain.actuator >= 0 else chain.states + j
-            rows[2 * (n - 1) + i, source] = 1.0
-    for i in range(n):
-        friction, e = 3 * n - 2 + i, inertias[i, ELEMENT_OF_FRICTION]
-        rows[friction, n - 1 + i] = p[2 + n + SHAFT_NUMBERS * (n - 1) + FRICTION_NUMBERS * i]
-        if e >= 0 and digits[e] != chain.elements[e, REST]:
-            constant, slope, _, _ = _friction_segment(chain, p, i, digits[e])
-            rows[friction, n - 1 + i] += slope
-            rows[friction, last] = constant
-
-
-@njit(inline="always", **_INNER)
-def _driving_torque(rows, n, i, j):
-    """Torque on inertia i without its friction, column j."""
-    torque = rows[2 * (n - 1) + i, j]
-    if i > 0:
-        torque += rows[i - 1, j]
-    if i < n - 1:
-        torque -= rows[i, j]
-    return torque
-
-
-@njit(**_INNER)
-def _rate_rows(chain, p, digits, rows):
-    """dx/dt."""
-    shafts, inertias, states = chain.shafts, chain.inertias, chain.states
-    n = inertias.shape[0] - 1
-    rate = 4 * n - 2
-    for i in range(n - 1):
-        speed, angle = n - 1 + i, shafts[i, ANGLE]
-        rows[rate + i, speed], rows[rate + i, speed + 1] = 1.0, -1.0
-        if angle < 0:
-            continue
-        if digits[shafts[i, ELEMENT]] == GAP:
-            at = 2 + n + SHAFT_NUMBERS * i
-            rows[rate + angle, angle] = -(p[at] / p[at + 1])
-        else:
-            rows[rate + angle, speed], rows[rate + angle, speed + 1] = 1.0, -1.0
-    for i in range(n):
-        e = inertias[i, ELEMENT_OF_FRICTION]
-        if i == chain.locked or (e >= 0 and digits[e] == chain.elements[e, REST]):
-            continue
-        for j in range(rows.shape[1]):
-            torque = _driving_torque(rows, n, i, j) - rows[3 * n - 2 + i, j]
-            rows[rate + n - 1 + i, j] = torque / p[2 + i]
-    for j in range(chain.targets.size):
-        if chain.targets[j] < 0:
-            rows[rate + n - 2 - chain.targets[j], states + j] = 1.0
-    rows[rate + 2 * n - 1, n - 1] = 1.0
-    if chain.actuator >= 0:
-        rows[rate + chain.actuator, states] = 1.0 / p[1]
-        rows[rate + chain.actuator, chain.actuator] = -1.0 / p[1]
-
-
-@njit(**_INNER)
-def _guard_rows(chain, p, digits, rows, bounds):
-    shafts, elements = chain.shafts, chain.elements
-    n = chain.inertias.shape[0] - 1
-    columns = rows.shape[1]
-    for e in range(elements.shape[0]):
-        i, digit, guard = elements[e, INDEX], digits[e], 4 * n - 2 + chain.states + e
-        low, high = -np.inf, np.inf
-        at = 2 + n + SHAFT_NUMBERS * i
-        if elements[e, KIND] == SHAFT:
-            k, d, half = p[at], p[at + 1], p[at + 2]
-            law = shafts[i, LAW]
-            if law == PHYSICAL and digit != GAP:
-                half = 0.0
-                for j in range(columns):
-                    rows[guard, j] = rows[i, j]
-            else:
-                rows[guard, i] = 1.0
-                if law == PHYSICAL:
-                    rows[guard, shafts[i, ANGLE]] = -1.0
-                elif law == VISCOELASTIC:
-                    rows[guard, n - 1 + i], rows[guard, n + i] = d / k, -d / k
-            if digit != MINUS:
-                low = half if digit == PLUS else -half
-            if digit != PLUS:
-                high = -half if digit == MINUS else half
-        elif elements[e, KIND] == FRICTION:
-            if digit == elements[e, REST]:
-                at = 2 + n + SHAFT_NUMBERS * (n - 1) + FRICTION_NUMBERS * i
-                low, high = -p[at + 4], p[at + 3]
-                for j in range(columns):
-                    rows[guard, j] = _driving_torque(rows, n, i, j)
-            else:
-                _, _, low, high = _friction_segment(chain, p, i, digit)
-                rows[guard, n - 1 + i] = 1.0
-        elif digits[shafts[i, ELEMENT]] != GAP:
-            d = p[at + 1] if shafts[i, SUM] == e else -p[at + 1]
-            rows[guard, i], rows[guard, columns - 1] = rows[n - 1 + i, i], rows[n - 1 + i, columns - 1]
-            rows[guard, n - 1 + i], rows[guard, n + i] = d, -d
-            if digit == 1:
-                low = 0.0
-            else:
-                high = 0.0
-        bounds[e, 0], bounds[e, 1] = low, high
-
-
-@njit(**_INNER)
-def _fill_rows(chain, p, digits, rows, bounds):
-    """All rows of the mode of these digits, see `ModeWork`."""
-    rows[:] = 0.0
-    _torque_rows(chain, p, digits, rows)
-    _rate_rows(chain, p, digits, rows)
-    _guard_rows(chain, p, digits, rows, bounds)
 
 
 @njit(**_INNER)
@@ -294,33 +113,6 @@ def _norm(chain, p, digits, rows, scale):
         largest_column = max(largest_column, scale[states + j])
     norm = np.sqrt(largest_row * largest_column)
     return max(norm, 1.0 / p[1]) if chain.actuator >= 0 else norm
-
-
-@njit(**_MODES)
-def start_digits(chain, p, x, digits):
-    """The mode in which a state lies; sets the shaft angle of the physical law in x where the twist tells it."""
-    n = chain.inertias.shape[0] - 1
-    for e in range(chain.elements.shape[0]):
-        i, rest = chain.elements[e, INDEX], chain.elements[e, REST]
-        digits[e] = 1  # of a branch: put right by an event at once where it is wrong
-        if chain.elements[e, KIND] == FRICTION:
-            digits[e] = rest
-            speed = x[n - 1 + i]
-            if speed == 0.0:
-                continue
-            step = 1 if speed > 0.0 else -1
-            low, high = np.inf, -np.inf
-            while not low <= speed <= high:
-                digits[e] += step
-                _, _, low, high = _friction_segment(chain, p, i, digits[e])
-        elif chain.elements[e, KIND] == SHAFT:
-            at = 2 + n + SHAFT_NUMBERS * i
-            half, reach = p[at + 2], x[i]
-            if chain.shafts[i, LAW] == VISCOELASTIC:
-                reach += p[at + 1] / p[at] * (x[n - 1 + i] - x[n + i])
-            digits[e] = PLUS if reach > half else MINUS if reach < -half else GAP
-            if chain.shafts[i, ANGLE] >= 0:
-                x[chain.shafts[i, ANGLE]] = reach - min(max(reach, -half), half)
 
 
 @njit(**_INNER)
@@ -418,7 +210,7 @@ def _first_term_rests(chain, p, digits, rows, low, terms, pieces, high):
         if i == chain.locked or (e >= 0 and digits[e] == chain.elements[e, REST]):
             continue
         for j in range(columns):
-            torque = _driving_torque(rows, n, i, j) - rows[3 * n - 2 + i, j]
+            torque = driving_torque(rows, n, i, j) - rows[3 * n - 2 + i, j]
             if torque != 0.0:
                 at = j * high + n - 1 + i
                 rest = _difference_of_products(torque, p[0] / pieces, read(terms, at), p[2 + i])
@@ -485,7 +277,7 @@ def build_mode(chain, p, digits, flat, at, rows, bounds, weights, scratch):
     states, columns = chain.states, rows.shape[1]
     elements = chain.elements.shape[0]
     guard = rows.shape[0] - elements
-    _fill_rows(chain, p, digits, rows, bounds)
+    fill_rows(chain, p, digits, rows, bounds)
     size = _norm(chain, p, digits, rows, scratch) * p[0]
     pieces = 1.0
     while size > PIECE_NORM:

@@ -1,4 +1,4 @@
-"""A drivetrain as the whole numbers and floats that the kernels of its modes read, see ``kernels.modes.Chain``."""
+"""A drivetrain as the whole numbers and floats that the kernels of its modes read, see ``kernels.mode_rows.Chain``."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ..drivetrain import Drivetrain, Shaft
 from .modes import Element, Layout, relaxes
 
 if TYPE_CHECKING:
-    from ..kernels.modes import Chain
+    from ..kernels.mode_rows import Chain
 
 
 def chain_of(layout: Layout, parts: tuple[Element, ...]) -> Chain:
     """What all variants of a drivetrain share that differ in their numbers only."""
-    from ..kernels.modes import Chain
+    from ..kernels.mode_rows import Chain
     from ..kernels.plant import BRANCH, FRICTION, SHAFT
 
     drivetrain, n = layout.drivetrain, layout.n
@@ -65,13 +65,13 @@ def numbers_of(drivetrain: Drivetrain, dt: float) -> NDArray[np.float64]:
 
 
 def _law(shaft: Shaft) -> int:
-    from ..kernels import modes
+    from ..kernels import mode_rows
 
     if not shaft.has_backlash:
-        return modes.LINEAR
+        return mode_rows.LINEAR
     if shaft.contact == "physical" and not relaxes(shaft):
-        return modes.VISCOELASTIC
-    return int(getattr(modes, shaft.contact.upper()))
+        return mode_rows.VISCOELASTIC
+    return int(getattr(mode_rows, shaft.contact.upper()))
 
 
 def _target(name: str, n: int, locked: int | None) -> int:

@@ -177,7 +177,7 @@ class Plant:
 
     def start_digits(self, x: Array) -> NDArray[np.int64]:
         """The mode in which a state lies; sets the shaft angle of the physical law in x where the twist tells it."""
-        from ..kernels.modes import start_digits
+        from ..kernels.mode_rows import start_digits
 
         digits = np.zeros(len(self.elements), dtype=np.int64)
         start_digits(self.chain, self.numbers, x, digits)
