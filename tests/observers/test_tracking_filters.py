@@ -183,8 +183,10 @@ def test_an_actuator_lag_is_part_of_the_model():
     torque = 8.0 * np.repeat(rng.normal(size=60), 50) + 3.0
     true = simulate(late, dt=DT, torque_motor=torque)
     data = {"torque_motor": torque, "speed_motor": true["speed_motor"] + 0.03 * rng.normal(size=3000)}
-    known = extended_kalman(late, dt=DT).run(data)["torque_shaft_estimated"]
-    unknown = extended_kalman(TABLE_1, dt=DT).run(data)["torque_shaft_estimated"]
+    known = extended_kalman(late, dt=DT, drift=HELD, uncertainty=HELD).run(data)["torque_shaft_estimated"]
+    unknown = extended_kalman(TABLE_1, dt=DT, drift=HELD, uncertainty=HELD).run(data)[
+        "torque_shaft_estimated"
+    ]
     errors = [np.sqrt(np.mean((e - true["torque_shaft"])[1000:] ** 2)) for e in (known, unknown)]
     assert errors[0] < 0.3
     assert errors[0] < 0.2 * errors[1]

@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 #: Speeds (rad/s) and ramp (s) of the reversing experiment, and rms (Nm) of its noise (chosen: the shaft torque reverses
 #: more than a hundred times a second, the load is in the gap for nearly half of the time).
 LEVELS, RAMP, NOISE = (4.0, 10.0, -4.0, -10.0, 6.0, -6.0), 0.1, 7.0
-#: Torque noise (Nm) and square wave (Nm, Hz) under which the load sticks most of the time (chosen).
-STICKING_NOISE, STICKING_WAVE, STICKING_RATE = 1.2, 1.0, 5.0
+#: Torque noise (Nm) and square wave (Nm, Hz) under which the load rests half of the time (chosen).
+STICKING_NOISE, STICKING_WAVE, STICKING_RATE = 1.0, 0.9, 5.0
 #: Set-points under control change every so often, s, within ± rad/s (chosen).
 HOLD, SPEED = 0.1, 4.0
 #: Length of a lost stretch of samples, s (chosen).

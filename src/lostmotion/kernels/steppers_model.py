@@ -21,7 +21,9 @@ import math
 from numba import njit
 
 # Places in the parameter array.
-STEP_MATRIX = 0  # 5 × 8: states × (4 states, torque, gap, friction_motor, friction_load), held over a piece; row 4: change
+STEP_MATRIX = (
+    0  # 5 × 8: states × (4 states, torque, gap, friction_motor, friction_load), over a piece; row 4: turn
+)
 LEAD_MIDDLE, LEAD = 40, 41  # s: z = twist + lead·rate, at the middle of the piece and at its start
 STIFFNESS, DAMPING, VISCOUS, COULOMB_MOTOR = 42, 43, 44, 45
 RATIO_PLUS, RATIO_MINUS = 46, 47  # Coulomb level of each direction over their mean
@@ -143,9 +145,9 @@ def sensor_believed(p, state, at, i, value, missing, moved, innovation, variance
     """Whether a sample of sensor ``i`` is used; keeps the sensor's memory at ``state[at]``.
 
     Missing samples are not. A frozen one is not: the very same value again, while the model alone has moved by more
-    than ``STILL`` since it came first, and from then on until it changes. A jump is not: an innovation beyond ``GATE`` times its own deviation plus what the
-    model's own error may add, ``MISMATCH``. But after ``HOLD`` jumps in a row, or a value that came ``FROZEN_HOLD`` times,
-    the signal counts as right and the estimate as lost.
+    than ``STILL`` since it came first, and from then on until it changes. A jump is not: an innovation beyond ``GATE``
+    times its own deviation plus what the model's own error may add, ``MISMATCH``. But after ``HOLD`` jumps in a row, or
+    a value that came ``FROZEN_HOLD`` times, the signal counts as right and the estimate as lost.
 
     Parameters
     ----------

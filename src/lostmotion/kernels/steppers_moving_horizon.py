@@ -41,6 +41,7 @@ from .steppers_model import (
     advance,
     clip,
     doubt,
+    mean_gap,
     next_count,
     sensor_believed,
 )  # fmt: skip
@@ -63,6 +64,7 @@ from .steppers_tracking import (
     recover,
     restart,
     row,
+    spread,
     write,
 )  # fmt: skip
 
@@ -87,18 +89,19 @@ def init(p):
 
 
 @njit(cache=True)
-def _move(p, x, torque, f):
-    """Model over a piece of a sample from x (8,), in place, with its derivatives f (5, 8); returns the load's friction."""
-    half = 0.5 * max(x[BACKLASH], 0.0)
+def _move(p, w, x, torque, f):
+    """Model over a piece of a sample from x (8,), in place; its derivatives go to f (5, 8); returns the friction.
+
+    The gap enters by its mean over the spread of the estimate w, as in the extended Kalman filter: with a sharp edge a
+    backlash that is far too large keeps the trajectory inside for ever.
+    """
     coulomb = max(x[COULOMB], 0.0)
     z = x[0] + p[LEAD_MIDDLE] * (x[1] - x[2])
-    gap = clip(z, -half, half)
+    gap, above, below = mean_gap(z, 0.5 * max(x[BACKLASH], 0.0), spread(w, p[LEAD_MIDDLE]))
     n0, n1, n2, n3, turn, motor, load = advance(
         p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], coulomb, gap, torque
     )
-    inside = 1.0 if abs(z) < half else 0.0
-    edge = 0.0 if inside == 1.0 else math.copysign(1.0, z)
-    jacobian(p, inside, edge, motor, load, coulomb, f)
+    jacobian(p, 1.0 - above - below, above - below, motor, load, coulomb, f)
     x[0], x[1], x[2], x[3] = n0, n1, n2, n3
     x[ANGLE] += turn * p[AVERAGED]
     return load
@@ -135,7 +138,7 @@ def _chained(slope, f, work):
 
 @njit(cache=True)
 def _advance_estimate(p, w, s, at, torque, slope, f, work, two):
-    """The estimate w a sample on, along the node's trajectory at s[at …], which two[0] follows; slope (5, 8) of the sample."""
+    """The estimate w a sample on, along the node's trajectory at s[at …]; the sample's derivatives to slope."""
     x, apart = two[0], two[1]
     keeps = 1.0
     for j in range(N):
@@ -148,7 +151,7 @@ def _advance_estimate(p, w, s, at, torque, slope, f, work, two):
     for j in range(N):
         apart[j] = w[j] - x[j]
     for piece in range(int(p[PIECES])):
-        _move(p, x, torque, f)
+        _move(p, w, x, torque, f)
         propagate(p, w, f, work)
         if piece == 0:
             slope[:] = f
@@ -319,7 +322,7 @@ def step(p, s, inputs, faults, outputs):
     if not again:
         _count(p, s, FIRST_NODE + (int(s[COUNT]) - 1) * NODE, s)
     for _ in range(int(p[PIECES])):
-        s[FRICTION] = _move(p, s, torque, f)
+        s[FRICTION] = _move(p, s, s, torque, f)
         propagate(p, s, f, work)
     if again:
         _begin_horizon(s)

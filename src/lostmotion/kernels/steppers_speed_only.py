@@ -55,7 +55,8 @@ def restart(p, s, speed):
 def innovation_of(p, s, inputs, faults):
     """Torque to use, innovation (0 where the speed is not believed), faults.
 
-    What the samples of a value that turns out to be frozen have done to the motor speed is taken back. A speed from counts moves the angle counted on, so that the angle is measured from the newest count.
+    What the samples of a value that turns out to be frozen have done to the motor speed is taken back. A speed from
+    counts moves the angle counted on, so that the angle is measured from the newest count.
     """
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
     speed = inputs[1]

@@ -36,7 +36,7 @@ TRACKING_OUTPUTS = (
 DRIFT: Mapping[str, float] = MappingProxyType({"backlash": 0.02, "coulomb": 0.02, "torque_load": 0.5})
 
 #: How well each is known at the start (standard deviation), in the same units (chosen).
-UNCERTAINTY: Mapping[str, float] = MappingProxyType({"backlash": 0.5, "coulomb": 0.15, "torque_load": 0.1})
+UNCERTAINTY: Mapping[str, float] = MappingProxyType({"backlash": 0.3, "coulomb": 0.15, "torque_load": 0.1})
 
 #: The Coulomb level stays within this many start deviations above its start value (chosen). An estimate that is far too
 #: high would hold the load for ever and never learn otherwise.
@@ -68,7 +68,8 @@ def extended_kalman(
     dt : float, s
         Sample time.
     sensor_noise : mapping of signal → float, optional
-        Standard deviation of one sample, in the signal's unit; default ``tuning.SENSOR_NOISE``.
+        Standard deviation of one sample, in the signal's unit; default ``tuning.SENSOR_NOISE``, with ``count_averaged``
+        that of a 20-bit encoder at this sample time (``tuning.speed_of_counts(dt, counts)`` gives it for another one).
     unknown_torque : mapping, optional
         Torque on ``motor`` and ``load`` that the model leaves out, as the root of its density, Nm·√s; default
         ``tuning.UNKNOWN_TORQUE``.
@@ -77,7 +78,8 @@ def extended_kalman(
         within a second, and how well it is known at the start; default ``DRIFT``, ``UNCERTAINTY``. Zero for both
         holds a parameter.
     count_averaged : bool
-        The measured motor speed is a mean over the last sample (counts over dt).
+        The measured motor speed is a difference of counts over dt: the sum of its samples, an angle, is filtered, in
+        which a count has one error instead of two.
 
     Returns
     -------

@@ -44,16 +44,14 @@ def sliding_mode(
     unknown_torque : float, Nm
         Largest torque on the motor that the model may miss and the correction still overcomes.
     layer : float, rad/s, optional
-        Innovation at which the whole correction acts, linear below; default: four times the sensor noise, and at
-        least what one sample of the correction moves.
-    bandwidth : float, 1/s, optional
-        How fast errors of twist and load speed die out in contact; default √(k/J_l).
-    damping_ratio : float
-        Of those errors.
-    sensor_noise : float, rad/s
-        Standard deviation of one sample of the motor speed.
+        Innovation at which the whole correction acts, linear below; default: so that below it the motor speed is
+        followed as fast as its noise allows (``speed_only.follow_share``).
+    bandwidth, damping_ratio : float, 1/s and –, optional
+        How errors of twist and load speed die out in contact; default √(k/J_l) and 0.7, less for a coarse encoder.
+    sensor_noise : float, rad/s, optional
+        Standard deviation of one sample of the motor speed; default as in ``extended_kalman``.
     count_averaged : bool
-        The measured motor speed is a mean over the last sample.
+        The measured motor speed is a difference of counts over dt: the innovation is that of the angle, over dt.
 
     Returns
     -------

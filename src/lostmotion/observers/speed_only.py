@@ -65,9 +65,9 @@ def default_poles(
 ) -> tuple[float, float]:
     """Bandwidth (1/s) and damping ratio of the errors of twist and load speed: as given, or the default.
 
-    The default bandwidth is the frequency of the load on the held shaft: so the load speed needs no correction. The twist
-    then settles at 2·damping ratio·bandwidth, by default DAMPING_RATIO, but no faster than a third of the rate at which the
-    motor speed is followed, since the correction takes that for immediate.
+    The default bandwidth is the frequency of the load on the held shaft: so the load speed needs no correction. The
+    twist then settles at 2·damping ratio·bandwidth, by default DAMPING_RATIO, but no faster than a third of the rate at
+    which the motor speed is followed, since the correction takes that for immediate.
     """
     rate = math.sqrt(drivetrain.stiffness / drivetrain.inertia_load)
     rate = rate if bandwidth is None else positive("bandwidth", bandwidth)
@@ -79,8 +79,8 @@ def default_poles(
 def follow_share(drivetrain: Drivetrain, p: Array) -> float:
     """Share of the motor's error that one sample takes away, at most FASTEST: the sensor's noise against the model's.
 
-    That of a Kalman filter of the motor alone with ``tuning.UNKNOWN_TORQUE`` on it: (density of the acceleration / density
-    of the sensor) to the power ¼ if it counts angles, ½ if speeds.
+    That of a Kalman filter of the motor alone with ``tuning.UNKNOWN_TORQUE`` on it: (density of the acceleration /
+    density of the sensor) to the power ¼ if it counts angles, ½ if speeds.
     """
     from ..kernels import steppers_model as at
 

@@ -63,7 +63,8 @@ def super_twisting(
     Notes
     -----
     Levant 1998, Automatica 34, 379–384 (gains 1.5 and 1.1); for backlash: Djeziri, Merzouki & Bouamama 2009, IEEE
-    Trans. Vehicular Technology 58, 4710–4719. The sign is a line below a tenth of the sensor noise. Defaults chosen.
+    Trans. Vehicular Technology 58, 4710–4719. The sign is a line where it would correct more than the three
+    equal poles that the sensor's noise allows. Defaults chosen.
     """
     from ..kernels import steppers_super_twisting as kernel
 

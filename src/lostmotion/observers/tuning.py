@@ -19,11 +19,15 @@ Array = NDArray[np.float64]
 #: Sensors of the steppers, in the order of their kinds in ``kernels.steppers_model``.
 STEPPER_SENSORS = ("speed_motor", "speed_load", "twist", "torque_shaft")
 
-#: Standard deviation of one sample, but for a speed from counts. Speeds: a 20-bit encoder differenced at 0.1 ms has 0.025
-#: rad/s; torque: a drive's test-rig sensor; twist: 20 bit (chosen).
+#: Standard deviation of one sample, but for a speed from counts. Speeds: a 20-bit encoder differenced at 0.1 ms has
+#: 0.025 rad/s; torque: a drive's test-rig sensor; twist: 20 bit (chosen).
 SENSOR_NOISE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 0.03, "speed_load": 0.03, "twist": 1e-5, "torque_shaft": 0.3}
 )
+
+#: Standard deviation of the motor's turn by modes that no two-mass model has, rad: added to the error of a count
+#: (chosen: the innovations on the virtual rig are five times those of a 20-bit encoder).
+MODES = 1e-5
 
 #: Encoder that a speed from counts is taken to come from, counts in a turn (chosen: 20 bit).
 COUNTS = 2**20
@@ -31,17 +35,17 @@ COUNTS = 2**20
 #: Torque that the model does not know, as the root of its density, Nm·√s: 0.02 is 0.63 Nm held for 1 ms each (chosen).
 UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.02, "load": 0.02})
 
-#: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit: the virtual rig's
-#: modes beyond the model throw 0.6 rad/s at hard impacts. A sensor is frozen if the model has moved by FREEZE of its
-#: deviations meanwhile (of counts: two and a half, which no speed can hide). All chosen.
-GATE, FREEZE = 10.0, 6.0
+#: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit: the virtual
+#: rig's modes beyond the model throw 0.6 rad/s at hard impacts. A sensor is frozen if the model has moved by FREEZE of
+#: its deviations meanwhile (of counts: two and a half, which no speed can hide). All chosen.
+GATE, FREEZE = 4.0, 6.0
 MISMATCH: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 0.75, "speed_load": 0.75, "twist": 2.5e-4, "torque_shaft": 7.5}
 )
 #: After this time of rejected samples the signal is right and the estimate wrong, s (chosen): jumps, the same value.
 HOLD, FROZEN_HOLD = 0.03, 0.1
-#: A sample is predicted in pieces in which the shaft's closed mode turns by at most this angle, rad (chosen: the gap term is
-#: held over a piece; 0.25 ms on the paper's rig).
+#: A sample is predicted in pieces in which the shaft's closed mode turns by at most this angle, rad (chosen: the gap
+#: term is held over a piece; 0.25 ms on the paper's rig).
 PIECE = 0.16
 
 
@@ -151,7 +155,8 @@ def _fill_sensors(
         counted = count_averaged and name == "speed_motor"
         scale = dt if counted else 1.0
         p[at.KIND + i], p[at.SCALE + i] = STEPPER_SENSORS.index(name), scale
-        p[at.VARIANCE + i] = (noise[name] * scale) ** 2 * (0.5 if counted else 1.0)
+        error = (noise[name] * scale) ** 2
+        p[at.VARIANCE + i] = 0.5 * error + MODES**2 if counted else error
         p[at.MISMATCH + i], p[at.STILL + i] = MISMATCH[name] * scale, FREEZE * noise[name]
 
 
