@@ -36,8 +36,8 @@ NOT_EXCITED = 3.0
 JOINED = 1.5
 
 #: Innovations of more than this share of the speed's deviation may hide a mode: one at so many times the torsional
-#: frequency is then allowed for (chosen: with 14 bit that of the virtual rigs, at seven times, is no longer seen).
-HIDING, HIDDEN = 0.05, 7.0
+#: frequency is then allowed for (chosen: with 16 bit that of the virtual rigs, at seven times, is no longer seen).
+HIDING, HIDDEN = 0.01, 7.0
 
 #: And if a gap or a Coulomb torque that is off by ``NOT_EXCITED`` either way predicts no worse: by less than a typical
 #: block's sum of squares, and by less than so many standard deviations (chosen). Then the twist has touched one side

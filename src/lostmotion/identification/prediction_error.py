@@ -128,7 +128,10 @@ def identify(
     found = None
     if joint_piece and not wide:
         upper = descent(predictor, theta, free, box, say, fit, LADDER[:2])
-        found = with_joint_piece(predictor, upper, box)
+        # The search takes longer than all the rest: only where innovations ask for it.
+        if higher_mode(predictor, upper[-1]) is not None:
+            found = with_joint_piece(predictor, upper, box)
+        theta = upper[0].fit.theta
     predictor, stage = found or (predictor, descend(predictor, theta, free, box, _from(0.5, say)))
     ambiguous = _second_minimum(predictor, second, stage, box)
     if wide:
