@@ -57,12 +57,17 @@ def identify(
     joint piece: a part of the motor's inertia that sits on the shaft before the gap (``joint_piece``). Stiffness and
     damping then are those of the two masses with the same torsional mode.
 
-    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + n² + a²). s is the sandwich
-    standard error times Student's factor. The rest stands for what the model leaves out: g is how far a
-    three times higher gain would move the estimate; f is how far it moves if only the faster half of the
-    speed range counts (friction may be no straight line); n is how far it moves if the nameplate values
-    that had to be taken for what is not excited are off by a factor of two; a allows for the sampling, and
-    for a mode above the torsional one that stands out in the innovations (``uncertainty.model_allowance``).
+    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + n² + u² + a²). s is Student's factor times
+    the standard error from what the blocks of the recording pull. The rest stands for what the model leaves out: g is
+    how far a three times higher gain would move the estimate, f how far it moves if only the faster half of the speed
+    range counts (friction may be no straight line), both as far as that is more than chance; n is how far it moves if
+    the nameplate values that had to be taken for what is not excited are off by a factor of two, u how far it moved
+    when one was left out whose nameplate is zero; a allows for a mode above the torsional one that stands out in the
+    innovations, or that noise may hide (``uncertainty.model_allowance``). What sampling and counts shift is told by
+    exact simulations of what was found and taken off (``replica``); where there are none, a bound is in a.
+
+    Where counts are coarse, rows are joined; where the innovations still leave too little of the speed, nothing is
+    identified (``findings``).
 
     Parameters
     ----------
