@@ -127,6 +127,8 @@ class Places(NamedTuple):
 
 # forceinline: typed once, which halves the compiling; inline="always" where a caller's sizes must reach the loops.
 _PLANT: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
+#: Of what only kernels call (underscored; a call from Python would crash): wrappers for Python cost compile time.
+_INNER: Any = {**_PLANT, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 @njit(forceinline=True, **_PLANT)
@@ -208,7 +210,7 @@ def _guards(at, table, wide, height, s, C, idle):
     return g, d, swing
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _within(low, g, d, swing, high):
     """Bits of the guards that stay within their bounds: g + d·t ∓ swing·t² is extreme at an end."""
     end = add(g, d)
@@ -251,7 +253,7 @@ def _quiet(at, s, change, N, C, E, idle):
     return True
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _evaluate(p, order, t):
     """Polynomial with coefficients p at t: its Taylor coefficients of order 0 to 3 there."""
     q = read(p, order)
@@ -266,7 +268,7 @@ def _evaluate(p, order, t):
     return q, q1, q2, q3
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _reversed(q, q1, q2, q3):
     """Root of q + q1·t + q2·t² + q3·t³ by the reversed series up to order three, and what its last term does to q."""
     inverse = 1.0 / q1
@@ -276,7 +278,7 @@ def _reversed(q, q1, q2, q3):
     return u - a * u * u + last, abs(q1 * last)
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _only_crossing(p, order, sign, bound, until, tolerance):
     """The root of a monotone polynomial: by reversed series, by halves where those lead out of the bracket."""
     t, _ = _reversed(read(p, 0) - bound, read(p, 1), read(p, 2), read(p, 3))
@@ -297,7 +299,7 @@ def _only_crossing(p, order, sign, bound, until, tolerance):
     return min(max(t, 0.0), until)
 
 
-@njit(**_PLANT)
+@njit(**_INNER)
 def _stepped_crossing(p, order, sign, bound, until, tolerance):
     """As `_first_crossing`: each step ends before the first root of a quadratic that lies below q."""
     third = 0.0  # bounds the third derivative
@@ -335,7 +337,7 @@ def _stepped_crossing(p, order, sign, bound, until, tolerance):
         t += step
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _first_crossing(p, order, sign, bound, until, bend, tolerance):
     """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
 
@@ -441,7 +443,7 @@ def _next_event(at, s, series, order, stride, length, time, N, C, E, idle):
     return first, which, direction
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _copy(s, to, N):
     """to[:N] = s[:N]."""
     whole = N & -LANES
@@ -451,7 +453,7 @@ def _copy(s, to, N):
         write(to, i, read(s, i))
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _add_change(s, change, N):
     """s[:N] += change[:N], by fours where that leaves the inputs alone."""
     whole = N & -LANES
@@ -599,7 +601,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     return status
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def _four_rows(at, table, x0, x1, x2, v):
     """Four rows of the two-mass plant times its state and torque; in this order the sum waits least for the state."""
     rest = fused(load(at, table + 4 * TWO_MASS_ROWS), v, load(at, table + 5 * TWO_MASS_ROWS))

@@ -1,8 +1,29 @@
 """Exact simulation of drivetrains with backlash and set-valued friction, with or without a law in the loop."""
 
-from .batch import BatchResult, read_trajectories, simulate_batch
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from .sensors import Sensor, measure
 from .simulate import simulate
-from .variants import variants
+
+if TYPE_CHECKING:
+    from .batch import BatchResult, read_trajectories, simulate_batch
+    from .variation import variants
+
+# Loaded when first used: what batches need takes as long to load as a small simulation runs.
+_HOME = {
+    "BatchResult": "batch",
+    "read_trajectories": "batch",
+    "simulate_batch": "batch",
+    "variants": "variation",
+}
 
 __all__ = ["BatchResult", "Sensor", "measure", "read_trajectories", "simulate", "simulate_batch", "variants"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)

@@ -254,10 +254,10 @@ class PlantRun:
 
     def signals(self) -> dict[str, NDArray[np.float64]]:
         """All signals at every sample, the one after the last torque included: (n + 1,) each."""
-        from ..kernels.signals import signals_of, spans
+        from ..kernels.signals import same, signals_of, spans
 
         rows = np.array([self.plant.signal_rows(mode) for mode in self.plant.modes])
-        values = signals_of(self.states, self.modes, self.plant.row_of_mode, rows, spans(rows))
+        values = signals_of(self.states, self.modes, self.plant.row_of_mode, rows, spans(rows), same(rows))
         return dict(zip(self.plant.signal_names(), values, strict=True))
 
     def event_list(self) -> tuple[Event, ...]:
