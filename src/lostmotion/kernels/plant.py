@@ -127,21 +127,21 @@ class Places(NamedTuple):
 
 # forceinline: typed once, which halves the compiling; inline="always" where a caller's sizes must reach the loops.
 _PLANT: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
-#: Of what only kernels call (underscored; a call from Python would crash): wrappers for Python cost compile time.
+#: Of what only kernels call (a call from Python would crash): wrappers for Python cost compile time.
 _INNER: Any = {**_PLANT, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def padded(count):
     """Numbers that hold `count` rows in whole groups of LANES."""
     return (count + LANES - 1) & -LANES
 
 
-@njit(forceinline=True, **_PLANT)
+@njit(forceinline=True, **_INNER)
 def block_size(N, C, E, order):
-    """Numbers in one mode's block."""
-    whole = C * (padded(N) + ELEMENT_ROWS * padded(E))
-    return whole + 2 * padded(E) + HEADER + order * C * padded(N) + E * C * padded(order + 1)
+    """Numbers in one mode's block; Python calls ``block_size.py_func``, so it calls no other kernel."""
+    high, wide, long = (N + LANES - 1) & -LANES, (E + LANES - 1) & -LANES, (order + LANES) & -LANES
+    return C * (high + ELEMENT_ROWS * wide) + 2 * wide + HEADER + order * C * high + E * C * long
 
 
 @njit(inline="always", **_PLANT)

@@ -138,7 +138,7 @@ class Plant:
         self.chain = chain_of(self.layout, self.elements)
         self.numbers = numbers_of(drivetrain, dt)
         self._work = new_mode_work(self.chain)
-        self.block_size = block_size(self.layout.states, self.layout.columns, len(digits), ORDER)
+        self.block_size = block_size.py_func(self.layout.states, self.layout.columns, len(digits), ORDER)
         self._flat = np.zeros((min(count, 16), self.block_size))
         self._digits: list[tuple[int, ...]] = []
         self._rows: list[Array] = []
