@@ -166,7 +166,7 @@ def test_the_place_is_checked_before_anything_is_computed(
     monkeypatch.setattr(identify, "material_of", computed)
     monkeypatch.setattr(frf, "recording_of", computed)
     monkeypatch.setattr(excite, "design_excitation", computed)
-    monkeypatch.setattr(simulate, "load_drivetrain", computed)
+    monkeypatch.setattr(simulate, "drivetrain_of", computed)
     for name in ("x.json", "x.png", "x.csv"):
         (tmp_path / name).mkdir()
     limits = {"kind": "step", "duration": 1.0, "dt": 1e-3, "torque_limit": 1.0, "speed_limit": 1.0}
@@ -178,3 +178,16 @@ def test_the_place_is_checked_before_anything_is_computed(
     ):
         with pytest.raises(lm.InvalidInput, match="name of a file"):
             command()
+
+
+def test_a_toml_of_the_main_job_can_be_simulated(tmp_path: Path) -> None:
+    more = "inertia_load = 0.1\nstiffness = 5000\nbacklash = '0.5 deg'\n[[recording]]"
+    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more))
+    recording = simulate_file(tmp_path / "rig.toml", tmp_path / "rec.csv", duration=0.2)
+    assert np.ptp(recording["twist"]) > np.radians(0.5) and is_picture(tmp_path / "rec.png")
+    (tmp_path / "rig.toml").write_text(TOML)
+    with pytest.raises(lm.InvalidInput, match="inertia_load, stiffness"):
+        simulate_file(tmp_path / "rig.toml", tmp_path / "rec.csv", duration=0.2)
+    (tmp_path / "broken.toml").write_text("kind = 'something'\n")
+    with pytest.raises(lm.InvalidInput, match="something"):
+        simulate_file(tmp_path / "broken.toml", tmp_path / "rec.csv", duration=0.2)

@@ -204,7 +204,9 @@ def excite(
 
 @app.command(epilog=EXIT_CODES)
 def simulate(
-    drivetrain: Annotated[Path, typer.Argument(help="drivetrain.toml, as a run writes it.")],
+    drivetrain: Annotated[
+        Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML with [nameplate].")
+    ],
     out: Annotated[Path, typer.Option(help="CSV to write; a picture, .png, goes beside it.")] = Path(
         "simulated.csv"
     ),

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.errors import InvalidInput
 from lostmotion.observers import kalman
 from lostmotion.observers.gates import LARGEST_INNOVATION, OPEN_AT
 from lostmotion.simulation import simulate

@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 
 from .. import plot
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..io import load_drivetrain, read_configuration, save_json
+from ..io import save_json
 from ..stages.excitation_design import design_excitation
 from ..stages.material import RIG_NAMEPLATE
 from ..stages.parameters import two_mass
-from .recordings import outputs, save_picture
+from .recordings import drivetrain_of, outputs, save_picture
 
 
 def excitation_file(
@@ -33,7 +31,7 @@ def excitation_file(
     """Design and write OUT.csv, OUT.json and OUT.png; returns what the JSON holds."""
     csv_file, json_file, picture = outputs(out, ".csv", ".json", ".png")
     design = design_excitation(
-        nameplate_of(file),
+        two_mass(RIG_NAMEPLATE) if file is None else drivetrain_of(file),
         kind=kind,
         duration=duration,
         dt=dt,
@@ -57,19 +55,3 @@ def excitation_file(
     figure = plot.recording_overview(design.predicted, title=f"Excitation: {kind} (response simulated)")
     save_picture(figure, picture)
     return result
-
-
-def nameplate_of(file: Path | None) -> Drivetrain:
-    """The nameplate of a TOML of the main job, or a drivetrain.toml; without a file the virtual rig's."""
-    if file is None:
-        return two_mass(RIG_NAMEPLATE)
-    try:
-        return load_drivetrain(file)
-    except InvalidInput as error:
-        nameplate = read_configuration(file).nameplate
-        missing = [n for n in ("inertia_motor", "inertia_load", "stiffness") if n not in nameplate]
-        if missing:
-            raise InvalidInput(
-                str(file), f"no {', '.join(missing)} in [nameplate]", "rough values of these", "Add them."
-            ) from error
-        return two_mass(nameplate)

@@ -7,11 +7,13 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
+from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, Problem
-from ..io import load_recording, read_configuration
-from ..io.whole_files import write_bytes
+from ..io import load_drivetrain, load_recording, read_configuration
+from ..io.whole_files import read_bytes, write_bytes
 from ..recording import Recording
 from ..stages.material import Material, from_configuration, from_rig
+from ..stages.parameters import two_mass
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,6 +36,22 @@ def recording_of(file: Path | None, seed: int | None) -> tuple[Recording, tuple[
             str(file), "no recording with use = 'identify'", "at least one", "Add it to the TOML."
         )
     return material.identify, material.problems
+
+
+def drivetrain_of(file: Path) -> Drivetrain:
+    """A drivetrain.toml's drivetrain, or the nameplate of a TOML of the main job."""
+    try:
+        return load_drivetrain(file)
+    except InvalidInput as error:
+        if b"[nameplate]" not in read_bytes(file):
+            raise
+        nameplate = read_configuration(file).nameplate
+        missing = [n for n in ("inertia_motor", "inertia_load", "stiffness") if n not in nameplate]
+        if missing:
+            raise InvalidInput(
+                str(file), f"no {', '.join(missing)} in [nameplate]", "rough values of these", "Add them."
+            ) from error
+        return two_mass(nameplate)
 
 
 def outputs(out: Path, *suffixes: str) -> tuple[Path, ...]:

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from .. import plot, signals
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..io import load_drivetrain, read_recording, write_csv
+from ..io import read_recording, write_csv
 from ..recording import Recording
 from ..simulation import simulate
-from .recordings import check_writable, save_picture
+from .recordings import check_writable, drivetrain_of, save_picture
 
 
 def simulate_file(
@@ -31,7 +31,7 @@ def simulate_file(
     """
     check_ending(out)
     check_writable(out, out.with_suffix(".png"))
-    plant = load_drivetrain(drivetrain)
+    plant = drivetrain_of(drivetrain)
     given, dt = torque_of(plant, torque, duration, dt, seed)
     recording = simulate(plant, torque_motor=given, dt=dt)
     write_csv(out, recording)

@@ -12,11 +12,10 @@ import numpy as np
 
 from .. import plot
 from ..drivetrain import Drivetrain
-from ..io import load_drivetrain
 from ..io.whole_files import write_bytes
 from ..recording import unit_of
 from ..simulation import BatchResult, simulate, simulate_batch, variants
-from .recordings import check_writable, save_picture
+from .recordings import check_writable, drivetrain_of, save_picture
 from .simulate import check_ending, torque_of
 
 #: Shown as bands, and summed up.
@@ -47,7 +46,7 @@ def simulate_variants(
     """
     check_ending(out)
     check_writable(out, out.with_suffix(".png"))
-    plant = load_drivetrain(drivetrain)
+    plant = drivetrain_of(drivetrain)
     given, dt = torque_of(plant, torque, duration, dt, seed)
     plants = variants(plant, count, spread=spread, seed=seed)
     signals = _SIGNALS if len(plant.inertias) > 1 else _SIGNALS[:1]
