@@ -124,8 +124,11 @@ def check_against_extended_precision(plant: Plant) -> None:
         (np.abs(guard) @ np.abs(full) * plant.dt).astype(float),
         2e-15,
     )
-    whole = np.linalg.matrix_power(sizes, 2**halvings) - np.eye(s.size)
-    close(got["delta"], doubled(piece, halvings)[:states], whole[:states], 2e-15)
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = np.linalg.matrix_power(sizes, 2**halvings) - np.eye(s.size)
+    # A damper that relaxes within a thousandth of a sample: the sum of absolute values is no measure of rounding.
+    if np.all(np.isfinite(whole)):
+        close(got["delta"], doubled(piece, halvings)[:states], whole[:states], 2e-15)
 
 
 @settings(max_examples=150, deadline=None, derandomize=True, database=None)

@@ -49,6 +49,11 @@ BLURRING = 0.03
 SURE = 3.0
 
 
+#: Motor torque and acceleration of opposite sign contradict the model if they are so by more than this part of the
+#: nameplate's inertia (chosen: a swapped sign shows all of it, a recording without acceleration a few percent).
+CONTRADICTION = 0.3
+
+
 @dataclass(frozen=True, eq=False)
 class _Views:
     """The fit as it is, under a three times higher gain, and if only the faster half of the speeds counts."""
@@ -151,10 +156,15 @@ def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box
     return stage
 
 
-def told(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box) -> tuple[Stage, Told]:
-    """The stage without what recording or replicas do not tell, and values and intervals of the rest."""
+def told(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, total: float) -> tuple[Stage, Told]:
+    """The stage without what recording or replicas do not tell, and values and intervals of the rest.
+
+    ``total`` is the inertia that the recording shows at low frequency, kg m2: clearly negative, nothing is believed.
+    """
     rest, speed = predictor.speed_residual(stage.fit.residual), predictor.speed
-    if too_coarse(float(np.sqrt(np.mean(rest[predictor.settled()] ** 2))), float(np.std(speed))):
+    if total < -CONTRADICTION * start.inertia_total or too_coarse(
+        float(np.sqrt(np.mean(rest[predictor.settled()] ** 2))), float(np.std(speed))
+    ):
         stage = _nothing(predictor, stage, start)
     while True:
         stage = without_unexcited(predictor, stage, start, box)

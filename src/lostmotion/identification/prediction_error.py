@@ -144,7 +144,7 @@ def identify(
         channels = _channel_predictor(predictor, pieces, recordings[0], measured, contact, count_averaged)
         predictor, stage = refine(channels, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
-    result = _result(pieces, predictor, *told(predictor, stage, start, box), start, fixed, total)
+    result = _result(pieces, predictor, *told(predictor, stage, start, box, total), start, fixed, total)
     result = replace(result, problems=(*result.problems, *ambiguous, *coarse))
     say(1.0, "identified")
     return result
