@@ -45,7 +45,9 @@ def sensor_worth(
             axis.plot([level], [1.0], "o", color=style["color"], markersize=8)
             label = f"{level:.2g} Nm"
             if all(label != text.get_text() for text in axis.texts):
-                axis.annotate(label, (level, 1.0), xytext=(8, -14), textcoords="offset points")
+                # One below the other: two levels are often close.
+                below = -14 - 12 * len(axis.texts)
+                axis.annotate(label, (level, 1.0), xytext=(8, below), textcoords="offset points")
     axis.axhline(1.0, color="#222222", linewidth=0.8)
     axis.set(xscale="log", yscale="log", xlabel="noise of the torque sensor (Nm, one sample)")
     axis.set_ylabel("error of Observer 2 / error of Observer 1")
