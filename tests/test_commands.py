@@ -67,7 +67,7 @@ def test_a_nameplate_that_says_too_little_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(lm.InvalidInput, match="inertia_load, stiffness"):
         excitation_file(
-            tmp_path / "rig.toml", tmp_path / "x", kind="noise", duration=2.0, dt=1e-4, torque_limit=5.0,
+            tmp_path / "rig.toml", tmp_path / "y", kind="noise", duration=2.0, dt=1e-4, torque_limit=5.0,
             speed_limit=5.0,
         )  # fmt: skip
 
@@ -191,3 +191,25 @@ def test_a_toml_of_the_main_job_can_be_simulated(tmp_path: Path) -> None:
     (tmp_path / "broken.toml").write_text("kind = 'something'\n")
     with pytest.raises(lm.InvalidInput, match="something"):
         simulate_file(tmp_path / "broken.toml", tmp_path / "rec.csv", duration=0.2)
+
+
+def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
+    """The template names the measurement excitation.csv, and a command may be told the same name."""
+    (tmp_path / "rig.toml").write_text(TOML)
+    (tmp_path / "short.csv").write_text("measured")
+    more = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": 5.0, "speed_limit": 5.0}
+    with pytest.raises(lm.InvalidInput, match=r"short\.csv.*reads"):
+        excitation_file(tmp_path / "rig.toml", tmp_path / "short", **more)
+    with pytest.raises(lm.InvalidInput, match=r"short\.csv.*reads"):
+        simulate_file(tmp_path / "rig.toml", tmp_path / "short.csv", duration=0.2)
+    assert (tmp_path / "short.csv").read_text() == "measured"
+
+
+def test_the_torque_limit_of_the_toml_holds(tmp_path: Path) -> None:
+    more = (
+        "inertia_load = 0.1\nstiffness = 5000\nbacklash = '0.5 deg'\n[law]\ntorque_limit = 3.0\n[[recording]]"
+    )
+    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more))
+    wanted = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}
+    result = excitation_file(tmp_path / "rig.toml", tmp_path / "x", **wanted)
+    assert result["peaks"]["torque"] <= result["limits"]["torque"] == 3.0

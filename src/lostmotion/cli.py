@@ -173,15 +173,17 @@ def frf(
 def excite(
     file: Annotated[
         Path | None,
-        typer.Argument(help="TOML with [nameplate], or drivetrain.toml; without: the virtual rig's."),
+        typer.Argument(help="TOML of the main job, or drivetrain.toml; without: the virtual rig's."),
     ] = None,
     out: Annotated[Path, typer.Option(help="Name of the files to write: .csv, .json, .png.")] = Path(
-        "excitation"
+        "designed_torque"
     ),
     kind: Annotated[str, typer.Option(help="levels, step, chirp, multisine, prbs or noise.")] = "levels",
     duration: Annotated[float, typer.Option(help="s")] = 10.0,
     dt: Annotated[float, typer.Option(help="Sample time of the drive, s.")] = 1e-4,
-    torque_limit: Annotated[float, typer.Option(help="Nm")] = 40.0,
+    torque_limit: Annotated[
+        float | None, typer.Option(help="Nm; default: the torque_limit of the TOML, else 40.")
+    ] = None,
     speed_limit: Annotated[float, typer.Option(help="rad/s")] = 50.0,
     angle_limit: Annotated[float, typer.Option(help="rad")] = float("inf"),
     encoder_bits: Annotated[int, typer.Option(min=1, max=40, help="Motor encoder, bit per turn.")] = 20,
@@ -195,6 +197,9 @@ def excite(
             file, out, kind=kind, duration=duration, dt=dt, torque_limit=torque_limit, speed_limit=speed_limit,
             angle_limit=angle_limit, encoder_bits=encoder_bits, seed=seed,
         )  # fmt: skip
+    for name, unit in (("torque", "Nm"), ("speed", "rad/s"), ("angle", "rad")):
+        peak, limit = result["peaks"][name], result["limits"][name]
+        typer.echo(f"  {name:<15} up to {peak:.3g} of {limit:.3g} {unit}")
     for name, half in result["half_widths"].items():
         typer.echo(f"  {name:<15} ± {100.0 * half:.2g} % expected")
     for name in result["not_excited"]:
@@ -205,7 +210,7 @@ def excite(
 @app.command(epilog=EXIT_CODES)
 def simulate(
     drivetrain: Annotated[
-        Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML with [nameplate].")
+        Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML of the main job.")
     ],
     out: Annotated[Path, typer.Option(help="CSV to write; a picture, .png, goes beside it.")] = Path(
         "simulated.csv"

@@ -9,7 +9,7 @@ import lostmotion as lm
 from lostmotion.identification.intervals import without_shift
 from lostmotion.identification.ladder import LADDER, Box, Stage, bandwidth_for, fit
 from lostmotion.identification.predictor import NAMES, Predictor, to_theta
-from lostmotion.identification.replica import replicas
+from lostmotion.identification.replica import REPLICAS, replicas
 
 DT = 1e-4
 PLANT = lm.Drivetrain.two_mass(
@@ -57,7 +57,9 @@ def test_no_replica_of_a_motion_that_it_does_not_follow():
 def test_a_replica_has_the_counts_of_the_recording():
     step = 2.0 * np.pi / 2**16 / DT
     predictor, stage = fitted(step * DT)
-    for replica in replicas(predictor, stage, BOX):
+    made = replicas(predictor, stage, BOX)
+    assert len(made) == REPLICAS
+    for replica in made:
         counts = replica.predictor.speed / step
         assert np.max(np.abs(counts - np.round(counts))) < 1e-6
         assert not np.array_equal(replica.predictor.speed, predictor.speed)

@@ -117,6 +117,14 @@ def test_chains_equal_single_runs(contact):
     assert sum(made.events["stick"]) > 0 and sum(made.events["impact"]) > 0
 
 
+def test_a_held_end_is_at_rest_from_the_start():
+    plants = [replace(plant, locked="load") for plant in variants(2)]
+    given = dict(torque_motor=TORQUE, state=(0.0, 3.0, 5.0))
+    made = simulate_batch(plants, dt=DT, signals=("speed_load",), workers=1, **given)
+    check_against_single_runs(plants, made, **given)
+    assert not made.peak["speed_load"].any()
+
+
 def test_variants_of_different_structure_share_a_batch():
     plants = [*variants(2), *chains("clipped", 2), variants(3)[2], Drivetrain((0.1,), (), (Friction(1.0),))]
     plants[1] = Drivetrain.two_mass(**{**TABLE_I, "coulomb": 0.0, "backlash": 0.0})
@@ -211,11 +219,14 @@ def test_interrupted_batch_goes_on(tmp_path, workers):
     assert calls == [2, 4, 6]  # other arguments: nothing that stands fits
 
 
-def test_a_damaged_chunk_is_worked_out_again(tmp_path):
+@pytest.mark.parametrize("part", [0.0, 0.5, None])
+def test_a_damaged_chunk_is_worked_out_again(tmp_path, part):
     plants = variants(4)
     arguments = dict(dt=DT, torque_motor=TORQUE, chunk=2, folder=tmp_path)
     first = simulate_batch(plants, **arguments)
-    (tmp_path / "variants-000002.summary.npz").write_bytes(b"half a file")
+    file = tmp_path / "variants-000002.summary.npz"
+    whole = file.read_bytes()
+    file.write_bytes(b"no such file" if part is None else whole[: int(part * len(whole))])
     calls: list[int] = []
     same(first, simulate_batch(plants, **arguments, progress=lambda d, t, r: calls.append(d)))
     assert calls == [4]

@@ -175,6 +175,29 @@ def test_observer_that_only_watches(plant):
     )
 
 
+def test_a_watching_law_with_a_check_changes_nothing(plant):
+    """The watcher refuses lost samples; what the controller reads must not be refused with them."""
+    watching = lm.observers.kalman(Drivetrain.two_mass(**TABLE_I), dt=DT)
+    assert watching.checks
+    given = dict(
+        dt=DT,
+        speed_reference=reference(2000),
+        sensors={"speed_motor": Sensor("speed_motor", dropout=0.05)},
+        seed=3,
+    )
+    alone = lm.simulate(plant, law=speed_control(), **given)
+    watched = lm.simulate(plant, law=[speed_control(), watching], **given)
+    np.testing.assert_array_equal(watched["speed_load"], alone["speed_load"])
+
+
+def test_a_final_state_of_another_plant_is_refused(plant):
+    state = lm.simulate(plant, torque_motor=np.ones(50), dt=DT).final_state
+    other = Drivetrain.two_mass(**TABLE_I, coulomb_motor=0.1, contact="physical", lag=3e-4)
+    for digits in (state["digits"], [0, -1, 0], [0, 9, 0]):
+        with pytest.raises(lm.InvalidInput, match="final_state"):
+            lm.simulate(other, torque_motor=np.ones(50), dt=DT, state={**state, "digits": digits})
+
+
 def test_law_steps_once_where_a_mode_is_new_at_the_start_of_a_sample():
     """The motor breaks away as a sample starts, in a mode that was never built: one law step all the same."""
     plant = Drivetrain.two_mass(**TABLE_I, coulomb_motor=0.5)

@@ -8,11 +8,15 @@ from typing import Any
 import numpy as np
 
 from .. import plot
-from ..io import save_json
+from ..io import read_configuration, save_json
+from ..io.whole_files import read_bytes
 from ..stages.excitation_design import design_excitation
 from ..stages.material import RIG_NAMEPLATE
 from ..stages.parameters import two_mass
 from .recordings import drivetrain_of, outputs, save_picture
+
+#: Largest torque of a test where neither the user nor the TOML says one, Nm (chosen for the virtual rig).
+TORQUE_LIMIT = 40.0
 
 
 def excitation_file(
@@ -22,20 +26,23 @@ def excitation_file(
     kind: str,
     duration: float,
     dt: float,
-    torque_limit: float,
+    torque_limit: float | None,
     speed_limit: float,
     angle_limit: float = np.inf,
     encoder_bits: int = 20,
     seed: int = 1,
 ) -> dict[str, Any]:
-    """Design and write OUT.csv, OUT.json and OUT.png; returns what the JSON holds."""
-    csv_file, json_file, picture = outputs(out, ".csv", ".json", ".png")
+    """Design and write OUT.csv, OUT.json and OUT.png; returns what the JSON holds.
+
+    Without a ``torque_limit`` (Nm) the TOML's own holds, else ``TORQUE_LIMIT``.
+    """
+    csv_file, json_file, picture = outputs(out, ".csv", ".json", ".png", source=file)
     design = design_excitation(
         two_mass(RIG_NAMEPLATE) if file is None else drivetrain_of(file),
         kind=kind,
         duration=duration,
         dt=dt,
-        torque_limit=torque_limit,
+        torque_limit=_torque_limit(file) if torque_limit is None else torque_limit,
         speed_limit=speed_limit,
         angle_limit=angle_limit,
         encoder_bits=encoder_bits,
@@ -55,3 +62,9 @@ def excitation_file(
     figure = plot.recording_overview(design.predicted, title=f"Excitation: {kind} (response simulated)")
     save_picture(figure, picture)
     return result
+
+
+def _torque_limit(file: Path | None) -> float:
+    if file is None or b"[nameplate]" not in read_bytes(file):
+        return TORQUE_LIMIT
+    return read_configuration(file).law.torque_limit or TORQUE_LIMIT

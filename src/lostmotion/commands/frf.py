@@ -24,7 +24,7 @@ def frequency_response_file(
     band: tuple[float, float] = (1.0, 200.0),
 ) -> dict[str, Any]:
     """Analyse the band (Hz) and write OUT.json and OUT.png; returns what the JSON holds."""
-    json_file, picture = outputs(out, ".json", ".png")
+    json_file, picture = outputs(out, ".json", ".png", source=file)
     recording, warnings = recording_of(file, seed)
     analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
     response, fit = analysis.response, analysis.fit

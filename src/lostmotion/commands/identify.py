@@ -19,7 +19,7 @@ def identify_file(
     progress: Callable[[float, str], None] | None = None,
 ) -> dict[str, Any]:
     """Identify and write OUT.json and OUT.png; returns what the JSON holds."""
-    json_file, picture = outputs(out, ".json", ".png")
+    json_file, picture = outputs(out, ".json", ".png", source=file)
     material = material_of(file, seed)
     found = find_parameters(material, progress)
     problems = (*material.problems, *found.problems)

@@ -54,21 +54,30 @@ def drivetrain_of(file: Path) -> Drivetrain:
         return two_mass(nameplate)
 
 
-def outputs(out: Path, *suffixes: str) -> tuple[Path, ...]:
+def outputs(out: Path, *suffixes: str, source: Path | None = None) -> tuple[Path, ...]:
     """The files to write: ``out`` is their name without a suffix; its folder is created.
 
-    To be called before anything is computed: raises ``InvalidInput`` where they cannot be written.
+    To be called before anything is computed: raises ``InvalidInput`` where they cannot be written, or would take the
+    place of the ``source`` or of a recording that it names.
     """
     if not out.name:
         raise InvalidInput(str(out), "a folder", "the name of the files to write", "Add a name.")
     files = tuple(out.with_name(out.name + suffix) for suffix in suffixes)
-    check_writable(*files)
+    check_writable(*files, source=source)
     return files
 
 
-def check_writable(*files: Path) -> None:
-    """Create the folders of the files; raises ``InvalidInput`` where one of the files cannot be written."""
+def check_writable(*files: Path, source: Path | None = None) -> None:
+    """Create the folders of the files; raises ``InvalidInput`` where one of the files cannot be written.
+
+    Or must not: the source, a TOML, and the recordings that it names stay as they are.
+    """
+    kept = _read_by(source)
     for file in files:
+        if file.resolve() in kept:
+            raise InvalidInput(
+                str(file), f"a file that {source} is or reads", "another name", "Choose it with --out."
+            )
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
             with TemporaryFile(dir=file.parent):
@@ -79,6 +88,16 @@ def check_writable(*files: Path) -> None:
             ) from None
         if file.is_dir():
             raise InvalidInput(str(file), "a folder", "the name of a file", "Choose another name.")
+
+
+def _read_by(source: Path | None) -> set[Path]:
+    """The file itself, and the recordings of a TOML of the main job."""
+    if source is None or not source.is_file():
+        return set()
+    kept = {source.resolve()}
+    if source.suffix == ".toml" and b"[[recording]]" in read_bytes(source):
+        kept |= {Path(one.file).resolve() for one in read_configuration(source).recordings}
+    return kept
 
 
 def save_picture(figure: Figure, path: Path) -> None:

@@ -30,7 +30,7 @@ def simulate_file(
     the simulation's.
     """
     check_ending(out)
-    check_writable(out, out.with_suffix(".png"))
+    check_writable(out, out.with_suffix(".png"), source=drivetrain)
     plant = drivetrain_of(drivetrain)
     given, dt = torque_of(plant, torque, duration, dt, seed)
     recording = simulate(plant, torque_motor=given, dt=dt)

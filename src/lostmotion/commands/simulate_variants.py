@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
-import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -45,7 +45,7 @@ def simulate_variants(
     call goes on where an interrupted one stopped.
     """
     check_ending(out)
-    check_writable(out, out.with_suffix(".png"))
+    check_writable(out, out.with_suffix(".png"), source=drivetrain)
     plant = drivetrain_of(drivetrain)
     given, dt = torque_of(plant, torque, duration, dt, seed)
     plants = variants(plant, count, spread=spread, seed=seed)
@@ -69,7 +69,10 @@ def simulate_variants(
             title=f"{drivetrain.name}: {count} variants, ± {100.0 * spread:g} %",
         )
         save_picture(figure, out.with_suffix(".png"))
-    shutil.rmtree(chunk_folder(out), ignore_errors=True)
+    for chunk in chunk_folder(out).glob("variants-*.npz"):
+        chunk.unlink(missing_ok=True)
+    with contextlib.suppress(OSError):
+        chunk_folder(out).rmdir()  # not if it holds anything else
     return made
 
 

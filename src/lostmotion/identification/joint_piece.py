@@ -117,7 +117,7 @@ def with_joint_piece(
 def _joint(predictor: Predictor) -> JointPredictor:
     return JointPredictor(
         predictor.torque, predictor.speed, predictor.dt, predictor.count_averaged, predictor.base, predictor.skip,
-        predictor.bounds, predictor.skip_later,
+        predictor.bounds, predictor.skip_later, joined=predictor.joined,
     )  # fmt: skip
 
 

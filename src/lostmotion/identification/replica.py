@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InvalidInput
 from ..simulation import simulate
 from .findings import count_step
 from .gauss_newton import Fit
@@ -61,7 +62,10 @@ def replicas(predictor: Predictor, stage: Stage, box: Box) -> list[Replica]:
     made = []
     predicted = predictor.speed - predictor.speed_residual(stage.fit.residual)
     for number in range(REPLICAS):
-        angle, speed = _simulated(predictor, stage.fit.theta, number)
+        try:
+            angle, speed = _simulated(predictor, stage.fit.theta, number)
+        except InvalidInput:
+            return []
         if not np.std(speed - predicted) < ASTRAY * np.std(predicted):
             return []
         shown = _shown(predictor, stage.fit.residual, angle, speed, number)
@@ -101,7 +105,11 @@ def _shown(predictor: Predictor, residual: Array, angle: Array, speed: Array, nu
         angle = np.floor(angle / count + rng.uniform()) * count
     if predictor.count_averaged:
         speed = np.concatenate(
-            [np.diff(angle[piece], prepend=angle[piece][0]) / predictor.dt for piece in predictor.pieces]
+            # The first count difference of a piece is not known: the one after it stands for it.
+            [
+                np.diff(a, prepend=2.0 * a[0] - a[1]) / predictor.dt
+                for a in (angle[p] for p in predictor.pieces)
+            ]
         )
     if step is None or not predictor.count_averaged:
         # By the median, which moments without a good prediction do not raise.

@@ -8,7 +8,8 @@ rounded by themselves, as in the exported C.
 
 from __future__ import annotations
 
-from functools import cache
+import struct
+import threading
 from typing import Any, NamedTuple
 
 from numba import cfunc, types
@@ -100,6 +101,11 @@ def check(memory, given, predicted, limit, hold, forget):
     return TAKEN if frozen else GOOD
 
 
+def _number(value: float) -> str:
+    """A constant in LLVM's language, to the last bit."""
+    return f"0x{struct.pack('>d', value).hex().upper()}"
+
+
 class _Writer:
     """Lines of LLVM's language; numbers come from one array, in the order in which they are asked for by place."""
 
@@ -132,8 +138,8 @@ class _Writer:
         self.block = name
 
     def usable(self, value: str) -> str:
-        low = self.make(f"fcmp oge double {value}, {-INPUT_BOUND:e}")
-        high = self.make(f"fcmp ole double {value}, {INPUT_BOUND:e}")
+        low = self.make(f"fcmp oge double {value}, {_number(-INPUT_BOUND)}")
+        high = self.make(f"fcmp ole double {value}, {_number(INPUT_BOUND)}")
         return self.make(f"and i1 {low}, {high}")
 
 
@@ -192,7 +198,7 @@ def _checked(
     limit, hold, forget = (w.load("%numbers", place + part) for part in range(3))
     last, times, doubt, largest, steps = (w.load("%state", at + part) for part in (0, 1, 3, 4, 5))
     distance = w.make(f"call double @llvm.fabs.f64(double {w.make(f'fsub double {given}, {predicted}')})")
-    bound = _larger(w, limit, w.make(f"fmul double {largest}, {LEARNED:e}"))
+    bound = _larger(w, limit, w.make(f"fmul double {largest}, {_number(LEARNED)}"))
     usual = w.usable(given)
     for condition in (
         w.usable(predicted),
@@ -288,9 +294,20 @@ class _Code(NamedTuple):
     engine: Any  # keeps the code in memory
 
 
-@cache
+#: Codes made so far. None is ever dropped: laws keep the address alone.
+_CODES: dict[LawShape, _Code] = {}
+_MAKING = threading.Lock()
+
+
 def step_code(shape: LawShape) -> _Code:
     """The compiled step of all laws of a shape: int64 step(numbers, state, inputs, outputs)."""
+    with _MAKING:
+        if shape not in _CODES:
+            _CODES[shape] = _compiled(shape)
+        return _CODES[shape]
+
+
+def _compiled(shape: LawShape) -> _Code:
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()

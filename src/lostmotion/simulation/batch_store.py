@@ -8,6 +8,7 @@ import pickle
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -47,7 +48,7 @@ class Store:
                     return None
                 failures = {int(i): text for i, text in json.loads(str(data["failures"])).items()}
                 return Chunk(failures, **{name: data[name] for name in _COLUMNS})
-        except (OSError, KeyError, ValueError):
+        except (OSError, KeyError, ValueError, EOFError, BadZipFile):  # half a file is no file
             return None
 
     def write(self, start: int, part: Sequence[Drivetrain], chunk: Chunk) -> None:

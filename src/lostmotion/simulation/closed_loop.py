@@ -215,6 +215,13 @@ def _joined(
         return None
     if len(systems) == 1:
         return None if set(inputs) & set(outputs) else systems[0]
+    # Joined, all readers of an input would share one check, and a law that only watches would change the loop.
+    for name in inputs:
+        checks = {
+            next((c for c in law.checks if c.input == name), None) for law in systems if name in law.inputs
+        }
+        if len(checks) > 1:
+            return None
     return connect(systems, inputs=tuple(name for name in inputs if name not in outputs), outputs=outputs)
 
 

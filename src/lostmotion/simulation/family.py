@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
 from .modes import relaxes
+from .moved_end import started
 from .packing import numbers_of
 from .simulate import PlantRun, check_lengths, last_set_point, plant_inputs, possible_inputs
 
@@ -57,7 +58,7 @@ class TorqueRun:
 
         first = variants[0]
         inputs = plant_inputs(first, self.torques)
-        run = PlantRun(first, self.dt, inputs, self.state, 0)
+        run = PlantRun(first, self.dt, inputs, started(first, self.state, None), 0)
         names = (*run.plant.signal_names(), *inputs)
         wanted = tuple(n for n in dict.fromkeys((*self.signals, *self.quantiles)) if n in names)
         family = self._family(run, wanted)

@@ -213,9 +213,12 @@ class PlantRun:
         layout = self.plant.layout
         x = self.s[: layout.states]
         if isinstance(state, Mapping):
-            if "digits" in state and len(state["state"]) == layout.states:
+            digits = np.array(state.get("digits", ()), dtype=np.int64)
+            counts = np.array([e.digits for e in self.plant.elements], dtype=np.int64)
+            known = digits.shape == counts.shape and np.all((digits >= 0) & (digits < counts))
+            if "digits" in state and len(state["state"]) == layout.states and known:
                 x[:] = state["state"]
-                return np.array(state["digits"], dtype=np.int64)
+                return digits
             raise InvalidInput(
                 "simulate.state", f"{dict(state)}", "the final_state of the same drivetrain", "Check it."
             )
