@@ -195,8 +195,10 @@ def warnings(
         problems.append(
             Problem(
                 "warning", "identification",
-                f"innovations with a peak at {prediction.unmodelled_frequency:.0f} Hz", "two masses",
-                "The intervals allow for it. Excite less of it for narrower ones.",
+                f"prediction errors with a peak at {prediction.unmodelled_frequency:.0f} Hz",
+                "no resonance beyond that of motor and load",
+                "A further inertia or shaft: the intervals are widened for it. A torque with less content there narrows "
+                "them.",
             )
         )  # fmt: skip
     samples = 1.0 / (found.pole_frequency * dt)
