@@ -197,8 +197,8 @@ def warnings(
                 "warning", "identification",
                 f"prediction errors with a peak at {prediction.unmodelled_frequency:.0f} Hz",
                 "no resonance beyond that of motor and load",
-                "A further inertia or shaft: the intervals are widened for it. A torque with less content there narrows "
-                "them.",
+                "A further inertia or shaft: the intervals are widened for it. A torque with less content there "
+                "narrows them.",
             )
         )  # fmt: skip
     samples = 1.0 / (found.pole_frequency * dt)
