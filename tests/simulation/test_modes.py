@@ -243,7 +243,8 @@ def test_modes_are_built_when_entered():
     plant.enter((1, 2))
     assert len(plant.modes) == 1
     assert np.count_nonzero(plant.row_of_mode >= 0) == 1
-    assert plant.digits_of(int(np.flatnonzero(plant.row_of_mode >= 0)[0])) == (1, 2) == plant.modes[0].digits
+    assert int(np.flatnonzero(plant.row_of_mode >= 0)[0]) == plant.radix @ (1, 2)
+    assert plant.modes[0].digits == (1, 2)
 
 
 def test_tables_grow_without_losing_modes():

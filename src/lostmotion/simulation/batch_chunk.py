@@ -81,9 +81,8 @@ class Work:
         given = {n: v for n, v in self.arguments.items() if n not in others and v is not None}
         checked = {name: check_signal(name, values) for name, values in given.items()}
         length = check_lengths(checked) if checked else 0
-        step = max(1, -(-length // TIMES))
         object.__setattr__(self, "torques", checked)
-        object.__setattr__(self, "time", np.arange(0, length, step, dtype=float) * self.dt)
+        object.__setattr__(self, "time", np.arange(0, length, self.step, dtype=float) * self.dt)
 
     @property
     def step(self) -> int:

@@ -77,12 +77,13 @@ class MixedLoop:
         last = np.full(len(inputs), np.nan)
         trial, good = np.zeros(laws.state.size), np.zeros(len(inputs))
         cursor = np.append(run.cursor, 0.0)
+        rows: list[Array] = []  # of the modes entered so far, made once for each
 
         def kernel(plant: Any) -> int:
             status = int(
                 run_mixed_loop(
-                    plant, run.s, run.digits, columns, drive, steps, tables, laws, self._readings(run, last, noise),
-                    run.plant.dt, run.work, run.states, run.modes, torque, measured, outputs, faults, trial, good,
+                    plant, run.s, run.digits, columns, drive, steps, tables, laws,
+                    self._readings(run, rows, last, noise), run.plant.dt, run.work, run.states, run.modes, torque, measured, outputs, faults, trial, good,
                     run.events, cursor,
                 )
             )  # fmt: skip
@@ -163,16 +164,17 @@ class MixedLoop:
             "Give it to simulate.",
         )  # fmt: skip
 
-    def _readings(self, run: PlantRun, last: Array, noise: Array) -> Readings:
+    def _readings(self, run: PlantRun, rows: list[Array], last: Array, noise: Array) -> Readings:
         from ..kernels import mixed_loop as kernel
 
+        rows += [run.plant.signal_rows(mode) for mode in run.plant.modes[len(rows) :]]
         kinds = {"plant": kernel.PLANT, "given": kernel.GIVEN, "made": kernel.MADE, "acting": kernel.ACTING}
         sources = [self._source(name, run) for name in self.inputs]
         sensors = [self.sensors.get(name, Sensor(name)) for name in self.inputs]
         return kernel.Readings(
             kind=np.array([kinds[kind] for kind, _ in sources], dtype=np.int64),
             at=np.array([at for _, at in sources], dtype=np.int64),
-            signal=np.array([run.plant.signal_rows(mode) for mode in run.plant.modes]),
+            signal=np.array(rows),
             resolution=np.array([s.resolution for s in sensors], dtype=float),
             difference=np.array([int(s.difference) for s in sensors], dtype=np.int64),
             last=last,

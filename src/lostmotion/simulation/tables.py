@@ -152,9 +152,6 @@ class Plant:
             for digits, rows, block in zip(self._digits, self._rows, self._flat, strict=False)
         ]
 
-    def digits_of(self, mode: int) -> tuple[int, ...]:
-        return tuple((mode // int(r)) % e.digits for r, e in zip(self.radix, self.elements, strict=True))
-
     def enter(self, digits: Sequence[int] | NDArray[np.int64]) -> None:
         """Builds the mode of these digits if it does not stand yet."""
         digits = np.asarray(digits, dtype=np.int64)

@@ -14,7 +14,7 @@ from ..curves import PiecewiseLinear
 from ..errors import InvalidInput
 from ..recording import Recording
 from .input_check import InputCheck
-from .inputs import input_columns
+from .inputs import check_renames, input_columns
 
 if TYPE_CHECKING:
     from ..kernels.law import LawTables
@@ -242,14 +242,7 @@ class DiscreteSystem:
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:
         """A copy with inputs and outputs renamed, old name → new name."""
-        unknown = sorted(set(names) - set(self.inputs) - set(self.outputs))
-        if unknown:
-            raise InvalidInput(
-                f"{self.name}.renamed",
-                f"{unknown}",
-                f"names out of {self.inputs + self.outputs}",
-                "Check the name.",
-            )
+        check_renames(self.name, names, self.inputs + self.outputs)
         return replace(
             self,
             inputs=tuple(names.get(n, n) for n in self.inputs),

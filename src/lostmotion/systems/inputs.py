@@ -51,3 +51,10 @@ def _side_by_side(columns: list[Matrix], rows: int) -> Matrix:
     for i, column in enumerate(columns):
         inputs[:, i] = column
     return inputs
+
+
+def check_renames(law: str, names: Mapping[str, str], known: tuple[str, ...]) -> None:
+    """Refuse new names, old name → new name, for signals that a law does not have."""
+    unknown = sorted(set(names) - set(known))
+    if unknown:
+        raise InvalidInput(f"{law}.renamed", f"{unknown}", f"names out of {known}", "Check the name.")

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InvalidInput
 from ..recording import Recording
 from .discrete_system import MAX_INPUTS, _check_names
-from .inputs import input_columns
+from .inputs import check_renames, input_columns
 
 Array = NDArray[np.float64]
 
@@ -148,14 +148,7 @@ class Stepper:
 
     def renamed(self, names: Mapping[str, str]) -> Stepper:
         """A copy with inputs and outputs renamed, old name → new name."""
-        unknown = sorted(set(names) - set(self.inputs) - set(self.outputs))
-        if unknown:
-            raise InvalidInput(
-                f"{self.name}.renamed",
-                f"{unknown}",
-                f"names out of {self.inputs + self.outputs}",
-                "Check the name.",
-            )
+        check_renames(self.name, names, self.inputs + self.outputs)
         return replace(
             self,
             inputs=tuple(names.get(n, n) for n in self.inputs),
