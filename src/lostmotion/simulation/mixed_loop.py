@@ -83,7 +83,8 @@ class MixedLoop:
             status = int(
                 run_mixed_loop(
                     plant, run.s, run.digits, columns, drive, steps, tables, laws,
-                    self._readings(run, rows, last, noise), run.plant.dt, run.work, run.states, run.modes, torque, measured, outputs, faults, trial, good,
+                    self._readings(run, rows, last, noise), run.plant.dt, run.work, run.states, run.modes,
+                    torque, measured, outputs, faults, trial, good,
                     run.events, cursor,
                 )
             )  # fmt: skip
