@@ -1,20 +1,24 @@
-"""Fig. 12 and 13 of Fietzek & Rinderknecht from the virtual rig: python docs/make_observer_pictures.py"""
+"""Fig. 12 and 13 of Fietzek & Rinderknecht, and errors with their deviations: python docs/make_observer_pictures.py"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import lostmotion as lm
+from lostmotion.compare.cases import CASES
+from lostmotion.compare.experiment import experiment
+from lostmotion.observers.tuning import SENSOR_NOISE, UNKNOWN_TORQUE
 
 IMAGES = Path(__file__).parent / "images"
 DT, STEP = 1e-4, 1.0
+SPAN = (1.0, 1.2)
 OBSERVERS = {
     "figure-12-observer-1": ("Observer 1", ("speed_motor",)),
     "figure-13-observer-2": ("Observer 2", ("torque_shaft", "speed_motor")),
 }
 
 
-def main() -> None:
+def steps() -> None:
     """Parameters identified from one recording of rig 1, then the step from −2 to 2 rad/s under PI control."""
     recording, _ = lm.rig.record(1)
     nameplate = lm.Drivetrain.two_mass(
@@ -31,6 +35,33 @@ def main() -> None:
             step, observer.run(step), step_time=STEP, name=name, source="virtual rig (simulated)"
         )
         figure.savefig(IMAGES / f"{file}.png", dpi=100, facecolor="white")
+
+
+def deviations() -> None:
+    """Observer 1 and the extended filter on rig 1, both told what the filter takes for noise."""
+    data = experiment(next(case for case in CASES if case.name == "nominal"), 1, 1.5)
+    plant, given = data.drivetrain, data.recording.only("torque_motor", "speed_motor")
+    observer = lm.observers.kalman(plant, dt=DT, count_averaged=True)
+    told = lm.observers.deviations(
+        observer, given,
+        process_covariance={
+            "speed_motor": (UNKNOWN_TORQUE["motor"] / plant.inertia_motor) ** 2,
+            "speed_load": (UNKNOWN_TORQUE["load"] / plant.inertia_load) ** 2,
+        },
+        measurement_covariance={"speed_motor": SENSOR_NOISE["speed_motor"] ** 2 * DT},
+    )  # fmt: skip
+    first = told.with_signals("estimated", speed_load_estimated=observer.run(given)["speed_load_estimated"])
+    second = lm.observers.extended_kalman(plant, dt=DT, count_averaged=True).run(given)
+    exact = given.with_signals("simulated", speed_load=data.truth["speed_load"])
+    figure = lm.plot.estimate_errors(
+        {"Observer 1": first, "extended Kalman": second}, exact, gap=data.truth["gap"] > 0.5, span=SPAN
+    )
+    figure.savefig(IMAGES / "deviations.png", dpi=100, facecolor="white")
+
+
+def main() -> None:
+    steps()
+    deviations()
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Observers: each file makes one kind, as a DiscreteSystem or a Stepper."""
 
 from .covariances import Covariances, covariances
+from .deviations import deviations
 from .disturbance import disturbance
 from .extended_kalman import extended_kalman
 from .h_infinity import h_infinity
@@ -16,6 +17,7 @@ from .unscented_kalman import unscented_kalman
 __all__ = [
     "Covariances",
     "covariances",
+    "deviations",
     "disturbance",
     "extended_kalman",
     "h_infinity",

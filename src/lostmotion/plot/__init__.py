@@ -5,6 +5,7 @@ from __future__ import annotations
 from .backlash_locked import backlash_locked
 from .backlash_lost_motion import backlash_lost_motion
 from .control_step import control_step
+from .estimate_errors import estimate_errors
 from .friction_curve import friction_curve
 from .friction_fit import friction_fit
 from .identified_parameters import identified_parameters
@@ -21,6 +22,7 @@ __all__ = [
     "backlash_locked",
     "backlash_lost_motion",
     "control_step",
+    "estimate_errors",
     "friction_curve",
     "friction_fit",
     "identified_parameters",

@@ -1,0 +1,130 @@
+"""Are the observers as sure as they should be? python benchmarks/deviations.py --seeds 20
+
+Nominal case of the leaderboard, 3 s: how often the truth lies within twice the stated standard deviation (Gauss: 95 %),
+and the deviation's root mean square over that of the error. First on a plant that is the observers' own model under
+noises that they are told (every deviation should be right), then on the virtual rig, whose modes nobody is told of.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+
+import lostmotion as lm
+from lostmotion.compare.cases import CASES
+from lostmotion.compare.experiment import experiment
+from lostmotion.observers.tuning import UNKNOWN_TORQUE
+
+DT, DURATION = 1e-4, 3.0
+FILTERS = (
+    lm.observers.extended_kalman,
+    lm.observers.unscented_kalman,
+    lm.observers.interacting_models,
+    lm.observers.moving_horizon,
+)
+SIGNALS = ("speed_load", "torque_shaft")
+#: Of one sample, on the model as plant: torques (Nm) and motor speed (rad/s).
+NOISE = {name: level / DT**0.5 for name, level in UNKNOWN_TORQUE.items()}
+SENSOR = 0.03
+#: Errors below this are no errors: in the gap the shaft torque is zero up to rounding.
+ROUNDING = 1e-9
+
+
+def of_fixed_gain(law, given, process, measurement):
+    told = lm.observers.deviations(law, given, process_covariance=process, measurement_covariance=measurement)
+    return law.run(given), told
+
+
+def judged(estimate, told, truth, rows) -> list[tuple[float, float]]:
+    """(share within two deviations, deviation over error) of each signal."""
+    found = []
+    for signal in SIGNALS:
+        error = (estimate[f"{signal}_estimated"] - truth[signal])[rows]
+        deviation = told[f"{signal}_deviation"][rows]
+        found.append(
+            (float(np.mean(np.abs(error) <= 2.0 * deviation + ROUNDING)), float(rms(deviation) / rms(error)))
+        )
+    return found
+
+
+def rms(values) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def filters_noises(plant) -> tuple[dict[str, float], dict[str, float]]:
+    """Process and measurement covariance of the filters' default tuning."""
+    process = {
+        f"speed_{place}": (UNKNOWN_TORQUE[place] / inertia) ** 2
+        for place, inertia in (("motor", plant.inertia_motor), ("load", plant.inertia_load))
+    }
+    return process, {"speed_motor": SENSOR**2 * DT}
+
+
+def on_the_model(seed: int) -> dict[str, list[tuple[float, float]]]:
+    plant = lm.Drivetrain.two_mass(**lm.rig.record(seed)[1].parameters)
+    torque = lm.signals.excitation(
+        DURATION, DT, seed=seed, inertia=0.1292, coulomb=plant.coulomb, viscous=plant.viscous
+    )
+    rng = np.random.default_rng([seed, 3])
+    true = lm.simulate(
+        plant, dt=DT, torque_motor=torque + NOISE["motor"] * rng.normal(size=torque.size),
+        torque_load=NOISE["load"] * rng.normal(size=torque.size),
+    )  # fmt: skip
+    given = {
+        "torque_motor": torque,
+        "speed_motor": true["speed_motor"] + SENSOR * rng.normal(size=torque.size),
+    }
+    rows = slice(3000, None)
+    law = lm.observers.kalman(plant, dt=DT)
+    results = {"kalman": judged(*of_fixed_gain(law, given, *filters_noises(plant)), true, rows)}
+    for make in FILTERS:
+        known = make(plant, dt=DT, sensor_noise={"speed_motor": SENSOR}, unknown_torque=UNKNOWN_TORQUE)
+        estimate = known.run(given)
+        results[make.__name__] = judged(estimate, estimate, true, rows)
+    return results
+
+
+def on_the_rig(seed: int) -> dict[str, list[tuple[float, float]]]:
+    data = experiment(next(c for c in CASES if c.name == "nominal"), seed, DURATION)
+    given = data.recording.only("torque_motor", "speed_motor")
+    found = lm.observers.covariances(given, data.drivetrain, count_averaged=True)
+    law = lm.observers.kalman(data.drivetrain, dt=DT, count_averaged=True)
+    noises = {
+        "kalman, the filters' noises": filters_noises(data.drivetrain),
+        "kalman, covariances from data": (found.process, found.measurement),
+    }
+    results = {
+        name: judged(*of_fixed_gain(law, given, *noise), data.truth, data.judged)
+        for name, noise in noises.items()
+    }
+    for make in FILTERS:
+        estimate = make(data.drivetrain, dt=DT, count_averaged=True).run(given)
+        results[make.__name__] = judged(estimate, estimate, data.truth, data.judged)
+    return results
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seeds", type=int, default=20)
+    seeds = range(1, parser.parse_args().seeds + 1)
+    for place, job in (("the model as plant", on_the_model), ("virtual rig", on_the_rig)):
+        with ProcessPoolExecutor(os.cpu_count()) as pool:
+            results = list(pool.map(job, seeds))
+        print(f"\n| {place}: within two deviations, deviation / error | load speed | shaft torque |")
+        print("| --- | --- | --- |")
+        for name in results[0]:
+            middle = np.median([r[name] for r in results], axis=0)
+            print(
+                f"| {name} | "
+                + " | ".join(f"{100 * share:.0f} %, {ratio:.2g}" for share, ratio in middle)
+                + " |"
+            )
+
+
+if __name__ == "__main__":
+    main()
