@@ -123,7 +123,7 @@ def warm_loop(joined: DiscreteSystem, runs: int) -> tuple[float, float]:
     s, digits, loop, cursor = kept[1], kept[2], kept[3], kept[-1]
 
     def again() -> None:
-        s[:], digits[:], cursor[:], loop.state[:] = start.s, start.digits, 0.0, joined.start()
+        s[:], digits[:], cursor[:], loop.state[:] = start.s, start.digits, 0.0, joined.init()
         if kernel(*kept) != 0:
             raise RuntimeError("the loop did not come to its end")
 
@@ -135,7 +135,7 @@ def loop_rows(runs: int) -> list[tuple[str, float, float]]:
     loop = lm.simulate(PLANT, dt=DT, law=joined, speed_reference=REFERENCE)
     inputs = np.column_stack([REFERENCE, loop["speed_motor"]])
     tables = joined.tables()
-    rows = [("law alone", *seconds(lambda: law_run(tables, joined.start(), inputs), runs))]
+    rows = [("law alone", *seconds(lambda: law_run(tables, joined.init(), inputs), runs))]
     with tempfile.TemporaryDirectory() as folder:
         rows.append(("exported C alone", *seconds(c_run(joined, inputs, Path(folder)), runs)))
     torque = loop["torque_motor"]
@@ -170,7 +170,7 @@ def observer_rows(runs: int) -> list[tuple[str, float, float]]:
     rows = []
     for name, observer in observers.items():
         inputs = np.column_stack([recording[signal] for signal in observer.inputs])
-        tables, start = observer.tables(), observer.start()
+        tables, start = observer.tables(), observer.init()
         kernel = seconds(lambda t=tables, s=start, u=inputs: law_run(t, s.copy(), u), runs)
         run = seconds(lambda o=observer: o.run(recording), runs)
         rows += [(f"{name}, kernel", *kernel), (f"{name}, `run`", *run)]

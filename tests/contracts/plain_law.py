@@ -37,7 +37,7 @@ def numba_run(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     from lostmotion.kernels.law import law_run
 
-    return law_run(law.tables(), law.start(), inputs)
+    return law_run(law.tables(), law.init(), inputs)
 
 
 def python_run(

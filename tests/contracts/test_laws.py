@@ -97,6 +97,27 @@ def test_numba_and_c_give_the_same_bits(law, tmp_path):
     assert_same_bits(outputs, wanted)
 
 
+@every_law
+def test_sample_by_sample_and_piece_by_piece_it_does_the_same(law):
+    inputs = random_inputs(law, 300, seed=3)
+    data = dict(zip(law.inputs, inputs.T, strict=True))
+    whole = law.run(data)
+    wanted = np.column_stack([whole[name] for name in law.outputs])
+    state, outputs, faults = law.init(), [], []
+    for row in inputs[:200]:
+        before = state.copy()
+        after, out, fault = law.step(state, row)
+        np.testing.assert_array_equal(state, before)
+        state = after
+        outputs.append(out)
+        faults.append(fault != 0)
+    assert_same_bits(np.array(outputs), wanted[:200])
+    np.testing.assert_array_equal(faults, whole["input_fault"][:200] == 1.0)
+    rest = law.run({name: values[200:] for name, values in data.items()}, state=state)
+    assert_same_bits(np.column_stack([rest[name] for name in law.outputs]), wanted[200:])
+    np.testing.assert_array_equal(rest.final_state["state"], whole.final_state["state"])
+
+
 CHECKED = {name: law for name, law in LAWS.items() if law.checks}
 
 
@@ -205,14 +226,16 @@ def test_observers_recover_from_nan_at_the_start(law):
     rng = np.random.default_rng(6)
     n = int(10.0 / law.dt)
     clean = 0.1 * rng.normal(size=(n, len(law.inputs)))
+    if "torque_motor" in law.inputs:
+        # Both sides of the joint touch: a motor that floats in the gap is not seen from the load, and wanders.
+        clean[:, 0] += 6.0 * np.sign(np.sin(2.0 * np.pi * 5.0 * law.dt * np.arange(n)))
     broken = clean.copy()
     broken[:5] = np.nan
     outputs, _ = numba_run(law, broken)
     wanted, _ = numba_run(law, clean)
     early, late = (np.max(np.abs((outputs - wanted)[part])) for part in (slice(0, 100), slice(-100, None)))
     assert early > 0.0
-    # Slowest: load friction alone brings the rigid rotation together where no speed or angle is measured.
-    assert late < 0.5 * early
+    assert late < 1e-3 * early
 
 
 @pytest.mark.parametrize("law", OBSERVERS.values(), ids=OBSERVERS.keys())

@@ -88,7 +88,7 @@ def run_loop(plant, law, fine, n, at, levels):
     from lostmotion.kernels.law import law_step
 
     tables = [plant.tables(), law.tables()]
-    states = [s.start() for s in (plant, law)]
+    states = [s.init() for s in (plant, law)]
     torque, speeds, inputs = np.zeros(1), np.zeros(2), np.zeros(2)
     load, torques = np.empty(n), np.empty(n)
     motor = plant.states.index("speed_motor")

@@ -96,7 +96,8 @@ def test_an_outlier_counts_no_more_than_the_largest_innovation():
         return run_from(scheduled(), (0.02, 0.0, 0.0), jump, n=2)["speed_load_estimated"][1]
 
     most, rest = LARGEST_INNOVATION["speed_motor"], load_after(0.0)
-    assert load_after(1e6) == pytest.approx(load_after(most), rel=1e-6)
+    # The gain in the gap is nought up to the rounding of its Riccati equation, 1e-12.
+    assert load_after(1e4) == pytest.approx(load_after(most), rel=1e-6)
     assert load_after(0.5 * most) - rest == pytest.approx(0.5 * (load_after(most) - rest), rel=1e-6)
     assert abs(load_after(most) - rest) > 0.1
 

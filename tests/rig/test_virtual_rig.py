@@ -35,7 +35,8 @@ def test_frequencies_of_the_nominal_rig():
 def test_the_rig_is_made_from_the_finite_element_model():
     reduced = reduce_to_chain(paper_powertrain(), 4, gap=GAP, band=(5.0, 900.0), gap_shaft=2)
     assert tuple(round(j, 6) for j in reduced.drivetrain.inertias) == INERTIAS
-    assert tuple(round(shaft.stiffness) for shaft in reduced.drivetrain.shafts) == STIFFNESSES
+    # The search ends where its last digits depend on the linear algebra library.
+    assert [shaft.stiffness for shaft in reduced.drivetrain.shafts] == pytest.approx(STIFFNESSES, rel=1e-4)
 
 
 def test_backlash_lies_in_the_joint_at_the_load_end():

@@ -181,7 +181,7 @@ def _vectors(
     inputs = (inputs + 0.1 * rng.normal(size=inputs.shape) * moving).astype(np.float32).astype(np.float64)
     bad = rng.random(inputs.shape) < 1.0 / 40.0
     inputs[bad] = rng.choice([np.nan, np.inf, -np.inf, 2e30], size=inputs.shape)[bad]
-    outputs, faults = law_run(law.tables(), law.start(), inputs)
+    outputs, faults = law_run(law.tables(), law.init(), inputs)
     return inputs, outputs, faults
 
 

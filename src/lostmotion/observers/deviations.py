@@ -81,7 +81,7 @@ def deviations(
     r = _densities("measurement_covariance", observer.inputs, sensors, measurement_covariance)
     noise = q * observer.dt, r / observer.dt
     time, inputs = input_columns(observer.name, observer.inputs, observer.dt, data)
-    arguments, faults = law_run(_curve_arguments(observer).tables(), observer.start(), inputs)
+    arguments, faults = law_run(_curve_arguments(observer).tables(), observer.init(), inputs)
     rng = np.random.default_rng(seed)
     start = rng.multivariate_normal(np.zeros(q.size), _settled(observer, *noise), samples, method="eigh")
     of_state, of_input, of_curve, curves, checked = _tables(observer)

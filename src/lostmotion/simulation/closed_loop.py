@@ -79,7 +79,7 @@ def _simulate_joined(
     wiring = _Wiring(run, law, given, sensors, names)
     from ..kernels.closed_loop import LoopTables, run_closed_loop, run_closed_loop_two_mass
 
-    law_state, tables = law.start(), law.tables()
+    law_state, tables = law.init(), law.tables()
     torque = np.zeros((length, len(names)))
     measured = np.zeros((length, len(law.inputs)))
     outputs = np.zeros((length + delay, len(law.outputs)))

@@ -120,7 +120,7 @@ class MixedLoop:
             -sum(steppers[: i + 1]) if own else i - sum(steppers[:i]) for i, own in enumerate(steppers)
         ]
         parameters = [law.parameters if isinstance(law, Stepper) else np.zeros(0) for law in self.laws]
-        states = [law.init() if isinstance(law, Stepper) else law.start() for law in self.laws]
+        states = [law.init() for law in self.laws]
         return Laws(
             number=np.array(numbers, dtype=np.int64),
             parameters=np.concatenate([np.zeros(0), *parameters]),

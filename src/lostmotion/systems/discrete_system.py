@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -155,14 +156,34 @@ class DiscreteSystem:
         """How many curves are evaluated before the inputs are checked: up to the last that a prediction needs."""
         return int(np.max(np.nonzero(self.R)[1], initial=-1)) + 1
 
-    def start(self, state: ArrayLike | None = None) -> NDArray[np.float64]:
-        """All that the kernel carries from sample to sample, at the first: states, good inputs, what checks remember.
+    def init(self, state: ArrayLike | None = None) -> NDArray[np.float64]:
+        """All that is carried from sample to sample, at the first one: states, good inputs, what checks remember.
 
-        ``state`` (n_states,) is ``initial_state`` if left out.
+        ``state`` (n_states,) is ``initial_state`` if left out; a longer one, as ``step`` and ``run`` leave it, is
+        taken whole.
         """
-        first = self.initial_state if state is None else _matrix("state", state, (len(self.states),))
         remembered = [number for check in self.checks for number in check.start()]
-        return np.concatenate([first, np.zeros(len(self.inputs)), remembered])
+        full = np.concatenate([self.initial_state, np.zeros(len(self.inputs)), remembered])
+        if state is not None:
+            own = np.array(state, dtype=np.float64)
+            size = full.size if own.shape == full.shape else len(self.states)
+            full[:size] = _matrix("state", own, (size,))
+        return full
+
+    def step(self, state: ArrayLike, inputs: ArrayLike) -> tuple[Matrix, Matrix, int]:
+        """One sample: what is carried on, the outputs, and a bit mask of the inputs that were not believed.
+
+        ``state`` as ``init`` gives it is left as it is; ``inputs`` (n_inputs,) in the order of ``inputs``.
+        """
+        from ..kernels.law import law_run
+
+        new, values = self.init(state), np.array(inputs, dtype=np.float64)
+        if values.shape != (len(self.inputs),):
+            raise InvalidInput(
+                f"{self.name}.step", f"shape {values.shape}", f"{len(self.inputs)} inputs", "Check."
+            )
+        outputs, faults = law_run(self._tables, new, values[np.newaxis])
+        return new, outputs[0], int(faults[0])
 
     def without_checks(self) -> DiscreteSystem:
         """The same law, which holds the last good value of a missing input and believes all others."""
@@ -175,20 +196,20 @@ class DiscreteSystem:
         ----------
         data : Recording, or mapping of input name → (n,) array
             Must hold every input; a recording's sample time must be the law's within 0.1 %.
-        state : (n_states,) array, optional
-            State at the first row; default: ``initial_state``.
+        state : array, optional
+            At the first row: (n_states,), or all that an earlier run or ``step`` carries on; default: ``init()``.
 
         Returns
         -------
         Recording
             The outputs (origin "estimated") and ``input_fault``, 1.0 where an input was not within ±1e30 and
             was replaced by the last good one, or where its check found it bad;
-            ``final_state["state"]`` is the state after the last row.
+            ``final_state["state"]`` is what is carried on after the last row, the states first.
         """
         from ..kernels.law import law_run
 
         time, inputs = input_columns(self.name, self.inputs, self.dt, data)
-        full = self.start(state)
+        full = self.init(state)
         outputs, faults = law_run(self.tables(), full, inputs)
         signals = {name: outputs[:, i] for i, name in enumerate(self.outputs)}
         signals["input_fault"] = (faults != 0).astype(float)
@@ -196,13 +217,21 @@ class DiscreteSystem:
             time=time,
             signals=signals,
             origin={**dict.fromkeys(self.outputs, "estimated"), "input_fault": "derived"},
-            final_state={"state": full[: len(self.states)].copy()},
+            final_state={"state": full},
             meta={"law": self.name},
         )
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A: the poles with every curve at a constant value."""
         return np.asarray(np.linalg.eigvals(self.A), dtype=complex)
+
+    @cached_property
+    def _tables(self) -> LawTables:
+        return self.tables()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the tables: they hold an address of this process."""
+        return {name: value for name, value in self.__dict__.items() if name != "_tables"}
 
     def tables(self) -> LawTables:
         """The law in the form that the kernels run; the first one of a shape compiles its code (some ten ms)."""
