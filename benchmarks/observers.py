@@ -215,7 +215,7 @@ def print_targets(board: Leaderboard) -> None:
     )
     rows.append([f"best F1 after identification: {best}", "≥ 0.95", at(best, "identified", "f1_gap")])
     off = [case.name for case in board.cases if case.told]
-    for name in ("Observer 1", "load torque", "H∞, load torque"):
+    for name in ("Observer 1", "load torque", "H∞, load torque", "Observer 2, load torque"):
         for metric, words in (("speed_load", "load speed"), ("torque_shaft", "shaft torque")):
             worst = max(off, key=lambda c: board.median(name, c, metric).value)  # type: ignore[union-attr]
             rows.append(

@@ -123,6 +123,11 @@ CONTESTANTS: tuple[Contestant, ...] = (
     ),
     Contestant(REFERENCE, "fixed gain", _kalman),
     Contestant("Observer 2", "fixed gain", lambda d, s: _kalman(d, s, ("torque_shaft", "speed_motor"))),
+    Contestant(
+        "Observer 2, load torque",
+        "fixed gain",
+        lambda d, s: _kalman(d, s, ("torque_shaft", "speed_motor"), load_torque=True),
+    ),
     Contestant("load torque", "fixed gain", lambda d, s: _kalman(d, s, load_torque=True)),
     Contestant("scheduled", "fixed gain", lambda d, s: _kalman(d, s, contact_scheduling=True)),
     Contestant(
