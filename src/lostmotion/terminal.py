@@ -11,6 +11,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+#: Problems that are shown after a run; the report has them all.
+SHOWN = 3
+
 
 class StageLines:
     """A progress line for each stage on standard error; call it as ``run.Progress``."""
@@ -103,8 +106,12 @@ def summary(results: Mapping[str, Any], out: Path) -> None:
     for part in ("observers", "controllers", "export"):
         if "skipped" in results[part]:
             console.print(f"  {part} skipped: {results[part]['skipped']}")
-    warnings = len(results["problems"])
-    console.print(f"  {warnings} warning{'' if warnings == 1 else 's'}; report: {out / 'report.html'}")
+    problems = results["problems"]
+    for problem in problems[:SHOWN]:
+        console.print("  {severity}: {where}: {got}. {remedy}".format(**problem))
+    count = f"{len(problems)} warning{'' if len(problems) == 1 else 's'}"
+    more = f" ({len(problems) - SHOWN} more in the report)" if len(problems) > SHOWN else ""
+    console.print(f"  {count}{more}; report: {out / 'report.html'}")
 
 
 def parameters(table: Mapping[str, Any]) -> None:

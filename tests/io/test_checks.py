@@ -103,6 +103,23 @@ def test_constant_channel_and_torque_that_never_reverses() -> None:
     assert {p.severity for p in (shaft, constant, motor)} == {"warning"}
 
 
+@pytest.mark.parametrize("resolution", [0.0, 0.06, 0.6])
+@pytest.mark.parametrize(("value", "warned"), [(None, True), (0.0, False)])
+def test_a_sensor_that_hangs_is_told_and_a_standstill_is_not(
+    resolution: float, value: float | None, warned: bool
+) -> None:
+    time, rng = 1e-4 * np.arange(20_000), np.random.default_rng(3)
+    torque = 3.0 * rng.normal(size=time.size)
+    speed = 20.0 * np.sin(30.0 * time) + 0.02 * np.cumsum(torque) + 3.0
+    if resolution:
+        speed = resolution * np.round(speed / resolution)
+    speed[9000:13_000] = speed[9000] + 3.0 * resolution if value is None else value
+    found = [p for p in check_recording(Recording(time, {"speed_motor": speed})) if "on end" in p.got]
+    assert len(found) == warned
+    if warned:
+        assert "from 0.9 s on" in found[0].got and "window" in found[0].remedy
+
+
 def test_a_torque_in_both_directions_is_not_warned_of() -> None:
     rec = Recording(
         TIME, {"torque_shaft": np.sin(TIME) + 0.9, "torque_motor": np.where(TIME < 7.9, 1.0, -0.1)}

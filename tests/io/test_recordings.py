@@ -49,6 +49,30 @@ def check(recording: Recording, sign: int = 1) -> None:
 
 
 @pytest.mark.parametrize(
+    ("header", "channel", "warned"),
+    [
+        ("Speed [rpm]", {"unit": "rad/s"}, True),
+        ("Speed [rpm]", {"unit": "U/min"}, False),
+        ("Speed [rpm]", {}, False),
+        ("Speed [raw]", {"unit": "rad/s"}, False),
+        ("Speed [counts/s]", {"unit": "rad/s"}, True),
+        ("Speed [V]", {"unit": "rad/s", "scale": 10.0}, False),  # the scale says how
+    ],
+)
+def test_a_header_that_says_another_unit_is_told(
+    tmp_path: Path, header: str, channel: dict[str, object], warned: bool
+) -> None:
+    path = write(tmp_path, [f"Time [s],{header},Torque [Nm]", *lines()])
+    read = read_recording(
+        path, channels={"speed_motor": {"column": 1, **channel}, "torque_motor": {"column": 2, "unit": "Nm"}}
+    )
+    told = [p for p in read.meta["problems"] if "header" in p.got]
+    assert len(told) == warned
+    if warned:
+        assert told[0].severity == "warning" and "'rad/s'" in told[0].remedy
+
+
+@pytest.mark.parametrize(
     ("separator", "comma"),
     [(",", False), (";", False), (";", True), ("\t", False), ("\t", True), ("  ", False), (" ", True)],
 )

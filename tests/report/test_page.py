@@ -258,3 +258,17 @@ def test_user_text_is_escaped(tmp_path):
     page = path.read_text(encoding="utf-8")
     assert "<script" not in page
     assert bad in Balanced(page).words
+
+
+def test_the_first_problem_stands_beside_what_is_praised():
+    problem = {
+        "severity": "warning",
+        "where": "torque_motor",
+        "got": "one",
+        "expected": "two",
+        "remedy": "Check it.",
+    }
+    page = render({**RESULTS, "problems": [problem, {**problem, "where": "other"}]})
+    assert "First of 2 problems: torque_motor: one. Check it." in page
+    assert "One problem: torque_motor" in render({**RESULTS, "problems": [problem]})
+    assert "problem: " not in render({**RESULTS, "problems": []})

@@ -152,8 +152,11 @@ def warnings(
     converged: bool,
     dt: float,
 ) -> tuple[Problem, ...]:
-    """Warnings about the result, each with a remedy; ``total`` is the inertia seen at low frequency, kg m2."""
-    problems = [_not_excited(name, start) for name, source in sources.items() if source == "not excited"]
+    """Warnings about the result, each with a remedy; ``total`` is the inertia seen at low frequency, kg m2.
+
+    First what may be wrong with all of it, then what single parameters lack.
+    """
+    problems = []
     if not 1.0 / FAR < total / found.inertia_total < FAR:
         problems.append(
             Problem(
@@ -163,6 +166,7 @@ def warnings(
             )
         )  # fmt: skip
     problems += [_far(name, start, found) for name in names if _is_far(name, start, found)]
+    problems += [_not_excited(name, start) for name, source in sources.items() if source == "not excited"]
     problems += _correlated(names, covariance)
     if not converged:
         problems.append(

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Problem
 from ..recording import unit_of
 from .columns import Column, suggestion
-from .units import unit_factor
+from .units import is_unit, unit_factor
 
 #: Dimensions that a stated scale turns into that of the signal: a current into a torque by Nm/A, a share into
 #: a torque by the rated one, a path into an angle by rad/m.
@@ -93,6 +93,19 @@ class Channel:
             )
         if not isinstance(self.unit, str):
             raise InvalidInput(where, f"unit {self.unit!r}", 'text such as "rpm"', "Check it.")
+
+    def disagreement(self, column: Column, where: str) -> Problem | None:
+        """The warning that the file's own unit is another one than the stated one, which counts."""
+        said, own = self.unit, column.unit
+        if self.scale is not None or not (is_unit(said) and is_unit(own)):
+            return None
+        counts = self.counts_per_rev or 1.0
+        if unit_factor(said, where, "", counts) == unit_factor(own, where, "", counts):
+            return None
+        return Problem(
+            "warning", where, f"unit {said!r} for a column whose header says {own!r}", "one and the same unit",
+            f"It is read as {said!r}. Leave the unit out if the header is right.",
+        )  # fmt: skip
 
     def to_si(self, column: Column, signal: str, where: str) -> NDArray[np.float64]:
         """The column in SI; ``signal`` is the signal's name, or ``"time"``.

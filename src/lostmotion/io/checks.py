@@ -23,6 +23,10 @@ _NOISE_SHARE = 1e-3
 #: Torque on the rare side counts as reversed from this fraction of the peak on. Chosen.
 _REVERSAL = 0.01
 
+#: A signal sticks where one value lasts so many times longer than 99 % of all do, and so long (s); said only of signals
+#: that change often. All chosen.
+STUCK_RUNS, USUAL_RUNS, STUCK_TIME, FEWEST_RUNS = 10.0, 0.99, 0.01, 200
+
 Place = Callable[[int], str]
 
 
@@ -96,7 +100,7 @@ def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Pr
 
 
 def check_recording(recording: Recording) -> tuple[Problem, ...]:
-    """The warnings about a recording: constant channels, torque that never reverses, opposite signs.
+    """The warnings about a recording: channels that are constant or stick, torque that never reverses, opposite signs.
 
     Raises nothing; an empty tuple means that nothing was found.
     """
@@ -123,6 +127,7 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
                     "The backlash cannot be told from it: record with reversals of the torque.",
                 )
             )
+        found += _stuck(name, values, recording, where)
     agreement = torque_agreement(recording)
     if agreement < -0.5:
         found.append(
@@ -135,6 +140,32 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
             )
         )
     return tuple(found)
+
+
+def _stuck(name: str, values: NDArray[np.float64], recording: Recording, where: str) -> list[Problem]:
+    """A measured speed or torque that holds one value, and not zero, far longer than it usually does."""
+    if not name.startswith(("speed_", "torque_shaft")) or name == "speed_reference":
+        return []
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1])
+    lengths = np.diff(np.append(starts, values.size))
+    moving = values[starts] != 0.0
+    if np.count_nonzero(moving) < FEWEST_RUNS:
+        return []
+    starts, lengths = starts[moving], lengths[moving]
+    longest = int(np.argmax(lengths))
+    usual = float(np.quantile(lengths, USUAL_RUNS))
+    if lengths[longest] < STUCK_RUNS * usual or lengths[longest] * recording.dt < STUCK_TIME:
+        return []
+    first = int(starts[longest])
+    return [
+        Problem(
+            "warning",
+            f"{where}, {name}",
+            f"{values[first]:.6g} in {lengths[longest]} rows on end, from {recording.time[first]:.6g} s on",
+            f"a value that changes (others last {usual:.0f} row{'s' if usual > 1.0 else ''} at most)",
+            "Check whether the sensor or the logger hung there: leave that part out by window = [...].",
+        )
+    ]
 
 
 def rounded_to_decimals(values: NDArray[np.float64]) -> bool:

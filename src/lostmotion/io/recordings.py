@@ -159,13 +159,16 @@ def _from_table(table: Table, where: str, time: Any, channels: Mapping[str, Any]
             signals[name] = specs[name].to_si(column, name, f"{where}, {name} ({column.label})")
         except InvalidInput as error:
             problems.append(error.problem)
+        else:
+            disagreement = specs[name].disagreement(column, f"{where}, {name} ({column.label})")
+            problems += [] if disagreement is None else [disagreement]
     _stop_at_errors(problems)
     if isinstance(time, Mapping) and "sample_time" in time:
         step = _sample_time(time, where)
         signals["time"] = step * np.arange(next(iter(signals.values())).size)
     place = next(iter(columns.values())).place
     sources = {name: column.label for name, column in columns.items() if name != "time"}
-    return _Raw(signals.pop("time"), signals, place, sources, _rounded_speed(specs, columns))
+    return _Raw(signals.pop("time"), signals, place, sources, _rounded_speed(specs, columns), tuple(problems))
 
 
 def _rounded_speed(specs: Mapping[str, Channel], columns: Mapping[str, Column]) -> bool:
@@ -256,7 +259,7 @@ def _checked(
     )
     if resample is not None and resample is not False:
         part, warnings = _resampled(part, where, resample)
-    return replace(part, warnings=tuple(warnings))
+    return replace(part, warnings=(*raw.warnings, *warnings))
 
 
 def _inside(time: NDArray[np.float64], window: tuple[float, float] | None, where: str) -> NDArray[np.bool_]:

@@ -51,7 +51,17 @@ def sentence(results: Mapping[str, Any]) -> str:
     text = "; ".join(done) + "." if done else "No stage gave a result."
     missing = len(skipped(results))
     remark = f" {_count(missing, 'part')} skipped, with the reason below." if missing else ""
-    return text[:1].upper() + text[1:] + remark
+    return text[:1].upper() + text[1:] + remark + _first_problem(results)
+
+
+def _first_problem(results: Mapping[str, Any]) -> str:
+    """The most telling problem comes first in the results, and belongs beside what is praised."""
+    problems = [mapping(problem) for problem in results.get("problems") or ()]
+    if not problems:
+        return ""
+    first = problems[0]
+    lead = f"First of {_count(len(problems), 'problem')}" if len(problems) > 1 else "One problem"
+    return f" {lead}: {first.get('where')}: {first.get('got')}. {first.get('remedy')}"
 
 
 def cards(results: Mapping[str, Any]) -> list[dict[str, str]]:
