@@ -166,6 +166,7 @@ def frf(
     fit = result["two_mass_fit"]
     if fit is not None:
         typer.echo(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
+        typer.echo("  A gap that opens during the test lowers both: docs/frequency-response.md says by how much.")
     _finished(result["problems"], out, ".json", ".png")
 
 
