@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from conftest import gap_f1, relative_rmse
 
+from lostmotion.compare.cases import CASES
+from lostmotion.compare.experiment import experiment as rig_case
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import interacting_models
+from lostmotion.kernels.steppers_interacting_mixing import regions
+from lostmotion.observers import interacting_models, kalman
 
 DT = 1e-4
 CHANCES = ("probability_contact_positive", "probability_gap", "probability_contact_negative")
@@ -51,6 +54,59 @@ def test_starts_in_the_wrong_contact(experiment):
     result = interacting_models(experiment.drivetrain, dt=DT, count_averaged=True).run(late)
     error = result["speed_load_estimated"] - experiment.exact["speed_load"][12345:20000]
     assert np.max(np.abs(error[2000:])) < 0.01 * np.ptp(experiment.exact["speed_load"])
+
+
+def load_errors(name, seed, duration):
+    """RMSE of the load speed (rad/s) of the interacting models and of Observer 1 in a case of the comparison."""
+    case = next(c for c in CASES if c.name == name)
+    data = rig_case(case, seed, duration)
+    rec = data.recording.only("torque_motor", "speed_motor")
+    estimates = [
+        make(data.drivetrain, dt=DT, count_averaged=True).run(rec) for make in (interacting_models, kalman)
+    ]
+    errors = [(e["speed_load_estimated"] - data.truth["speed_load"])[data.judged] for e in estimates]
+    return [float(np.sqrt(np.mean(error**2))) for error in errors]
+
+
+@pytest.mark.parametrize("seed", [3, 6, 13, 20])
+def test_does_not_lock_onto_a_wrong_twist_while_the_load_sticks(seed):
+    """Lost between the edges, with a load torque that explained it: ten times Observer 1's error on these rigs."""
+    models, first = load_errors("sticking", seed, 1.0)
+    assert models < 0.5 * first
+
+
+@pytest.mark.parametrize("seed", [3, 6, 13])
+def test_finds_the_other_side_of_the_gap_as_fast_as_observer_1(seed):
+    """The twist is off by the whole backlash and the models are sure of it; it took up to 2.4 times its error."""
+    models, first = load_errors("wrong start", seed, 0.8)
+    assert models < first
+
+
+@pytest.mark.parametrize("z", [-0.004, 0.0, 0.0055, 0.009])
+@pytest.mark.parametrize("deviation", [1e-3, 4e-3])
+def test_parts_of_a_normal_distribution_have_their_own_moments(z, deviation):
+    half = 0.006
+    grid = z + deviation * np.linspace(-9.0, 9.0, 2000001)
+    density = np.exp(-0.5 * ((grid - z) / deviation) ** 2)
+    density /= density.sum()
+    inside = [grid > half, np.abs(grid) <= half, grid < -half]
+    chance, shift, kept = np.empty(3), np.empty(3), np.empty(3)
+    regions(z, half, deviation, chance, shift, kept)
+    for m, part in enumerate(inside):
+        share = density[part].sum()
+        assert chance[m] == pytest.approx(share, abs=1e-5)
+        if share > 1e-3:
+            mean = density[part] @ grid[part] / share
+            variance = density[part] @ (grid[part] - mean) ** 2 / share
+            assert z + shift[m] == pytest.approx(mean, abs=1e-3 * deviation)
+            assert kept[m] == pytest.approx(variance / deviation**2, abs=2e-3)
+
+
+def test_the_coulomb_level_is_found(experiment):
+    wrong = experiment.drivetrain.with_parameters(coulomb=1.2 * experiment.drivetrain.coulomb)
+    result = interacting_models(wrong, dt=DT, count_averaged=True).run(experiment.recording)
+    found = np.mean(result["coulomb_estimated"][-5000:])
+    assert found == pytest.approx(experiment.drivetrain.coulomb, rel=0.1)
 
 
 def test_misuse_is_refused(experiment):

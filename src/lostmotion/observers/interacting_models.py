@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -19,6 +20,7 @@ OUTPUTS = (
     "torque_shaft_estimated",
     "friction_load_estimated",
     "torque_load_estimated",
+    "coulomb_estimated",
     "probability_contact_positive",
     "probability_gap",
     "probability_contact_negative",
@@ -27,10 +29,24 @@ OUTPUTS = (
     "speed_load_deviation",
     "torque_shaft_deviation",
     "torque_load_deviation",
+    "coulomb_deviation",
 )
 
-#: Smallest chance of a change to any model in a sample (chosen): what brings a model back that seemed impossible.
-LEAST_CHANGE = 1e-6
+#: As ``tuning.UNKNOWN_TORQUE``, Nm·√s, and ``extended_kalman.DRIFT``, Nm in 1 s (chosen on virtual rigs with even
+#: seeds: with a twist that wanders, the motor's inertia 20 % off and an unknown load torque need these).
+UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.03, "load": 0.01})
+DRIFT: Mapping[str, float] = MappingProxyType({"torque_load": 0.7})
+
+#: How far the twist wanders beside the model in contact and in the gap, rad/√s (chosen): the gap lies beyond a piece of
+#: the joint that swings. An exact twist is held on to where it is wrong.
+CONTACT_WANDER, GAP_WANDER = 5e-4, 2e-3
+
+#: Chance in a second that a model begins anew (chosen): what finds the twist again where it was lost.
+ANEW = 1e-4
+
+#: How long the errors of prediction are alike, s (chosen: the joint's own mode, 750 Hz, which no model has, lasts some
+#: milliseconds). Samples closer than this are no independent evidence: the likelihood counts by its share of this time.
+ALIKE = 1e-3
 
 
 def interacting_models(
@@ -46,16 +62,19 @@ def interacting_models(
 ) -> Stepper:
     """Three Kalman filters — contact +, gap, contact − — that interact by their probabilities.
 
-    Every model is linear in its region; the chance to change from one to another follows from where the first one
-    places the twist, and the likelihood of the measurement weighs them. Estimates are the means of the mixture; the
-    elastic twist is that of the mean twist.
+    A model is linear in its region but for the friction. What goes over from one to another is the part of its
+    distribution in which the twist lies in the other's region; the likelihood of the measurement weighs them.
+    Estimates are the means of the mixture; the elastic twist is that of the mean twist.
 
     Parameters
     ----------
-    drivetrain, measured, dt, sensor_noise, unknown_torque, count_averaged
+    drivetrain, measured, dt, sensor_noise, count_averaged
         As in ``extended_kalman``.
+    unknown_torque : mapping, optional
+        As there; default ``UNKNOWN_TORQUE``.
     drift, uncertainty : mapping, optional
-        Of ``torque_load`` (Nm) alone; default ``extended_kalman.DRIFT``, ``UNCERTAINTY``.
+        Of ``torque_load`` (Nm) and ``coulomb`` (fraction) as there; the backlash is fixed. Default ``DRIFT``,
+        ``extended_kalman.DRIFT`` and ``UNCERTAINTY``.
 
     Returns
     -------
@@ -70,19 +89,27 @@ def interacting_models(
 
     Notes
     -----
-    Blom & Bar-Shalom 1988, IEEE Trans. Automatic Control 33, 780–783, with transitions that depend on the state; for
-    backlash as a hybrid system: Ferrari-Trecate & Gati 2006, Int. J. Control 79, 496–507.
+    Blom & Bar-Shalom 1988, IEEE Trans. Automatic Control 33, 780–783, with transitions that depend on the state: the
+    parts of a normal distribution by their truncated moments (Johnson, Kotz & Balakrishnan 1994, Continuous Univariate
+    Distributions 1, section 13.10.1). For backlash as a hybrid system: Ferrari-Trecate & Gati 2006, Int. J. Control
+    79, 496–507.
     """
-    from ..kernels import steppers_interacting_models as kernel
+    from ..kernels import steppers_interacting_state as kernel
     from ..kernels import steppers_model as at
 
     measured = measured_sensors(measured)
-    p = np.zeros(kernel.LEAST + 1)
+    p = np.zeros(kernel.GAP_PROCESS + 1)
     p[: at.OWN] = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)
-    fill_tracking(p, drivetrain, unknown_torque, drift, uncertainty)
+    torques, wander = {**UNKNOWN_TORQUE, **(unknown_torque or {})}, {**DRIFT, **(drift or {})}
+    fill_tracking(p, drivetrain, torques, wander, uncertainty)
     p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + 1e-8
-    p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb
-    p[kernel.LEAST] = LEAST_CHANGE
+    for place in (at.START, at.START_VARIANCE, at.PROCESS):
+        p[place + kernel.COULOMB] = p[place + 7]  # the backlash is no state here
+    piece = dt / p[at.PIECES]
+    p[at.PROCESS] = CONTACT_WANDER**2 * piece
+    p[kernel.GAP_PROCESS] = GAP_WANDER**2 * piece
+    p[kernel.HALF], p[kernel.ANEW] = 0.5 * drivetrain.backlash, ANEW * piece
+    p[kernel.SHARE] = min(1.0, dt / ALIKE)
     return Stepper(
         name="interacting_models",
         inputs=("torque_motor", *measured),
