@@ -90,8 +90,9 @@ def test_parts_of_a_normal_distribution_have_their_own_moments(z, deviation):
     density = np.exp(-0.5 * ((grid - z) / deviation) ** 2)
     density /= density.sum()
     inside = [grid > half, np.abs(grid) <= half, grid < -half]
-    chance, shift, kept = np.empty(3), np.empty(3), np.empty(3)
-    regions(z, half, deviation, chance, shift, kept)
+    part = np.empty(9)
+    regions(z, half, deviation, part)
+    chance, shift, lost = part.reshape(3, 3)
     for m, part in enumerate(inside):
         share = density[part].sum()
         assert chance[m] == pytest.approx(share, abs=1e-5)
@@ -99,7 +100,7 @@ def test_parts_of_a_normal_distribution_have_their_own_moments(z, deviation):
             mean = density[part] @ grid[part] / share
             variance = density[part] @ (grid[part] - mean) ** 2 / share
             assert z + shift[m] == pytest.approx(mean, abs=1e-3 * deviation)
-            assert kept[m] == pytest.approx(variance / deviation**2, abs=2e-3)
+            assert 1.0 - lost[m] == pytest.approx(variance / deviation**2, abs=2e-3)
 
 
 def test_the_coulomb_level_is_found(experiment):

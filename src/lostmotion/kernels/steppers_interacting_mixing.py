@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from .steppers_interacting_state import ANEW, CHANCE, HALF, MODELS, ONE, N
@@ -20,97 +19,102 @@ from .steppers_model import LEAD_MIDDLE, START_VARIANCE
 #: left out of it, or its distance would widen the model's covariance (both chosen).
 RARE, SMALLEST = 1e-9, 1e-3
 
+# Places in what is kept of a model: chances of the regions, moves of the mean and lost shares of the variance there (of
+# z; after ``_divide`` per variance of z), covariance of each state with z.
+SHIFT, LOST_SHARE, ALONG = MODELS, 2 * MODELS, 3 * MODELS
+PART = ALONG + N
+
 _ROOT_HALF = math.sqrt(0.5)
 _DENSITY = 1.0 / math.sqrt(2.0 * math.pi)
 
 
 @njit(cache=True)
-def regions(z, half, deviation, chance, shift, kept):
-    """A normal z in the three regions: its chance, mean − z, and share of the variance that is left, for each (3,)."""
-    for m in range(MODELS):
-        chance[m] = shift[m] = 0.0
-        kept[m] = 1.0
+def regions(z, half, deviation, part):
+    """A normal z in the three regions: chances, mean − z, and shares of the variance that are lost, to part (≥ 9,)."""
+    for i in range(3 * MODELS):
+        part[i] = 0.0
     upper, lower = half - z, -half - z
     if deviation * 6.0 < min(abs(upper), abs(lower)) or deviation <= 0.0:
-        chance[0 if upper < 0.0 else 2 if lower > 0.0 else 1] = 1.0
+        part[0 if upper < 0.0 else 2 if lower > 0.0 else 1] = 1.0
         return
     a, b = upper / deviation, lower / deviation
     density_a, density_b = _DENSITY * math.exp(-0.5 * a * a), _DENSITY * math.exp(-0.5 * b * b)
-    chance[0], chance[2] = 0.5 * math.erfc(a * _ROOT_HALF), 0.5 * math.erfc(-b * _ROOT_HALF)
-    chance[1] = 1.0 - chance[0] - chance[2]
+    above, below = 0.5 * math.erfc(a * _ROOT_HALF), 0.5 * math.erfc(-b * _ROOT_HALF)
+    chance = (above, 1.0 - above - below, below)
     mean = (density_a, density_b - density_a, -density_b)
     square = (a * density_a, b * density_b - a * density_a, -b * density_b)
     for m in range(MODELS):
-        if chance[m] < RARE:
-            chance[m] = 0.0
-            continue
-        ratio = mean[m] / chance[m]
-        shift[m] = deviation * ratio
-        kept[m] = min(max(1.0 + square[m] / chance[m] - ratio * ratio, 0.0), 1.0)
+        if chance[m] > RARE:
+            ratio = mean[m] / chance[m]
+            part[m] = chance[m]
+            part[SHIFT + m] = deviation * ratio
+            part[LOST_SHARE + m] = min(max(ratio * ratio - square[m] / chance[m], 0.0), 1.0)
 
 
 @njit(cache=True)
-def _along(s, at, lead, slope):
-    """Covariance of every state with the argument z of the model at s[at …], to ``slope`` (N,); variance of z."""
+def _divide(p, s, n, part):
+    """Model n in the three regions, to part (PART,); its chance included."""
+    at, lead = n * ONE, p[LEAD_MIDDLE]
     for i in range(N):
         row = at + N + i * N
-        slope[i] = s[row] + lead * (s[row + 1] - s[row + 2])
-    return slope[0] + lead * (slope[1] - slope[2])
+        part[ALONG + i] = s[row] + lead * (s[row + 1] - s[row + 2])
+    variance = max(part[ALONG] + lead * (part[ALONG + 1] - part[ALONG + 2]), 0.0)
+    regions(s[at] + lead * (s[at + 1] - s[at + 2]), p[HALF], math.sqrt(variance), part)
+    for m in range(MODELS):
+        part[m] *= s[CHANCE + n]
+        if variance > 0.0:
+            part[SHIFT + m] /= variance
+            part[LOST_SHARE + m] /= variance
 
 
 @njit(cache=True)
-def mix(p, s, mixed):
-    """Chances of the models in the next piece; each model's start for it, mean and covariance, in mixed (3, ONE)."""
-    lead = p[LEAD_MIDDLE]
-    chance, shift, kept = np.empty((MODELS, MODELS)), np.empty((MODELS, MODELS)), np.empty((MODELS, MODELS))
-    slope, total = np.empty((MODELS, N)), np.empty(MODELS)
+def mix(p, s, mixed, parts):
+    """Chances of the models in the next piece; each model's start for it, mean and covariance, in mixed (3, ONE).
+
+    parts (3, PART) is scratch.
+    """
     likeliest = 0
     for n in range(MODELS):
-        at = n * ONE
-        variance = max(_along(s, at, lead, slope[n]), 0.0)
-        z = s[at] + lead * (s[at + 1] - s[at + 2])
-        regions(z, p[HALF], math.sqrt(variance), chance[n], shift[n], kept[n])
-        for m in range(MODELS):
-            chance[n, m] *= s[CHANCE + n]
-            if variance > 0.0:
-                shift[n, m] /= variance
-                kept[n, m] = (1.0 - kept[n, m]) / variance
+        _divide(p, s, n, parts[n])
         if s[CHANCE + n] > s[CHANCE + likeliest]:
             likeliest = n
+    whole = 0.0
     for m in range(MODELS):
-        total[m] = p[ANEW] + chance[0, m] + chance[1, m] + chance[2, m]
-        _join(s, m, chance, shift, kept, slope, SMALLEST * total[m], mixed[m])
-        if p[ANEW] > SMALLEST * total[m]:
-            _begin_anew(p, s, m, likeliest, p[ANEW] / total[m], mixed[m])
-    whole = total[0] + total[1] + total[2]
+        total = p[ANEW] + parts[0, m] + parts[1, m] + parts[2, m]
+        _join(s, m, parts, SMALLEST * total, mixed[m])
+        if p[ANEW] > SMALLEST * total:
+            _begin_anew(p, s, m, likeliest, p[ANEW] / total, mixed[m])
+        s[CHANCE + m] = total
+        whole += total
     for m in range(MODELS):
-        s[CHANCE + m] = total[m] / whole
+        s[CHANCE + m] /= whole
 
 
 @njit(cache=True)
-def _join(s, m, chance, shift, kept, slope, least, mixed):
+def _join(s, m, parts, least, mixed):
     """Mean and covariance of model m's parts from all models, to mixed (ONE,); zero if there is none."""
     total = 0.0
     for i in range(ONE):
         mixed[i] = 0.0
     for n in range(MODELS):
-        if chance[n, m] > least:
-            total += chance[n, m]
+        if parts[n, m] > least:
+            total += parts[n, m]
     for n in range(MODELS):
-        if chance[n, m] > least:
-            weight = chance[n, m] / total
+        if parts[n, m] > least:
+            weight, shift = parts[n, m] / total, parts[n, SHIFT + m]
             for i in range(N):
-                mixed[i] += weight * (s[n * ONE + i] + slope[n, i] * shift[n, m])
+                mixed[i] += weight * (s[n * ONE + i] + parts[n, ALONG + i] * shift)
     for n in range(MODELS):
-        if chance[n, m] > least:
-            weight, at = chance[n, m] / total, n * ONE
+        if parts[n, m] > least:
+            weight, shift, at = parts[n, m] / total, parts[n, SHIFT + m], n * ONE
+            lost = weight * parts[n, LOST_SHARE + m]
             for i in range(N):
-                first = weight * (s[at + i] + slope[n, i] * shift[n, m] - mixed[i])
-                narrower = weight * kept[n, m] * slope[n, i]
+                first = weight * (s[at + i] + parts[n, ALONG + i] * shift - mixed[i])
+                narrower = lost * parts[n, ALONG + i]
                 for j in range(i, N):
-                    apart = s[at + j] + slope[n, j] * shift[n, m] - mixed[j]
+                    apart = s[at + j] + parts[n, ALONG + j] * shift - mixed[j]
                     mixed[N + i * N + j] += (
-                        weight * s[at + N + i * N + j] + first * apart - narrower * slope[n, j]
+                        weight * s[at + N + i * N + j] + first * apart - narrower * parts[n, ALONG + j]
                     )
     _mirror(mixed)
 

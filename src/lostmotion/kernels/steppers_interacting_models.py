@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from .steppers import INIT, STEP
-from .steppers_interacting_mixing import mix
+from .steppers_interacting_mixing import PART, mix
 from .steppers_interacting_sensors import sensor, write
 from .steppers_interacting_state import (
     CHANCE,
@@ -147,18 +147,18 @@ def _predict(p, s, m, x, torque, f, work):
 
 @njit(STEP, cache=True)
 def step(p, s, inputs, faults, outputs):
-    mixed, f, work = np.empty((MODELS, ONE)), np.empty((MOVING, N)), np.empty((MOVING, N))
-    h, gain = np.empty((MODELS, N)), np.empty((MODELS, N))
+    mixed, parts = np.empty((MODELS, ONE)), np.empty((MODELS, PART))
+    f, work = np.empty((MOVING, N)), np.empty((MOVING, N))
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
     if s[STARTED] == 0.0:
         restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
     for i in range(int(p[N_SENSORS])):
-        if sensor(p, s, i, inputs[1 + i], faults & (2 << i) != 0, h, gain, work[0], work[1]):
+        if sensor(p, s, i, inputs[1 + i], faults & (2 << i) != 0, f, work, mixed[0], mixed[1]):
             faults |= 2 << i
     recover(p, s)
-    write(p, s, h[0], work, outputs)
+    write(p, s, f[0], work, outputs)
     for _ in range(int(p[PIECES])):
-        mix(p, s, mixed)
+        mix(p, s, mixed, parts)
         s[FRICTION] = 0.0
         for m in range(MODELS):
             s[FRICTION] += s[CHANCE + m] * _predict(p, s, m, mixed[m], torque, f, work)

@@ -93,7 +93,10 @@ def _correct(s, m, h, innovation, variance, gain):
 
 @njit(cache=True)
 def sensor(p, s, i, value, missing, h, gain, innovation, variance):
-    """One sensor in all models; returns whether it was not believed. h, gain (3, N); innovation, variance (3,)."""
+    """One sensor in all models; returns whether it was not believed.
+
+    Scratch: h, gain (≥ 3, N); innovation, variance (≥ 3,).
+    """
     kind = int(p[KIND + i])
     best = 0
     for m in range(MODELS):
@@ -138,9 +141,7 @@ def _weigh(p, s, h, innovation, variance, gain):
         # Student's t with three degrees of freedom instead of Gauss: a mode that no model has must not decide; and of
         # it the share of a sample, since errors of samples close to each other are alike.
         tail = 1.0 + innovation[m] * innovation[m] / (3.0 * variance[m])
-        s[CHANCE + m] *= math.exp(
-            -p[SHARE] * (2.0 * math.log(tail) + 0.5 * math.log(variance[m] / variance[1]))
-        )
+        s[CHANCE + m] *= (tail * tail * math.sqrt(variance[m])) ** -p[SHARE]
         total += s[CHANCE + m]
         _correct(s, m, h[m], innovation[m], variance[m], gain[m])
         s[m * ONE + COULOMB] = clip(s[m * ONE + COULOMB], 0.0, p[COULOMB_BOUND])
