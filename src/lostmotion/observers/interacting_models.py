@@ -42,11 +42,12 @@ DRIFT: Mapping[str, float] = MappingProxyType({"torque_load": 0.7})
 CONTACT_WANDER, GAP_WANDER = 5e-4, 2e-3
 
 #: Chance in a second that a model begins anew (chosen): what finds the twist again where it was lost.
-ANEW = 1e-4
+ANEW = 1e-5
 
-#: How long the errors of prediction are alike, s (chosen: the joint's own mode, 750 Hz, which no model has, lasts some
-#: milliseconds). Samples closer than this are no independent evidence: the likelihood counts by its share of this time.
-ALIKE = 1e-3
+#: How long the errors of prediction are alike, s (chosen: the joint's own mode, 750 Hz, which no model has, swings for
+#: milliseconds; with 1 ms a fault of the sensor was forgotten too late). Samples closer than this are no independent
+#: evidence: the likelihood counts by its share of this time.
+ALIKE = 5e-4
 
 
 def interacting_models(
