@@ -98,46 +98,26 @@ class Memory:
     def __init__(self, check: InputCheck) -> None:
         self.check = check
         self.last: float | None = None
-        self.times = 0
-        self.first = 0.0
-        self.after_jump = False
+        self.count, self.bad = 0, False
+        self.error = self.before = 0.0
         self.doubt = 2 * check.hold
-        self.largest_error = self.largest_step = 0.0
+        self.largest_error = self.largest_change = self.longest_run = 0.0
 
     def checked(self, given: float, predicted: float, kept: float) -> tuple[float, bool]:
-        missing, lost = not abs(given) <= 1e30, not abs(predicted) <= 1e30
+        missing, lost, armed = (
+            not abs(given) <= 1e30,
+            not abs(predicted) <= 1e30,
+            self.doubt < self.check.hold,
+        )
         replacement = kept if self.check.keep or lost else predicted
-        if missing:
-            self.last, self.after_jump = None, False
-            self._bad()
-            return replacement, True
-        if lost:
-            self.last, self.after_jump = None, False
-            return given, False
-        error, armed = abs(given - predicted), self.doubt < self.check.hold
-        limit = 0.5 * self.check.limit if self.after_jump else self.check.limit
-        bound = max(limit, 1.5 * self.largest_error)
-        jump, frozen, step = error > bound, False, 0.0
-        self.after_jump = False
-        if self.last is not None and given == self.last:
-            self.times += 1
-            moved = min(abs(predicted - self.first), error)
-            frozen = self.times >= 5 and 0.0 < 0.75 * self.largest_step < moved
-        else:
-            if self.last is not None and self.times == 1:
-                step = abs(given - self.last)
-            self.last, self.times, self.first = given, 1, predicted
-        capped = min(error, 8.0 * bound)
-        if jump and armed:
-            self.last, self.after_jump = None, True
-            if self.doubt == 0:
-                self.largest_error += 0.125 * (capped - self.largest_error)
-        else:
-            self.largest_error = max(capped, self.check.forget * self.largest_error)
-            if step > 0.0:
-                self.largest_step = max(min(step, bound), self.check.forget * self.largest_step)
+        if missing or lost:
+            self.last = None
+            if missing and armed:
+                self._doubted()
+            return (replacement, True) if missing else (given, False)
+        jump, frozen = self._judged(given, given - predicted, armed)
         if armed and (jump or frozen):
-            self._bad()
+            self._doubted()
             return replacement, True
         if armed:
             self.doubt = 0
@@ -147,9 +127,45 @@ class Memory:
             self.doubt = self.doubt - 1 if self.doubt > self.check.hold + 1 else 0
         return given, frozen
 
-    def _bad(self) -> None:
-        if self.doubt < self.check.hold:
-            self.doubt = self.doubt + 1 if self.doubt + 1 < self.check.hold else 2 * self.check.hold
+    def _judged(self, given: float, error: float, armed: bool) -> tuple[bool, bool]:
+        size, follows, same = abs(error), self.last is not None and not self.bad, given == self.last
+        back = self.last is not None and self.bad and self.count < 5 and armed
+        bound = max((0.5 if back else 1.0) * self.check.limit, 1.5 * self.largest_error)
+        sudden = max(0.25 * self.check.limit, 3.0 * self.largest_change)
+        change = abs(error - self.error) if follows and not same else 0.0
+        jump = size > bound or (change > sudden and size > abs(self.error))
+        if back and self.last is not None:
+            jump = jump or size >= abs(given - self.last)
+        frozen = self._frozen(given, error) if same else False
+        if not same:
+            self.before = self.error if follows else error
+            if follows:
+                run = float(min(self.count, self.check.hold))
+                self.longest_run = max(run, self.check.forget * self.longest_run)
+            self.last, self.count = given, 1
+        self.bad = frozen or (jump and armed)
+        if jump and armed:
+            if self.doubt == 0 and size > bound:
+                self.largest_error += 0.125 * (min(size, 8.0 * bound) - self.largest_error)
+            elif self.doubt == 0:
+                self.largest_change += 0.125 * (min(change, 8.0 * sudden) - self.largest_change)
+        elif follows and not frozen:
+            self.largest_error = max(min(size, 8.0 * bound), self.check.forget * self.largest_error)
+            if not same:
+                self.largest_change = max(min(change, 8.0 * sudden), self.check.forget * self.largest_change)
+        self.error = error
+        return jump, frozen
+
+    def _frozen(self, given: float, error: float) -> bool:
+        self.count += 1
+        usual = max(8.0, self.longest_run)
+        needed = 0.75 * self.largest_change * (usual if self.count > usual else 3.0 * usual)
+        moved = min(abs(error - self.before), abs(error)) * min(max(self.count, usual), 3.0 * usual)
+        often = self.check.alone and given != 0.0 and self.count > max(5.0, 3.0 * self.longest_run)
+        return self.bad or often or (self.count >= 5 and 0.0 < needed < moved)
+
+    def _doubted(self) -> None:
+        self.doubt = self.doubt + 1 if self.doubt + 1 < self.check.hold else 2 * self.check.hold
 
 
 def c_run(

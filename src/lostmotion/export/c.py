@@ -194,7 +194,7 @@ def _vector(value: float) -> str:
 
 
 def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
-    from ..kernels import law_code as rule
+    from ..kernels import input_check as rule
 
     symbols = [
         *(f"x{i}" for i in range(len(law.states))),
@@ -246,14 +246,16 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
                 "hold": repr(float(check.hold)),
                 "forget": repr(check.forget),
                 "keep": int(check.keep),
+                "alone": int(check.alone),
                 "start": [repr(number) for number in check.start()],
             }
             for i, check in enumerate(law.checks)
         ],
         "checked": [law.inputs.index(check.input) for check in law.checks],
         "rule": {
-            name: repr(getattr(rule, name))
-            for name in ("LEARNED", "WIDEN", "RAISE", "CLOSER", "SAME", "MOVED")
+            name: repr(value)
+            for name, value in vars(rule).items()
+            if name.isupper() and isinstance(value, float)
         },
     }
 

@@ -12,28 +12,10 @@ import struct
 import threading
 from typing import Any, NamedTuple
 
-from numba import cfunc, types
-
-#: An input outside ±INPUT_BOUND (NaN and infinity included) is replaced. Chosen: far above any physical value, and far
-#: enough below the largest single-precision number (3.4e38) to multiply it by a gain.
-INPUT_BOUND = 1e30
-
-#: Of a check: an error beyond LEARNED times the largest of late is a jump; that one grows by no more than WIDEN times
-#: the bound at once, and by RAISE of the first error of a jump (all chosen).
-LEARNED, WIDEN, RAISE = 1.5, 8.0, 0.125
-#: After a jump a sample is good within CLOSER times the limit. Frozen is what came SAME times while its prediction
-#: moved by MOVED times the largest step of late (all chosen).
-CLOSER, SAME, MOVED = 0.5, 5.0, 0.75
-
-#: Numbers that a check carries from sample to sample: the value before, how often it came in a row (−1 after a jump),
-#: the prediction when it came first, bad samples in a row, the largest error and the largest step of late.
-REMEMBERED = 6
+from .input_check import GOOD, INPUT_BOUND, LARGER, LEARNED, REMEMBERED, REPLACED, SUDDEN, check
 
 #: Slope of a curve's segment: nought, one, or any other. A flat one need not wait for the curve's argument.
 FLAT, ONE, STEEP = 0, 1, 2
-
-#: What is to be done with a checked sample.
-GOOD, TAKEN, REPLACED = 0, 1, 2
 
 
 class LawShape(NamedTuple):
@@ -46,59 +28,9 @@ class LawShape(NamedTuple):
     n_early: int  # curves that are evaluated before the inputs are checked
     rows: tuple[tuple[int, ...], ...]  # columns of the coefficients that are not zero
     slopes: tuple[tuple[int, ...], ...]  # of each curve's segments: FLAT, ONE or STEEP
-    checks: tuple[tuple[int, bool], ...]  # input, and whether it keeps its last good value
-
-
-_CHECK = types.int64(types.CPointer(types.float64), *[types.float64] * 5)
-
-
-@cfunc(_CHECK, cache=True)
-def check(memory, given, predicted, limit, hold, forget):
-    """What to do with a sample of a checked input, see ``systems.InputCheck``; changes what is remembered."""
-    missing = not -INPUT_BOUND <= given <= INPUT_BOUND
-    doubt = memory[3]
-    frozen = False
-    jump = False
-    if missing or not -INPUT_BOUND <= predicted <= INPUT_BOUND:
-        memory[1] = 0.0
-        if not missing:
-            return GOOD
-    else:
-        error = abs(given - predicted)
-        times = memory[1]
-        bound = max(limit if times >= 0.0 else CLOSER * limit, LEARNED * memory[4])
-        jump = error > bound
-        step = 0.0
-        if times > 0.0 and given == memory[0]:
-            memory[1] = times + 1.0
-            moved = min(abs(predicted - memory[2]), error)
-            frozen = times + 1.0 >= SAME and 0.0 < MOVED * memory[5] < moved
-        else:
-            if times == 1.0:
-                step = abs(given - memory[0])
-            memory[0] = given
-            memory[1] = 1.0
-            memory[2] = predicted
-        if jump and doubt < hold:
-            memory[1] = -1.0
-            if doubt == 0.0:
-                memory[4] += RAISE * (min(error, WIDEN * bound) - memory[4])
-        else:
-            memory[4] = max(min(error, WIDEN * bound), forget * memory[4])
-            if step > 0.0:
-                memory[5] = max(min(step, bound), forget * memory[5])
-    if doubt < hold:
-        if missing or frozen or jump:
-            memory[3] = doubt + 1.0 if doubt + 1.0 < hold else 2.0 * hold
-            return REPLACED
-        memory[3] = 0.0
-    elif jump:
-        memory[3] = 2.0 * hold
-    elif not (missing or frozen):
-        memory[3] = doubt - 1.0 if doubt > hold + 1.0 else 0.0
-    if missing:
-        return REPLACED
-    return TAKEN if frozen else GOOD
+    checks: tuple[
+        tuple[int, bool, bool], ...
+    ]  # input, whether it keeps its last good value, and stands alone
 
 
 def _number(value: float) -> str:
@@ -142,6 +74,18 @@ class _Writer:
         high = self.make(f"fcmp ole double {value}, {_number(INPUT_BOUND)}")
         return self.make(f"and i1 {low}, {high}")
 
+    def times(self, value: str, factor: float) -> str:
+        return self.make(f"fmul double {value}, {_number(factor)}")
+
+    def size(self, value: str) -> str:
+        return self.make(f"call double @llvm.fabs.f64(double {value})")
+
+    def larger(self, a: str, b: str) -> str:
+        return self.make(f"select i1 {self.make(f'fcmp ogt double {a}, {b}')}, double {a}, double {b}")
+
+    def smaller(self, a: str, b: str) -> str:
+        return self.make(f"select i1 {self.make(f'fcmp olt double {a}, {b}')}, double {a}, double {b}")
+
 
 def _row(w: _Writer, columns: tuple[int, ...], place: int, v: list[str]) -> str:
     total = ""
@@ -179,16 +123,8 @@ def _curve(w: _Writer, i: int, slopes: tuple[int, ...], z_at: int, w_at: int, sl
     return w.make("phi double " + ", ".join(f"[{value}, %{block}]" for value, block in values))
 
 
-def _larger(w: _Writer, a: str, b: str) -> str:
-    return w.make(f"select i1 {w.make(f'fcmp ogt double {a}, {b}')}, double {a}, double {b}")
-
-
-def _smaller(w: _Writer, a: str, b: str) -> str:
-    return w.make(f"select i1 {w.make(f'fcmp olt double {a}, {b}')}, double {a}, double {b}")
-
-
 def _checked(
-    w: _Writer, i: int, given: str, predicted: str, kept: str, keep: bool, place: int, at: int
+    w: _Writer, i: int, given: str, predicted: str, kept: str, keep: bool, alone: bool, place: int, at: int
 ) -> tuple[str, str]:
     """Input i as the law takes it, and its bit if it is bad.
 
@@ -196,37 +132,41 @@ def _checked(
     check's numbers are those from ``place`` on, and it remembers from ``at`` on.
     """
     limit, hold, forget = (w.load("%numbers", place + part) for part in range(3))
-    last, times, doubt, largest, steps = (w.load("%state", at + part) for part in (0, 1, 3, 4, 5))
-    distance = w.make(f"call double @llvm.fabs.f64(double {w.make(f'fsub double {given}, {predicted}')})")
-    bound = _larger(w, limit, w.make(f"fmul double {largest}, {_number(LEARNED)}"))
+    last, times, _, before, doubt, *late = (w.load("%state", at + part) for part in range(REMEMBERED))
+    error = w.make(f"fsub double {given}, {predicted}")
+    size, change = w.size(error), w.size(w.make(f"fsub double {error}, {before}"))
+    bound = w.larger(limit, w.times(late[0], LEARNED))
+    sudden = w.larger(w.times(limit, SUDDEN), w.times(late[1], LARGER))
     usual = w.usable(given)
     for condition in (
         w.usable(predicted),
-        w.make(f"fcmp ole double {distance}, {bound}"),
+        w.make(f"fcmp ole double {size}, {bound}"),
+        w.make(f"fcmp ole double {change}, {sudden}"),
         w.make(f"fcmp one double {given}, {last}"),
-        w.make(f"fcmp oge double {times}, 0.0"),
+        w.make(f"fcmp ogt double {times}, 0.0"),
         w.make(f"fcmp olt double {doubt}, {hold}"),
     ):
         usual = w.make(f"and i1 {usual}, {condition}")
     w.lines.append(f"br i1 {usual}, label %good{i}, label %other{i}, !prof !0")
     w.label(f"good{i}")
-    moved = w.make(f"call double @llvm.fabs.f64(double {w.make(f'fsub double {given}, {last}')})")
-    step = _larger(w, _smaller(w, moved, bound), w.make(f"fmul double {forget}, {steps}"))
-    first = w.make(f"fcmp oeq double {times}, 1.0")
-    step = w.make(f"select i1 {first}, double {step}, double {steps}")
-    error = _larger(w, distance, w.make(f"fmul double {forget}, {largest}"))
-    for part, value in enumerate((given, "1.0", predicted, "0.0", error, step)):
+    found = (size, change, w.smaller(times, hold))
+    late = [
+        w.larger(new, w.make(f"fmul double {forget}, {old}")) for new, old in zip(found, late, strict=True)
+    ]
+    for part, value in enumerate((given, "1.0", before, error, "0.0", *late)):
         w.store(value, "%state", at + part)
     w.lines.append(f"br label %taken{i}")
     w.label(f"other{i}")
     arguments = ", ".join(f"double {x}" for x in (given, predicted, limit, hold, forget))
     memory = w.at("%state", at)
-    found = w.make(f"call i64 inttoptr (i64 {check.address} to ptr)(ptr {memory}, {arguments})")
+    verdict = w.make(
+        f"call i64 inttoptr (i64 {check.address} to ptr)(ptr {memory}, {arguments}, i64 {int(alone)})"
+    )
     if not keep:
         kept = w.make(f"select i1 {w.usable(predicted)}, double {predicted}, double {kept}")
-    replaced = w.make(f"icmp eq i64 {found}, {REPLACED}")
+    replaced = w.make(f"icmp eq i64 {verdict}, {REPLACED}")
     value = w.make(f"select i1 {replaced}, double {kept}, double {given}")
-    good = w.make(f"icmp eq i64 {found}, {GOOD}")
+    good = w.make(f"icmp eq i64 {verdict}, {GOOD}")
     bad = w.make(f"select i1 {good}, i64 0, i64 {1 << i}")
     w.lines.append(f"br label %taken{i}")
     w.label(f"taken{i}")
@@ -245,7 +185,7 @@ def _source(shape: LawShape) -> str:
     slope_at = w_at + sum(points)
     checks_at = slope_at + sum(points) + shape.n_curves
     v = [w.load("%state", i) for i in range(n_known)]
-    checked, faults = {i for i, _ in shape.checks}, "0"
+    checked, faults = {i for i, _, _ in shape.checks}, "0"
 
     def curve(i: int) -> None:
         before = sum(points[:i])
@@ -263,11 +203,13 @@ def _source(shape: LawShape) -> str:
     for i in range(shape.n_early):
         curve(i)
     expected = shape.n_curves + shape.n_outputs + shape.n_states
-    for j, (i, keep) in enumerate(shape.checks):
+    for j, (i, keep, alone) in enumerate(shape.checks):
         predicted = _row(w, shape.rows[expected + j], starts[expected + j], v)
         place, at = checks_at + 3 * j, n_known + REMEMBERED * j
         kept = v[shape.n_states + i]
-        v[shape.n_states + i], bad = _checked(w, i, w.load("%inputs", i), predicted, kept, keep, place, at)
+        v[shape.n_states + i], bad = _checked(
+            w, i, w.load("%inputs", i), predicted, kept, keep, alone, place, at
+        )
         faults = w.make(f"or i64 {faults}, {bad}")
     for i in range(shape.n_early, shape.n_curves):
         curve(i)

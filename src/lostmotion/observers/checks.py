@@ -22,24 +22,32 @@ LARGEST_INNOVATION: Mapping[str, float] = MappingProxyType(
 )
 
 
+def limits_of(
+    measured: tuple[str, ...], default: Mapping[str, float], given: Mapping[str, float] | None
+) -> dict[str, float]:
+    """The limit of each measured signal: the default, or what the user gave."""
+    given = given or {}
+    if not set(given) <= set(measured):
+        raise InvalidInput(
+            "largest_innovation", f"{dict(given)}", f"limits of signals out of {measured}", "Check the names."
+        )
+    return {name: given.get(name, default[name]) for name in measured}
+
+
 def with_checks(
     law: DiscreteSystem,
     measured: tuple[str, ...],
     rows: tuple[Array, Array],
     limits: Mapping[str, float] | None = None,
     keep: bool = False,
+    alone: bool = False,
 ) -> DiscreteSystem:
     """The law with a check on each measured input, expected as rows[0] x + rows[1] w over its first states and curves.
 
-    ``limits`` replaces entries of ``LARGEST_INNOVATION``; ``keep`` as in ``InputCheck``.
+    ``limits`` replaces entries of ``LARGEST_INNOVATION``; ``keep`` and ``alone`` as in ``InputCheck``.
     """
-    limits = dict(limits or {})
-    if not set(limits) <= set(measured):
-        raise InvalidInput(
-            "largest_innovation", f"{limits}", f"limits of signals out of {measured}", "Check the names."
-        )
-    limits = {name: limits.get(name, LARGEST_INNOVATION[name]) for name in measured}
+    limits = limits_of(measured, LARGEST_INNOVATION, limits)
     p, r = np.zeros((len(measured), len(law.states))), np.zeros((len(measured), len(law.curves)))
     p[:, : rows[0].shape[1]], r[:, : rows[1].shape[1]] = rows
-    checks = tuple(InputCheck.over_time(name, limits[name], law.dt, keep) for name in measured)
+    checks = tuple(InputCheck.over_time(name, limits[name], law.dt, keep, alone) for name in measured)
     return replace(law, checks=checks, P=p, R=r)

@@ -98,8 +98,11 @@ def disturbance(
         inputs=("torque_motor", "speed_motor"), outputs=OUTPUTS, states=tuple(states), dt=dt, A=full, B=b, C=rows,
         name="disturbance",
     )  # fmt: skip
-    # The shaft torque as a straight line is a prediction for a sample or two, and 20 ms later far off.
-    return with_checks(law, ("speed_motor",), (c, np.zeros((1, 0))), largest_innovation, keep=True)
+    # The shaft torque as a straight line is a prediction for a sample or two, and 20 ms later far off; it also follows
+    # a frozen motor within a millisecond, so that repetition must tell it.
+    return with_checks(
+        law, ("speed_motor",), (c, np.zeros((1, 0))), largest_innovation, keep=True, alone=True
+    )
 
 
 def _observer_gain(phi: Array, c: Array, pole: float) -> Array:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..systems import DiscreteSystem, zero_order_hold
+from ..systems import DiscreteSystem, InputCheck, zero_order_hold
+from .checks import LARGEST_INNOVATION, limits_of
 
 #: Standard deviation of one sample of the torque sensor, Nm (chosen).
 TORQUE_NOISE = 0.02
@@ -16,6 +18,14 @@ TORQUE_NOISE = 0.02
 #: 1 ms, so that the load is followed within two samples and the torque sensor's noise still averaged).
 JERK = 3e4
 
+#: Largest difference between measured and expected torque that is believed, in standard deviations of what the model
+#: expects of it (chosen: a quarter of it, the largest sudden change, is ten).
+TORQUE_DEVIATIONS = 60.0
+#: For how long a fault is predicted through, s, and at least so many samples; and how long an error is remembered, s
+#: (chosen: without a model of either end a longer prediction is worse than the fault, which is forgotten as soon).
+HOLD, FEWEST, MEMORY = 3e-3, 3, 0.1
+
+INPUTS = ("speed_motor", "torque_shaft")
 OUTPUTS = ("twist_elastic_estimated", "speed_load_estimated")
 
 
@@ -26,6 +36,7 @@ def shaft_torque(
     torque_delay: float = 0.0,
     torque_noise: float = TORQUE_NOISE,
     jerk: float = JERK,
+    largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
     """Observer of the load speed for a closed shaft whose torque is measured.
 
@@ -49,12 +60,15 @@ def shaft_torque(
         Standard deviation of one sample.
     jerk : float, rad/s³·√s
         How fast the load's acceleration may wander.
+    largest_innovation : mapping of measured signal → float, optional
+        As in ``kalman``. Default for the torque: ``TORQUE_DEVIATIONS``.
 
     Returns
     -------
     DiscreteSystem
-        Inputs speed_motor, torque_shaft; outputs ``OUTPUTS``. Its inputs have no check, since it has no model of either
-        end: a missing sample is replaced by the last good one, and any fault is forgotten within some samples. In a gap
+        Inputs speed_motor, torque_shaft; outputs ``OUTPUTS``. Bad samples are predicted through for ``HOLD``: the
+        torque from the states, the speed on a straight line through the last two; they are flagged for as long as they
+        are missing or frozen. In a gap
         the torque tells nothing of the load: then use ``kalman`` with torque_shaft among the measured signals.
 
     Raises
@@ -62,7 +76,7 @@ def shaft_torque(
     InvalidInput
         For numbers that are not positive and finite.
     """
-    from scipy.linalg import solve_discrete_are
+    from scipy.linalg import block_diag, solve_discrete_are
 
     numbers = {"stiffness": stiffness, "torque_noise": torque_noise, "jerk": jerk}
     for name, value in numbers.items():
@@ -84,11 +98,26 @@ def shaft_torque(
     rows = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     correct, direct = np.eye(3) - gain @ c, np.hstack([missing - gain * d, gain])
     carried = np.hstack([gamma - phi @ gain * d, phi @ gain])
+    # Two more states: the last two motor speeds, for the straight line.
+    shift = np.array([[0.0, 0.0], [1.0, 0.0]])
+    speed = np.array([[0.0, 0.0, 0.0, 2.0, -1.0]])
+    deviation = math.sqrt(float((c @ p @ c.T)[0, 0]) + torque_noise**2)
+    checks = _checks(dt, TORQUE_DEVIATIONS * deviation, largest_innovation)
     return DiscreteSystem(
-        inputs=("speed_motor", "torque_shaft"), outputs=OUTPUTS, dt=dt, name="shaft_torque",
-        states=("twist_elastic", "speed_load", "acceleration_load"),
-        A=phi @ correct, B=carried, C=rows @ correct, D=rows @ direct,
+        inputs=INPUTS, outputs=OUTPUTS, dt=dt, name="shaft_torque",
+        states=("twist_elastic", "speed_load", "acceleration_load", "speed_motor_1", "speed_motor_2"),
+        A=block_diag(phi @ correct, shift), B=np.vstack([carried, [[1.0, 0.0], [0.0, 0.0]]]),
+        C=np.pad(rows @ correct, ((0, 0), (0, 2))), D=rows @ direct,
+        checks=checks, P=np.vstack([speed, np.pad(c, ((0, 0), (0, 2))) + d * speed]),
     )  # fmt: skip
+
+
+def _checks(dt: float, torque: float, given: Mapping[str, float] | None) -> tuple[InputCheck, ...]:
+    limits = limits_of(INPUTS, {**LARGEST_INNOVATION, "torque_shaft": torque}, given)
+    hold = max(HOLD, FEWEST * dt)
+    return tuple(
+        InputCheck.over_time(name, limits[name], dt, alone=True, hold=hold, memory=MEMORY) for name in INPUTS
+    )
 
 
 def _jerk_covariance(jerk: float, dt: float) -> NDArray[np.float64]:

@@ -254,7 +254,7 @@ class DiscreteSystem:
             slopes=tuple(
                 tuple({0.0: FLAT, 1.0: ONE}.get(slope, STEEP) for slope in c.slopes) for c in self.curves
             ),
-            checks=tuple((self.inputs.index(c.input), c.keep) for c in self.checks),
+            checks=tuple((self.inputs.index(c.input), c.keep, c.alone) for c in self.checks),
         )
         points = [point for c in self.curves for point in c.points]
         numbers = [

@@ -21,16 +21,18 @@ class InputCheck:
     Bad is a sample that is
 
     - **missing**: not within ±1e30, NaN and infinity included;
-    - a **jump**: further from its prediction than ``limit``, and than 1.5 times the largest error of late. Errors of
-      believed samples count fully and fade (``forget``); the first sample of every jump counts an eighth, so that what
-      happens often, as the steps of a coarse encoder do, is soon no jump any more. After a jump, a sample must come
-      within half the limit;
-    - **frozen**: the very same value for the fifth time or more, while its prediction has moved, and is off, by more
-      than three quarters of the largest step that the signal itself made of late from one sample to the next.
+    - a **jump**: further from its prediction than ``limit`` and 1.5 times the largest error of late; or further by a
+      quarter of ``limit``, and three times the largest change of late, than the sample before it. (Wrong parameters let
+      the error drift; only an impact changes it from one sample to the next.) After a jump, a sample must come within
+      half the limit, and nearer to its prediction than to the bad sample;
+    - **frozen**: the very same value as the bad sample before; or for the fifth time or more, while its error has
+      changed by, and is, more than the largest change of late can explain: 2.25 times that, or 0.75 times once it came
+      more often than any value of late and eight times, down to 0.25 times, the longer it lasts.
 
-    A bad sample is replaced by the prediction, so that the law sees no error and predicts through. No wrong law is ever
-    locked out: after ``hold`` bad samples in a row, and at the start, every finite sample is taken, until ``hold``
-    samples in a row were within the limit.
+    A bad sample is replaced by the prediction, so that the law sees no error and predicts through. What happens often
+    is no fault: errors, changes and runs of believed samples count fully and fade (``forget``); the first sample of
+    every jump counts an eighth. No wrong law is ever locked out: after ``hold`` bad samples in a row, and at the
+    start, every finite sample is taken, until ``hold`` samples in a row were no jump.
 
     Parameters
     ----------
@@ -40,10 +42,13 @@ class InputCheck:
     hold : int
         Samples.
     forget : float
-        Factor per sample on the largest error and the largest step.
+        Factor per sample on the largest error, the largest change, and the longest run.
     keep : bool
         A bad sample is replaced by the last good one instead of the prediction: for a law that cannot predict further
         than one sample.
+    alone : bool
+        For a law without a model of what moves the signal, which soon expects a frozen one: a value other than zero is
+        frozen if it came more than five times in a row, and three times as often as any of late.
     """
 
     input: str
@@ -51,6 +56,7 @@ class InputCheck:
     hold: int
     forget: float
     keep: bool = False
+    alone: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "limit", float(self.limit))
@@ -72,15 +78,16 @@ class InputCheck:
         limit: float,
         dt: float,
         keep: bool = False,
+        alone: bool = False,
         hold: float = HOLD,
         memory: float = MEMORY,
     ) -> InputCheck:
         """The check with its times in s, for the sample time ``dt`` (s)."""
-        return cls(input, limit, max(1, round(hold / dt)), math.exp(-dt / memory), keep)
+        return cls(input, limit, max(1, round(hold / dt)), math.exp(-dt / memory), keep, alone)
 
     def start(self) -> list[float]:
-        """What it remembers at the start (``kernels.law_code.check``), when every finite sample is taken."""
-        return [0.0, 0.0, 0.0, 2.0 * self.hold, 0.0, 0.0]
+        """What it remembers at the start (``kernels.input_check``), when every finite sample is taken."""
+        return [0.0, 0.0, 0.0, 0.0, 2.0 * self.hold, 0.0, 0.0, 0.0]
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
