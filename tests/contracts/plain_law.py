@@ -160,7 +160,7 @@ class Memory:
         self.count += 1
         usual = max(8.0, self.longest_run)
         needed = 0.75 * self.largest_change * (usual if self.count > usual else 3.0 * usual)
-        moved = min(abs(error - self.before), abs(error)) * min(max(self.count, usual), 3.0 * usual)
+        moved = min(abs(error - self.before), abs(error)) * min(max(self.count, usual), 10.0 * usual)
         often = self.check.alone and given != 0.0 and self.count > max(5.0, 3.0 * self.longest_run)
         return self.bad or often or (self.count >= 5 and 0.0 < needed < moved)
 

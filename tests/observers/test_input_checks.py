@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from lostmotion import rig
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import disturbance, h_infinity, kalman, shaft_torque
-from lostmotion.signals import excitation, noise
+from lostmotion.observers import disturbance, h_infinity, kalman
+from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 
 DT = 1e-4
@@ -58,8 +58,8 @@ def broken(values, fault, size=5.0, starts=STARTS, length=LENGTH):
         after[back : back + length] = True
         if fault == "missing":
             shown[burst] = np.nan
-        elif fault == "frozen":
-            shown[burst] = shown[start - 1]
+        elif fault in ("frozen", "zero"):
+            shown[burst] = shown[start - 1] if fault == "frozen" else 0.0
         else:
             shown[burst] += (-1) ** i * size
     return shown, bad, after
@@ -95,49 +95,46 @@ def on_the_rigs(name):
 
 
 @pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("fault", ["missing", "frozen", "jump", "dropped"])
+@pytest.mark.parametrize("fault", ["missing", "frozen", "zero", "jump", "dropped"])
 def test_bad_samples_of_the_motor_speed_are_predicted_through_flagged_and_soon_forgotten(name, fault):
     ratio, flagged, wrongly = compared(on_the_rigs(name), "speed_motor", fault)
     assert ratio < 1.5
-    if name == "disturbance" and fault in ("frozen", "jump"):
-        # It follows the motor within a millisecond, so that a fault soon looks right to it, and is as soon forgotten.
-        return
-    assert flagged > (0.7 if fault == "frozen" else 0.999)
-    assert wrongly < (0.01 if name == "disturbance" else 1e-3)
+    if name == "disturbance" and fault == "jump":
+        return  # its own errors of late are nearly as large
+    # The momentum observer soon expects whatever it is shown: zero after a small jump looks like standstill to it.
+    least = {"frozen": 0.9, "zero": 0.9 if name == "disturbance" else 0.97}.get(fault, 0.999)
+    assert flagged > least
+    assert wrongly < (0.03 if name == "disturbance" else 1e-3)
 
 
-@pytest.mark.parametrize("fault", ["missing", "frozen", "jump"])
+@pytest.mark.parametrize("fault", ["missing", "frozen", "zero", "jump", "dropped"])
 def test_the_torque_sensor_may_fail_too(fault):
     ratio, flagged, wrongly = compared(on_the_rigs("kalman on both"), "torque_shaft", fault, 60.0)
     assert ratio < 1.5
-    assert flagged > (0.6 if fault == "frozen" else 0.999)
+    assert flagged > (0.8 if fault in ("frozen", "zero") else 0.999)
     assert wrongly < 1e-3
 
 
-@pytest.mark.parametrize("signal, size", [("speed_motor", 5.0), ("torque_shaft", 3.0)])
-@pytest.mark.parametrize("fault", ["missing", "frozen", "jump"])
-def test_a_closed_shaft_with_its_torque_measured_forgets_without_a_check(signal, size, fault):
-    plant = Drivetrain.two_mass(
-        inertia_motor=0.01, inertia_load=0.02, stiffness=110.0, coulomb=0.3, viscous=0.01
-    )
-    exact = simulate(plant, dt=1e-3, torque_motor=3.0 + noise(1.0, 60.0, 1.0, 4.0, 1e-3, seed=1))
-    data = {name: exact[name] for name in ("speed_motor", "torque_shaft")}
-    law, truth, starts = (
-        shaft_torque(110.0, dt=1e-3),
-        {"speed_load": exact["speed_load"]},
-        range(600, 3800, 300),
-    )
-    ratio, flagged, wrongly = compared([(law, data, truth)], signal, fault, size, starts=starts, length=20)
-    assert ratio < 1.5
-    assert (flagged, wrongly) == (1.0 if fault == "missing" else 0.0, 0.0)
+def test_a_short_and_large_jump_does_not_make_it_deaf_to_small_ones():
+    """Zero at 1 to 4 rad/s, soon after jumps by 200 rad/s."""
+    law, speed = OBSERVERS["kalman on both"], RECORDING["speed_motor"].copy()
+    slow = [k for k in range(8000, len(speed) - 400, 100) if np.all(abs(abs(speed[k : k + 20]) - 2.5) < 1.5)]
+    slow = [k for i, k in enumerate(slow) if i == 0 or k - slow[i - 1] > 500]
+    bad = np.zeros(speed.size, dtype=bool)
+    for k in slow:
+        speed[k - 400 : k - 380] += 200.0
+        bad[k - 400 : k - 380] = bad[k : k + 20] = True
+        speed[k : k + 20] = 0.0
+    found = law.run({**{name: RECORDING[name] for name in law.inputs}, "speed_motor": speed})["input_fault"]
+    assert len(slow) == 5
+    assert np.mean(found[bad]) > 0.99 and np.mean(found[~bad]) < 1e-3
 
 
 @every
 def test_good_samples_are_believed_to_the_last_bit(law):
     data = RECORDING.only(*law.inputs)
     checked, plain = law.run(data), law.without_checks().run(data)
-    if law.name != "disturbance":
-        assert not np.any(checked["input_fault"])
+    assert not np.any(checked["input_fault"])
     for name in law.outputs:
         np.testing.assert_array_equal(checked[name], plain[name])
 
@@ -149,7 +146,7 @@ def test_a_coarse_encoder_is_no_fault(bits):
     counts = np.diff(np.floor(angle / (step * DT)), prepend=0.0) * step
     data = {"torque_motor": RECORDING["torque_motor"], "speed_motor": counts}
     checked, plain = (law.run(data) for law in (OBSERVERS["kalman"], OBSERVERS["kalman"].without_checks()))
-    assert np.mean(checked["input_fault"]) < 0.01
+    assert np.mean(checked["input_fault"]) < 1e-3
     errors = [
         rms((run["speed_load_estimated"] - TRUTH.signals["speed_load"])[3000:]) for run in (checked, plain)
     ]

@@ -33,9 +33,50 @@ SETTLED = [0.0] * 5
 
 @pytest.mark.parametrize("curve", [False, True])
 def test_a_jump_is_replaced_by_the_prediction_until_the_hold_time_is_over(curve):
-    found = run(tracker(curve=curve), [*SETTLED, 7.0, 7.0, 7.0, 7.0, 7.0])
+    found = run(tracker(curve=curve), [*SETTLED, 7.0, 7.1, 7.0, 7.1, 7.0])
     assert found["input_fault"].tolist() == [0.0] * 5 + [1.0, 1.0, 1.0, 0.0, 0.0]
-    assert found["estimate"][-1] == 3.5
+    assert found["estimate"][-1] == 3.55
+
+
+def test_a_jump_that_stays_exactly_where_it_is_is_taken_too_but_flagged():
+    found = run(tracker(), [*SETTLED, 7.0, 7.0, 7.0, 7.0, 7.0, 7.1])
+    assert found["input_fault"].tolist() == [0.0] * 5 + [1.0] * 5 + [0.0]
+    assert found["estimate"].tolist() == [0.0] * 9 + [3.5, 5.25]
+
+
+#: Errors that drift: from −0.4 to 0.4 in steps of 0.1, as wrong parameters make them.
+DRIFT = [-0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4]
+
+
+@pytest.mark.parametrize("jump, fault", [(0.35, 1.0), (0.2, 0.0)])
+def test_a_jump_within_the_limit_shows_by_how_suddenly_the_error_changes(jump, fault):
+    """A quarter of the limit, and three times the largest change of late."""
+    law = replace(tracker(), A=[[1.0]], B=[[1.0, 0.0]])  # keeps its state: the error is y itself
+    found = run(law, [*DRIFT, 0.4 + jump])
+    assert found["input_fault"].tolist() == [0.0] * 9 + [fault]
+
+
+def test_a_sample_is_back_if_it_is_nearer_to_its_prediction_than_to_the_bad_one_or_if_that_hung():
+    law = replace(tracker(), A=[[1.0]], B=[[1.0, 0.0]], checks=(replace(CHECK, hold=20),))
+    settled = [0.0, 0.01] * 15
+    assert run(law, [*settled, 0.5, 0.3, 0.1, 0.0])["input_fault"].tolist() == [0.0] * 30 + [
+        1.0,
+        1.0,
+        0.0,
+        0.0,
+    ]
+    # Five equal ones are a sensor that hangs: the first other sample is believed, though far from the prediction.
+    assert run(law, [*settled, *[0.5] * 5, 0.3])["input_fault"].tolist() == [0.0] * 30 + [1.0] * 5 + [0.0]
+
+
+@pytest.mark.parametrize("value, times", [(0.5, 1), (0.0, 0)])
+def test_a_law_without_a_model_tells_a_frozen_signal_by_its_repetition(value, times):
+    """By the tenth of equal ones after a run of three; zero is standstill."""
+    check = replace(CHECK, alone=True, hold=30, forget=1.0)
+    law = replace(tracker(), A=[[0.0]], B=[[0.0, 1.0]], checks=(check,))  # expects the value before
+    moving = [0.1, 0.2, 0.3, 0.4] * 15
+    found = run(law, [*moving, 0.1, 0.1, 0.1, 0.2, *[value] * 10, 0.3])
+    assert found["input_fault"].tolist() == [0.0] * (74 - times) + [1.0] * times + [0.0]
 
 
 def test_a_missing_sample_is_predicted_through():

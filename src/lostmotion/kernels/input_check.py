@@ -16,8 +16,8 @@ LEARNED, SUDDEN, LARGER = 1.5, 0.25, 3.0
 WIDEN, RAISE, CLOSER = 8.0, 0.125, 0.5
 #: Frozen is what came SAME times or more, while its error changed by MOVED times the largest change of late; by EARLY
 #: times that if it did not come more often than the longest run of late, or USUAL times; and by less the longer it
-#: lasts, down to 1/RUNS. Alone: what came more often than SAME times, and RUNS times the longest run (all chosen).
-SAME, MOVED, EARLY, USUAL, RUNS = 5.0, 0.75, 3.0, 8.0, 3.0
+#: lasts, down to 1/LONG. Alone: what came more often than SAME times, and RUNS times the longest run (all chosen).
+SAME, MOVED, EARLY, USUAL, LONG, RUNS = 5.0, 0.75, 3.0, 8.0, 10.0, 3.0
 
 #: Numbers that a check carries from sample to sample: the value before, how often it came in a row (negative if it was
 #: bad, 0 if there is none), the error before it came first, the error of the sample before, bad samples in a row, and
@@ -58,7 +58,7 @@ def check(memory, given, predicted, limit, hold, forget, alone):
             count = abs(times) + 1.0
             usual = max(USUAL, memory[7])
             needed = MOVED * memory[6] * (usual if count > usual else EARLY * usual)
-            moved = min(abs(error - memory[2]), size) * min(max(count, usual), RUNS * usual)
+            moved = min(abs(error - memory[2]), size) * min(max(count, usual), LONG * usual)
             often = alone != 0 and given != 0.0 and count > max(SAME, RUNS * memory[7])
             frozen = times < 0.0 or often or (count >= SAME and 0.0 < needed < moved)
             memory[1] = -count if frozen else count

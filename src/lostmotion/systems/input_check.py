@@ -27,7 +27,7 @@ class InputCheck:
       half the limit, and nearer to its prediction than to the bad sample;
     - **frozen**: the very same value as the bad sample before; or for the fifth time or more, while its error has
       changed by, and is, more than the largest change of late can explain: 2.25 times that, or 0.75 times once it came
-      more often than any value of late and eight times, down to 0.25 times, the longer it lasts.
+      more often than any value of late and eight times, down to 0.075 times, the longer it lasts.
 
     A bad sample is replaced by the prediction, so that the law sees no error and predicts through. What happens often
     is no fault: errors, changes and runs of believed samples count fully and fade (``forget``); the first sample of
