@@ -14,13 +14,14 @@ from lostmotion.errors import InvalidInput
 from lostmotion.kernels import steppers_model as at
 from lostmotion.kernels.steppers_moving_horizon import FIRST_NODE, NODE
 from lostmotion.observers import extended_kalman, kalman, moving_horizon, unscented_kalman
+from lostmotion.observers.extended_kalman import DRIFT
 from lostmotion.signals import excitation, noise
 from lostmotion.simulation import simulate
 from lostmotion.systems import zero_order_hold
 
 FILTERS = (extended_kalman, unscented_kalman, moving_horizon)
 FAST = (extended_kalman, unscented_kalman)
-HELD = {"backlash": 0.0, "coulomb": 0.0, "torque_load": 0.0}
+HELD = dict.fromkeys(DRIFT, 0.0)
 DT = 1e-4
 
 TABLE_1 = Drivetrain.two_mass(
@@ -197,7 +198,9 @@ def test_misuse_is_refused(make):
     with pytest.raises(InvalidInput, match="measured"):
         make(TABLE_1, dt=DT, measured=("angle_motor",))
     with pytest.raises(InvalidInput, match="drift"):
-        make(TABLE_1, dt=DT, drift={"stiffness": 0.1})
+        make(TABLE_1, dt=DT, drift={"viscous": 0.1})
+    with pytest.raises(InvalidInput, match="sensors_noise"):
+        make(TABLE_1, dt=DT, sensors_noise={"speed_motor": 0.1})
     with pytest.raises(InvalidInput, match="sensor_noise"):
         make(TABLE_1, dt=DT, sensor_noise={"speed_motor": 0.0})
     with pytest.raises(InvalidInput, match="count_averaged"):

@@ -32,12 +32,13 @@ PIECES = 50  # of a sample
 AVERAGED = 51  # 1 if the measured motor speed comes from counts
 TORQUE_BOUND = 52  # Nm: a motor torque beyond it is no torque
 GATE, HOLD, DT = 53, 54, 55  # standard deviations, samples, s
-START, START_VARIANCE, PROCESS = 56, 64, 72  # 8 each; PROCESS for a piece
-KIND, SCALE, VARIANCE, MISMATCH, STILL = 80, 84, 88, 92, 96  # 4 each, see ``sensor_believed``
-N_SENSORS = 100
-COULOMB_BOUND = 101  # Nm: largest Coulomb level that is believed
-FROZEN_HOLD = 102  # samples
-OWN = 103  # first place that an observer may use for itself
+START, START_VARIANCE, PROCESS = 56, 67, 78  # 11 each; PROCESS for a piece
+KIND, SCALE, VARIANCE, MISMATCH, STILL = 89, 93, 97, 101, 105  # 4 each, see ``sensor_believed``
+N_SENSORS = 109
+COULOMB_BOUND = 110  # Nm: largest Coulomb level that is believed
+FROZEN_HOLD = 111  # samples
+INERTIA_MOTOR, INERTIA_LOAD = 112, 113
+OWN = 114  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
@@ -69,10 +70,22 @@ def clip(value, low, high):
 
 
 @njit(cache=True, inline="always")
-def advance(p, x0, x1, x2, x3, load_torque, coulomb, gap, torque):
+def shaft_slope(p):
+    """Nm per rad/s of twist rate that the shaft torque gains until the middle of a piece, damping included."""
+    return p[DAMPING] + p[STIFFNESS] * (p[LEAD_MIDDLE] - p[LEAD])
+
+
+@njit(cache=True, inline="always")
+def advance(
+    p, x0, x1, x2, x3, load_torque, coulomb, gap, torque, stiffness=1.0, motor_ease=1.0, load_ease=1.0
+):
     """The four moving states after a piece of a sample, with the gap term given; the motor's turn; the frictions.
 
     Each friction takes what brings its inertia to rest at the end of the piece, within its Coulomb level.
+
+    ``stiffness`` multiplies the shaft's torque (its damping too), each ``…_ease`` divides an inertia. What they change
+    is a torque held over the piece: on both ends the shaft torque of the middle of the piece that the model lacks, on
+    an inertia what its change of speed lacks.
     """
     n0 = p[0] * x0 + p[1] * x1 + p[2] * x2 + p[3] * x3 + p[4] * torque + p[5] * gap - p[7] * load_torque
     n1 = p[8] * x0 + p[9] * x1 + p[10] * x2 + p[11] * x3 + p[12] * torque + p[13] * gap - p[15] * load_torque
@@ -83,9 +96,17 @@ def advance(p, x0, x1, x2, x3, load_torque, coulomb, gap, torque):
     turn = (
         p[32] * x0 + p[33] * x1 + p[34] * x2 + p[35] * x3 + p[36] * torque + p[37] * gap - p[39] * load_torque
     )
-    motor = clip(n1 * p[REST_MOTOR], -p[COULOMB_MOTOR], p[COULOMB_MOTOR])
+    lacking = (stiffness - 1.0) * (p[STIFFNESS] * (x0 - gap) + shaft_slope(p) * (x1 - x2))
+    at_motor = (1.0 - motor_ease) * (n1 + (p[14] - p[15]) * lacking - x1) * p[REST_MOTOR] + lacking
+    at_load = (1.0 - load_ease) * (n2 + (p[22] - p[23]) * lacking - x2) * p[REST_LOAD] - lacking
+    n0 += p[6] * at_motor + p[7] * at_load
+    n1 += p[14] * at_motor + p[15] * at_load
+    n2 += p[22] * at_motor + p[23] * at_load
+    turn += p[38] * at_motor + p[39] * at_load
+    motor = clip(n1 * p[REST_MOTOR], -p[COULOMB_MOTOR] * motor_ease, p[COULOMB_MOTOR] * motor_ease)
     n2 += p[22] * motor
-    load = clip(n2 * p[REST_LOAD], -p[RATIO_MINUS] * coulomb, p[RATIO_PLUS] * coulomb)
+    level = coulomb * load_ease
+    load = clip(n2 * p[REST_LOAD], -p[RATIO_MINUS] * level, p[RATIO_PLUS] * level)
     n0 += p[6] * motor + p[7] * load
     n1 += p[14] * motor + p[15] * load
     n2 += p[23] * load

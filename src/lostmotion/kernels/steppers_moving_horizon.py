@@ -20,7 +20,6 @@ from .steppers_extended_kalman import jacobian, propagate
 from .steppers_model import (
     ANGLE,
     AVERAGED,
-    COULOMB_BOUND,
     DOUBT,
     DT,
     FROZEN,
@@ -34,12 +33,10 @@ from .steppers_model import (
     SCALE,
     SPEED_LOAD,
     SPEED_MOTOR,
-    START,
     START_AGAIN,
     USE,
     VARIANCE,
     advance,
-    clip,
     doubt,
     mean_gap,
     next_count,
@@ -50,6 +47,9 @@ from .steppers_tracking import (
     BEFORE,
     COULOMB,
     COVARIANCE,
+    EASE_LOAD,
+    EASE_MOTOR,
+    FACTOR,
     FRICTION,
     LOAD_TORQUE,
     MOVING,
@@ -57,7 +57,9 @@ from .steppers_tracking import (
     SIZE,
     STARTED,
     N,
+    along,
     begin,
+    bound,
     correct,
     moved,
     new_state,
@@ -90,7 +92,7 @@ def init(p):
 
 @njit(cache=True)
 def _move(p, w, x, torque, f):
-    """Model over a piece of a sample from x (8,), in place; its derivatives go to f (5, 8); returns the friction.
+    """Model over a piece of a sample from x (N,), in place; its derivatives go to f (5, N); returns the friction.
 
     The gap enters by its mean over the spread of the estimate w, as in the extended Kalman filter: with a sharp edge a
     backlash that is far too large keeps the trajectory inside for ever.
@@ -99,12 +101,23 @@ def _move(p, w, x, torque, f):
     z = x[0] + p[LEAD_MIDDLE] * (x[1] - x[2])
     gap, above, below = mean_gap(z, 0.5 * max(x[BACKLASH], 0.0), spread(w, p[LEAD_MIDDLE]))
     n0, n1, n2, n3, turn, motor, load = advance(
-        p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], coulomb, gap, torque
+        p,
+        x[0],
+        x[1],
+        x[2],
+        x[3],
+        x[LOAD_TORQUE],
+        coulomb,
+        gap,
+        torque,
+        x[FACTOR],
+        x[EASE_MOTOR],
+        x[EASE_LOAD],
     )
-    jacobian(p, 1.0 - above - below, above - below, motor, load, coulomb, f)
+    jacobian(p, x, gap, 1.0 - above - below, above - below, (n1 - x[1], n2 - x[2]), motor, load, f)
     x[0], x[1], x[2], x[3] = n0, n1, n2, n3
     x[ANGLE] += turn * p[AVERAGED]
-    return load
+    return load / x[EASE_LOAD]
 
 
 @njit(cache=True)
@@ -126,7 +139,7 @@ def _counter(p):
 
 @njit(cache=True)
 def _chained(slope, f, work):
-    """slope (5, 8) of the pieces so far, followed by a piece with f."""
+    """slope (5, N) of the pieces so far, followed by a piece with f."""
     for i in range(MOVING):
         for j in range(N):
             total = f[i, j] if j >= LOAD_TORQUE else 0.0
@@ -171,12 +184,7 @@ def _use(p, w, s, at, i, h, gain):
         return 0.0, 1.0
     innovation = s[at + NODE_VALUE + i] * p[SCALE + i] - row(p, w, int(p[KIND + i]), h)
     variance = p[VARIANCE + i]
-    for j in range(N):
-        gain[j] = 0.0
-        for k in range(N):
-            gain[j] += w[COVARIANCE + j * N + k] * h[k]
-    for j in range(N):
-        variance += h[j] * gain[j]
+    variance += along(w, h, gain)
     correct(w, h, innovation, variance, gain)
     return innovation / variance, variance
 
@@ -251,7 +259,7 @@ def _disbelieve(s, i, repeats):
 
 
 @njit(cache=True)
-def _append(p, s, inputs, torque, faults, h):
+def _append(p, s, inputs, torque, faults, h, scratch):
     """A new node from the newest prediction; returns the faults and whether to start again."""
     count = int(s[COUNT])
     at = FIRST_NODE + count * NODE
@@ -263,10 +271,7 @@ def _append(p, s, inputs, torque, faults, h):
     for i in range(int(p[N_SENSORS])):
         kind = int(p[KIND + i])
         innovation = inputs[1 + i] * p[SCALE + i] - row(p, s, kind, h)
-        variance = p[VARIANCE + i]
-        for j in range(N):
-            for k in range(N):
-                variance += h[j] * h[k] * s[COVARIANCE + j * N + k]
+        variance = p[VARIANCE + i] + along(s, h, scratch)
         verdict = sensor_believed(
             p, s, SENSOR_MEMORY + MEMORY * i, i, inputs[1 + i], given & (2 << i) != 0, moved(p, s, kind), innovation,
             variance,
@@ -304,7 +309,7 @@ def step(p, s, inputs, faults, outputs):
     if s[COUNT] >= p[NODES]:
         _forget_oldest(p, s, w, slope, f, work, two)
         s[COUNT] -= 1.0
-    faults, again = _append(p, s, inputs, torque, faults, work[0])
+    faults, again = _append(p, s, inputs, torque, faults, work[0], work[1])
     if again:
         _begin_horizon(s)
     else:
@@ -313,10 +318,9 @@ def step(p, s, inputs, faults, outputs):
             _solve(p, s, int(s[COUNT]), w, f, work, two)
         for j in range(N + N * N):
             s[j] = w[j]
-        s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
-        s[COULOMB] = clip(s[COULOMB], 0.0, p[COULOMB_BOUND])
+        bound(p, s)
     recover(p, s)
-    write(p, s, work[0], outputs)
+    write(p, s, work[0], work[1], outputs)
     for i in range(4):
         s[BEFORE + i] = s[i]
     if not again:

@@ -1,6 +1,7 @@
-"""What the filters that track backlash, load torque and Coulomb level share: start, correction, outputs.
+"""What the filters that track parameters share: start, correction, outputs.
 
-States: those of ``steppers_model``, then torque_load, backlash, coulomb. See there for numba's cache.
+States: those of ``steppers_model``, then torque_load, backlash, coulomb, stiffness, ease of motor and load. The
+last three are factors: of the shaft's torque and of the inverse inertias. See there for numba's cache.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from .steppers_model import (
     DOUBT,
     DT,
     FROZEN,
+    INERTIA_LOAD,
+    INERTIA_MOTOR,
     JUMP,
     KIND,
     LEAD,
@@ -44,10 +47,14 @@ from .steppers_model import (
     write_estimates,
 )  # fmt: skip
 
-N = 8
+N = 11
 #: The first states move, the last ones are constants that wander.
 MOVING = 5
-ACTUATOR, LOAD_TORQUE, BACKLASH, COULOMB = 3, 5, 6, 7
+ACTUATOR, LOAD_TORQUE, BACKLASH, COULOMB, FACTOR, EASE_MOTOR, EASE_LOAD = 3, 5, 6, 7, 8, 9, 10
+
+#: Stiffness and inverse inertias stay within these factors of what was told (chosen), so that no input can make
+#: the model meaningless.
+LEAST_FACTOR, LARGEST_FACTOR = 0.5, 2.0
 
 # Places in the state.
 COVARIANCE = N
@@ -109,14 +116,30 @@ def row(p, s, kind, h):
     if kind == TWIST:
         h[0] = 1.0
         return s[0]
-    k, d, lead = p[STIFFNESS], p[DAMPING], p[LEAD]
+    k, d, lead = p[STIFFNESS] * s[FACTOR], p[DAMPING] * s[FACTOR], p[LEAD]
     gap, above, below = mean_gap(s[0] + lead * (s[1] - s[2]), 0.5 * s[BACKLASH], spread(s, lead))
     inside = 1.0 - above - below
     h[0] = k * (1.0 - inside)
     h[1] = d - k * lead * inside
     h[2] = -h[1]
     h[BACKLASH] = -0.5 * k * (above - below)
-    return k * (s[0] - gap) + d * (s[1] - s[2])
+    torque = k * (s[0] - gap) + d * (s[1] - s[2])
+    h[FACTOR] = torque / s[FACTOR]
+    return torque
+
+
+@njit(cache=True)
+def along(s, h, gain):
+    """Variance h·P·hᵀ; P·hᵀ goes to ``gain``. Most entries of a row are zero."""
+    gain[:] = 0.0
+    for k in range(N):
+        if h[k] != 0.0:
+            for j in range(N):
+                gain[j] += s[COVARIANCE + k * N + j] * h[k]
+    variance = 0.0
+    for j in range(N):
+        variance += h[j] * gain[j]
+    return variance
 
 
 @njit(cache=True)
@@ -129,6 +152,16 @@ def correct(s, h, innovation, variance, gain):
             value = s[COVARIANCE + i * N + j] - gain[i] * gain[j] / variance
             s[COVARIANCE + i * N + j] = value
             s[COVARIANCE + j * N + i] = value
+
+
+@njit(cache=True)
+def bound(p, s):
+    """Parameters stay where the model has a meaning."""
+    s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
+    s[COULOMB] = clip(s[COULOMB], 0.0, p[COULOMB_BOUND])
+    s[FACTOR] = clip(s[FACTOR], LEAST_FACTOR, LARGEST_FACTOR)
+    s[EASE_MOTOR] = clip(s[EASE_MOTOR], LEAST_FACTOR, LARGEST_FACTOR)
+    s[EASE_LOAD] = clip(s[EASE_LOAD], LEAST_FACTOR, LARGEST_FACTOR)
 
 
 @njit(cache=True)
@@ -151,22 +184,23 @@ def lost(s):
 
 
 @njit(cache=True)
-def write(p, s, h, outputs):
-    """All outputs; ``h`` is scratch."""
+def write(p, s, h, scratch, outputs):
+    """All outputs; ``h`` and ``scratch`` (N,) are overwritten."""
     c = COVARIANCE
     row(p, s, TORQUE_SHAFT, h)
-    variance = 0.0
-    for j in range(N):
-        for k in range(N):
-            variance += h[j] * s[c + j * N + k] * h[k]
-    outputs[12] = math.sqrt(max(variance, 0.0))
     write_estimates(p, s[0], s[1], s[2], 0.5 * s[BACKLASH], s[FRICTION], outputs)
+    outputs[4] *= s[FACTOR]
+    motor, load = p[INERTIA_MOTOR] / s[EASE_MOTOR], p[INERTIA_LOAD] / s[EASE_LOAD]
     outputs[6], outputs[7], outputs[8] = s[LOAD_TORQUE], s[BACKLASH], s[COULOMB]
-    outputs[9] = math.sqrt(max(s[c], 0.0))
-    outputs[10] = math.sqrt(max(s[c + N + 1], 0.0))
-    outputs[11] = math.sqrt(max(s[c + 2 * N + 2], 0.0))
+    outputs[9], outputs[10], outputs[11] = p[STIFFNESS] * s[FACTOR], motor, load
     for i in range(3):
-        outputs[13 + i] = math.sqrt(max(s[c + (5 + i) * (N + 1)], 0.0))
+        outputs[12 + i] = math.sqrt(max(s[c + i * (N + 1)], 0.0))
+    outputs[15] = math.sqrt(max(along(s, h, scratch), 0.0))
+    for i in range(6):
+        outputs[16 + i] = math.sqrt(max(s[c + (5 + i) * (N + 1)], 0.0))
+    outputs[19] *= p[STIFFNESS]
+    outputs[20] *= motor / s[EASE_MOTOR]
+    outputs[21] *= load / s[EASE_LOAD]
 
 
 @njit(cache=True)
@@ -178,20 +212,14 @@ def correct_all(p, s, inputs, torque_faults, work):
         kind = int(p[KIND + i])
         innovation = inputs[1 + i] * p[SCALE + i] - row(p, s, kind, h)
         variance = p[VARIANCE + i]
-        for j in range(N):
-            gain[j] = 0.0
-            for k in range(N):
-                gain[j] += s[COVARIANCE + j * N + k] * h[k]
-        for j in range(N):
-            variance += h[j] * gain[j]
+        variance += along(s, h, gain)
         verdict = sensor_believed(
             p, s, SENSOR_MEMORY + MEMORY * i, i, inputs[1 + i], torque_faults & (2 << i) != 0, moved(p, s, kind),
             innovation, variance,
         )  # fmt: skip
         if verdict == USE:
             correct(s, h, innovation, variance, gain)
-            s[BACKLASH] = clip(s[BACKLASH], 0.0, 20.0 * p[START + BACKLASH])
-            s[COULOMB] = clip(s[COULOMB], 0.0, p[COULOMB_BOUND])
+            bound(p, s)
         else:
             faults |= 2 << i
         if verdict in (FROZEN, JUMP):

@@ -1,7 +1,7 @@
 """Unscented Kalman filter with the states of ``steppers_tracking``: one step.
 
-17 points at ±√(n + 1) along the columns of the covariance's Cholesky factor and one in the middle, all of positive
-weight (κ = 1; Julier & Uhlmann 2004, Proc. IEEE 92, 401–422).
+Two points at ±√(n + 1) along each of the n columns of the covariance's Cholesky factor and one in the middle, all of
+positive weight (κ = 1; Julier & Uhlmann 2004, Proc. IEEE 92, 401–422). A direction without variance has no points.
 """
 
 from __future__ import annotations
@@ -18,8 +18,14 @@ from .steppers_tracking import (
     BEFORE,
     COULOMB,
     COVARIANCE,
+    EASE_LOAD,
+    EASE_MOTOR,
+    FACTOR,
     FRICTION,
+    LARGEST_FACTOR,
+    LEAST_FACTOR,
     LOAD_TORQUE,
+    MOVING,
     N,
     begin,
     correct_all,
@@ -29,9 +35,6 @@ from .steppers_tracking import (
 )  # fmt: skip
 
 POINTS = 2 * N + 1
-_WEIGHT = 0.5 / (N + 1.0)
-_MIDDLE = 1.0 / (N + 1.0)
-_REACH = math.sqrt(N + 1.0)
 
 
 @njit(INIT, cache=True)
@@ -60,15 +63,71 @@ def _factor(s, root):
 def _move(p, x, torque):
     """One point a sample later, in place; returns the load's Coulomb torque."""
     half = 0.5 * max(x[BACKLASH], 0.0)
+    stiffness = clip(x[FACTOR], LEAST_FACTOR, LARGEST_FACTOR)
+    motor = clip(x[EASE_MOTOR], LEAST_FACTOR, LARGEST_FACTOR)
+    ease = clip(x[EASE_LOAD], LEAST_FACTOR, LARGEST_FACTOR)
     load = 0.0
     for _ in range(int(p[PIECES])):
         gap = clip(x[0] + p[LEAD_MIDDLE] * (x[1] - x[2]), -half, half)
         n0, n1, n2, n3, turn, _, load = advance(
-            p, x[0], x[1], x[2], x[3], x[LOAD_TORQUE], max(x[COULOMB], 0.0), gap, torque
+            p,
+            x[0],
+            x[1],
+            x[2],
+            x[3],
+            x[LOAD_TORQUE],
+            max(x[COULOMB], 0.0),
+            gap,
+            torque,
+            stiffness,
+            motor,
+            ease,
         )
         x[0], x[1], x[2], x[3] = n0, n1, n2, n3
         x[ANGLE] += turn * p[AVERAGED]
-    return load
+    return load / ease
+
+
+@njit(cache=True)
+def _scatter(s, root, points):
+    """The points that the covariance's factor spans around the mean; returns how many."""
+    n = 0
+    for j in range(N):
+        n += root[j, j] > 0.0
+    reach = math.sqrt(n + 1.0)
+    points[0] = s[:N]
+    count = 1
+    for j in range(N):
+        if root[j, j] > 0.0:
+            for i in range(N):
+                offset = reach * root[i, j] if j <= i else 0.0
+                points[count, i] = s[i] + offset
+                points[count + 1, i] = s[i] - offset
+            count += 2
+    return count
+
+
+@njit(cache=True)
+def _gather(s, points, count, middle, products):
+    """Mean and covariance of the moved points; ``products`` (N, N) is scratch. Constants keep theirs."""
+    weight = 0.5 * middle
+    for i in range(MOVING):
+        s[i] = middle * points[0, i]
+    for k in range(1, count):
+        for i in range(MOVING):
+            s[i] += weight * points[k, i]
+    products[:] = 0.0
+    for k in range(count):
+        share = weight if k else middle
+        for j in range(N):
+            points[k, j] -= s[j]
+        for i in range(MOVING):
+            part = share * points[k, i]
+            for j in range(N):
+                products[i, j] += part * points[k, j]
+    for i in range(MOVING):
+        for j in range(i, N):
+            s[COVARIANCE + i * N + j] = s[COVARIANCE + j * N + i] = products[i, j]
 
 
 @njit(cache=True)
@@ -76,29 +135,13 @@ def _predict(p, s, torque, root, points):
     for i in range(4):
         s[BEFORE + i] = s[i]
     _factor(s, root)
-    for i in range(N):
-        points[0, i] = s[i]
-        for j in range(N):
-            offset = _REACH * root[i, j] if j <= i else 0.0
-            points[1 + j, i] = s[i] + offset
-            points[1 + N + j, i] = s[i] - offset
-    s[FRICTION] = _MIDDLE * _move(p, points[0], torque)
-    for k in range(1, POINTS):
-        s[FRICTION] += _WEIGHT * _move(p, points[k], torque)
-    for i in range(N):
-        total = _MIDDLE * points[0, i]
-        for k in range(1, POINTS):
-            total += _WEIGHT * points[k, i]
-        s[i] = total
-        for k in range(POINTS):
-            points[k, i] -= total
-    for i in range(N):
-        for j in range(i, N):
-            total = 0.0
-            for k in range(1, POINTS):
-                total += points[k, i] * points[k, j]
-            total = _MIDDLE * points[0, i] * points[0, j] + _WEIGHT * total
-            s[COVARIANCE + i * N + j] = s[COVARIANCE + j * N + i] = total
+    count = _scatter(s, root, points)
+    middle = 2.0 / (count + 1.0)
+    weight = 0.5 * middle
+    s[FRICTION] = middle * _move(p, points[0], torque)
+    for k in range(1, count):
+        s[FRICTION] += weight * _move(p, points[k], torque)
+    _gather(s, points, count, middle, root)
     for i in range(N):
         s[COVARIANCE + i * N + i] += p[PIECES] * p[PROCESS + i]
 
@@ -109,7 +152,7 @@ def step(p, s, inputs, faults, outputs):
     torque, faults = begin(p, s, inputs, faults)
     faults = correct_all(p, s, inputs, faults, points)
     recover(p, s)
-    write(p, s, points[0], outputs)
+    write(p, s, points[0], points[1], outputs)
     _predict(p, s, torque, root, points)
     recover(p, s)
     return faults

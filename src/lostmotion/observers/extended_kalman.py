@@ -1,15 +1,24 @@
-"""Extended Kalman filter that knows its backlash: backlash, Coulomb level and load torque are states."""
+"""Extended Kalman filter that knows its backlash: what may be wrong or change is a state."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+from typing import Unpack
 
 import numpy as np
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
-from .tuning import Array, chosen, measured_sensors, model_parameters, process_of_torque
+from .tuning import (
+    Array,
+    Tuning,
+    checked_names,
+    chosen,
+    measured_sensors,
+    model_parameters,
+    process_of_torque,
+)
 
 #: Outputs of the filters that track parameters.
 TRACKING_OUTPUTS = (
@@ -22,6 +31,9 @@ TRACKING_OUTPUTS = (
     "torque_load_estimated",
     "backlash_estimated",
     "coulomb_estimated",
+    "stiffness_estimated",
+    "inertia_motor_estimated",
+    "inertia_load_estimated",
     "twist_deviation",
     "speed_motor_deviation",
     "speed_load_deviation",
@@ -29,14 +41,39 @@ TRACKING_OUTPUTS = (
     "torque_load_deviation",
     "backlash_deviation",
     "coulomb_deviation",
+    "stiffness_deviation",
+    "inertia_motor_deviation",
+    "inertia_load_deviation",
 )
 
-#: How far each parameter wanders within a second (standard deviation): backlash and coulomb as a fraction of their
-#: start value, torque_load in Nm (chosen; 0.02 follows a wear of 1 % per second).
-DRIFT: Mapping[str, float] = MappingProxyType({"backlash": 0.02, "coulomb": 0.02, "torque_load": 0.5})
+#: How far each parameter wanders within a second (standard deviation): ``torque_load`` in Nm, the others as fractions
+#: of what was told (chosen; 0.02 follows a wear of 1 % per second, 0.003 a shaft that grows warm).
+DRIFT: Mapping[str, float] = MappingProxyType(
+    {
+        "backlash": 0.02,
+        "coulomb": 0.02,
+        "torque_load": 0.5,
+        "stiffness": 0.003,
+        "inertia_motor": 0.003,
+        "inertia_load": 0.003,
+    }
+)
 
-#: How well each is known at the start (standard deviation), in the same units (chosen).
-UNCERTAINTY: Mapping[str, float] = MappingProxyType({"backlash": 0.3, "coulomb": 0.15, "torque_load": 0.1})
+#: How well each is known at the start (standard deviation), in the same units (chosen; what is 20 % off is found too).
+UNCERTAINTY: Mapping[str, float] = MappingProxyType(
+    {
+        "backlash": 0.3,
+        "coulomb": 0.15,
+        "torque_load": 0.1,
+        "stiffness": 0.05,
+        "inertia_motor": 0.05,
+        "inertia_load": 0.05,
+    }
+)
+
+#: Torque that the model leaves out, as the root of its density, Nm·√s. Chosen on virtual rigs 1 to 4: more on the motor
+#: believes a wrong load inertia longer, less grows too sure of itself while the load sticks.
+UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.05, "load": 0.02})
 
 #: The Coulomb level stays within this many start deviations above its start value (chosen). An estimate that is far too
 #: high would hold the load for ever and never learn otherwise.
@@ -48,38 +85,25 @@ def extended_kalman(
     *,
     measured: Sequence[str] = ("speed_motor",),
     dt: float,
-    sensor_noise: Mapping[str, float] | None = None,
-    unknown_torque: Mapping[str, float] | None = None,
-    drift: Mapping[str, float] | None = None,
-    uncertainty: Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    **tuning: Unpack[Tuning],
 ) -> Stepper:
-    """Extended Kalman filter of a two-mass drivetrain with backlash, Coulomb level and load torque as states.
+    """Extended Kalman filter of a two-mass drivetrain that tracks backlash, friction, load torque, stiffness, inertia.
 
     The model is that of ``kalman``. The dead zone enters by its mean over the estimate's own spread, so the filter
-    knows that contact is uncertain near the edge of the gap.
+    knows that contact is uncertain near the edge of the gap. ``stiffness`` stands for the whole shaft: its damping is
+    multiplied by the same factor.
 
     Parameters
     ----------
     drivetrain : Drivetrain
-        Two masses; its backlash and Coulomb level are the start values.
+        Two masses; its backlash, Coulomb level, stiffness and motor inertia are the start values.
     measured : sequence of str
         Any of speed_motor, speed_load, twist, torque_shaft (SI units).
     dt : float, s
         Sample time.
-    sensor_noise : mapping of signal → float, optional
-        Standard deviation of one sample, in the signal's unit; default ``tuning.SENSOR_NOISE``, with ``count_averaged``
-        that of a 20-bit encoder at this sample time (``tuning.speed_of_counts(dt, counts)`` gives it for another one).
-    unknown_torque : mapping, optional
-        Torque on ``motor`` and ``load`` that the model leaves out, as the root of its density, Nm·√s; default
-        ``tuning.UNKNOWN_TORQUE``.
-    drift, uncertainty : mapping, optional
-        Of ``backlash`` and ``coulomb`` (fractions of the start value) and ``torque_load`` (Nm): how far it wanders
-        within a second, and how well it is known at the start; default ``DRIFT``, ``UNCERTAINTY``. Zero for both
-        holds a parameter.
-    count_averaged : bool
-        The measured motor speed is a difference of counts over dt: the sum of its samples, an angle, is filtered, in
-        which a count has one error instead of two.
+    **tuning
+        See ``tuning.Tuning``; defaults ``UNKNOWN_TORQUE``, ``DRIFT``, ``UNCERTAINTY``. Stiffness and motor inertia are
+        held between half and twice of what the drivetrain says.
 
     Returns
     -------
@@ -98,42 +122,57 @@ def extended_kalman(
     linearisation (Gelb 1974, Applied Optimal Estimation, chapter 6).
     """
     measured = measured_sensors(measured)
-    p = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)
-    fill_tracking(p, drivetrain, unknown_torque, drift, uncertainty)
     return Stepper(
         name="extended_kalman",
         inputs=("torque_motor", *measured),
         outputs=TRACKING_OUTPUTS,
         dt=dt,
-        parameters=p,
+        parameters=tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning),
         kernel="lostmotion.kernels.steppers_extended_kalman",
     )
 
 
-def fill_tracking(
+def tracking_parameters(
+    drivetrain: Drivetrain,
+    measured: tuple[str, ...],
+    dt: float,
+    unknown_torque: Mapping[str, float],
+    tuning: Tuning,
+) -> Array:
+    """The parameter array of a filter with wandering parameters; ``unknown_torque`` is its default."""
+    tuning = checked_names(tuning)
+    p = model_parameters(
+        drivetrain, measured, dt, tuning.get("sensor_noise"), tuning.get("count_averaged", False)
+    )
+    torque = chosen("unknown_torque", unknown_torque, tuning.get("unknown_torque"), zero=True)
+    _fill_variances(p, drivetrain, torque, tuning.get("drift"), tuning.get("uncertainty"))
+    return p
+
+
+def _fill_variances(
     p: Array,
     drivetrain: Drivetrain,
-    unknown_torque: Mapping[str, float] | None,
+    torque: Mapping[str, float],
     drift: Mapping[str, float] | None,
     uncertainty: Mapping[str, float] | None,
 ) -> None:
-    """Start values, their variances and the process variances of the eight states, written into ``p``."""
+    """Start values, their variances and the process variances of all states, written into ``p``."""
     from ..kernels import steppers_model as at
 
     wander = chosen("drift", DRIFT, drift, zero=True)
     known = chosen("uncertainty", UNCERTAINTY, uncertainty, zero=True)
     backlash, coulomb = drivetrain.backlash, drivetrain.coulomb
-    units = np.array([1.0, backlash, coulomb])
-    names = ("torque_load", "backlash", "coulomb")
+    units = np.array([1.0, backlash, coulomb, 1.0, 1.0, 1.0])
+    names = ("torque_load", "backlash", "coulomb", "stiffness", "inertia_motor", "inertia_load")
     dt = p[at.DT] / p[at.PIECES]
-    q_motor, q_load = process_of_torque(drivetrain, unknown_torque, dt)
-    p[at.START + 5 : at.START + 8] = 0.0, backlash, coulomb
+    q_motor, q_load = process_of_torque(drivetrain, torque, dt)
+    p[at.START + 5 : at.START + 11] = 0.0, backlash, coulomb, 1.0, 1.0, 1.0
     # At the start the twist lies anywhere in the gap, the load turns about as fast as the motor.
     p[at.START_VARIANCE : at.START_VARIANCE + 4] = (0.5 * backlash) ** 2 + 1e-8, 0.25, 0.25, 0.25
     if p[at.AVERAGED]:
         motor = list(p[at.KIND : at.KIND + int(p[at.N_SENSORS])]).index(0.0)
         p[at.START_VARIANCE + at.ANGLE] = p[at.VARIANCE + motor]
     p[at.COULOMB_BOUND] = (1.0 + COULOMB_REACH * known["coulomb"]) * coulomb
-    p[at.START_VARIANCE + 5 : at.START_VARIANCE + 8] = (units * [known[n] for n in names]) ** 2
+    p[at.START_VARIANCE + 5 : at.START_VARIANCE + 11] = (units * [known[n] for n in names]) ** 2
     p[at.PROCESS : at.PROCESS + 5] = 1e-14, q_motor, q_load, 0.0, 0.0
-    p[at.PROCESS + 5 : at.PROCESS + 8] = (units * [wander[n] for n in names]) ** 2 * dt
+    p[at.PROCESS + 5 : at.PROCESS + 11] = (units * [wander[n] for n in names]) ** 2 * dt

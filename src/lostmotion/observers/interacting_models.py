@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+from typing import Unpack
 
 import numpy as np
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
-from .extended_kalman import fill_tracking
-from .tuning import measured_sensors, model_parameters
+from .extended_kalman import tracking_parameters
+from .tuning import Tuning, measured_sensors
 
 OUTPUTS = (
     "twist_estimated",
@@ -55,11 +56,7 @@ def interacting_models(
     *,
     measured: Sequence[str] = ("speed_motor",),
     dt: float,
-    sensor_noise: Mapping[str, float] | None = None,
-    unknown_torque: Mapping[str, float] | None = None,
-    drift: Mapping[str, float] | None = None,
-    uncertainty: Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    **tuning: Unpack[Tuning],
 ) -> Stepper:
     """Three Kalman filters — contact +, gap, contact − — that interact by their probabilities.
 
@@ -69,13 +66,9 @@ def interacting_models(
 
     Parameters
     ----------
-    drivetrain, measured, dt, sensor_noise, count_averaged
-        As in ``extended_kalman``.
-    unknown_torque : mapping, optional
-        As there; default ``UNKNOWN_TORQUE``.
-    drift, uncertainty : mapping, optional
-        Of ``torque_load`` (Nm) and ``coulomb`` (fraction) as there; the backlash is fixed. Default ``DRIFT``,
-        ``extended_kalman.DRIFT`` and ``UNCERTAINTY``.
+    drivetrain, measured, dt, **tuning
+        As in ``extended_kalman``, with other defaults: ``UNKNOWN_TORQUE``, ``DRIFT``. Of ``drift`` and ``uncertainty``
+        only ``torque_load`` and ``coulomb`` count; the rest is fixed.
 
     Returns
     -------
@@ -100,9 +93,8 @@ def interacting_models(
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.GAP_PROCESS + 1)
-    p[: at.OWN] = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)
-    torques, wander = {**UNKNOWN_TORQUE, **(unknown_torque or {})}, {**DRIFT, **(drift or {})}
-    fill_tracking(p, drivetrain, torques, wander, uncertainty)
+    tuning["drift"] = {**DRIFT, **(tuning.get("drift") or {})}
+    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning)
     p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + 1e-8
     for place in (at.START, at.START_VARIANCE, at.PROCESS):
         p[place + kernel.COULOMB] = p[place + 7]  # the backlash is no state here

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import Stepper
-from .extended_kalman import TRACKING_OUTPUTS, fill_tracking
-from .tuning import measured_sensors, model_parameters, positive
+from .extended_kalman import TRACKING_OUTPUTS, UNKNOWN_TORQUE, tracking_parameters
+from .tuning import Tuning, measured_sensors, positive
 
 #: Most samples of a horizon, and Gauss–Newton passes for each new sample (chosen: 200 µs per sample).
 MAX_NODES, PASSES = 60, 2
@@ -22,11 +23,7 @@ def moving_horizon(
     measured: Sequence[str] = ("speed_motor",),
     dt: float,
     horizon: float = 2e-3,
-    sensor_noise: Mapping[str, float] | None = None,
-    unknown_torque: Mapping[str, float] | None = None,
-    drift: Mapping[str, float] | None = None,
-    uncertainty: Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    **tuning: Unpack[Tuning],
 ) -> Stepper:
     """Moving-horizon estimator of a two-mass drivetrain: states, tuning and outputs of ``extended_kalman``.
 
@@ -41,7 +38,7 @@ def moving_horizon(
     ----------
     horizon : float, s
         Length of the horizon; at least three samples, at most ``MAX_NODES``.
-    drivetrain, measured, dt, sensor_noise, unknown_torque, drift, uncertainty, count_averaged
+    drivetrain, measured, dt, **tuning
         As in ``extended_kalman``.
 
     Returns
@@ -64,8 +61,7 @@ def moving_horizon(
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.PASSES + 1)
-    p[: at.OWN] = model_parameters(drivetrain, measured, dt, sensor_noise, count_averaged)
-    fill_tracking(p, drivetrain, unknown_torque, drift, uncertainty)
+    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning)
     nodes = max(3, round(positive("horizon", horizon) / dt))
     if nodes > MAX_NODES:
         raise InvalidInput(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,33 @@ from ..systems import zero_order_hold
 from .model import observer_model
 
 Array = NDArray[np.float64]
+
+
+class Tuning(TypedDict, total=False):
+    """How the Kalman family and the moving horizon are tuned, each a keyword that may be left out.
+
+    Attributes
+    ----------
+    sensor_noise : mapping of signal → float
+        Standard deviation of one sample, in the signal's unit; default ``SENSOR_NOISE``, with ``count_averaged`` that
+        of a 20-bit encoder at this sample time (``speed_of_counts(dt, counts)`` gives it for another one).
+    unknown_torque : mapping
+        Torque on ``motor`` and ``load`` that the model leaves out, as the root of its density, Nm·√s: 0.02 is 0.63 Nm
+        held for 1 ms each.
+    drift, uncertainty : mapping
+        How far a parameter wanders within a second, and how well it is known at the start, as standard deviations:
+        ``torque_load`` in Nm, all others as fractions of what the drivetrain says. Zero for both holds a parameter.
+    count_averaged : bool
+        The measured motor speed is a difference of counts over dt: the sum of its samples, an angle, is filtered, in
+        which a count has one error instead of two. Default False.
+    """
+
+    sensor_noise: Mapping[str, float] | None
+    unknown_torque: Mapping[str, float] | None
+    drift: Mapping[str, float] | None
+    uncertainty: Mapping[str, float] | None
+    count_averaged: bool
+
 
 #: Sensors of the steppers, in the order of their kinds in ``kernels.steppers_model``.
 STEPPER_SENSORS = ("speed_motor", "speed_load", "twist", "torque_shaft")
@@ -79,6 +107,16 @@ def chosen(
     return {name: positive(f"{where}[{name!r}]", v, zero) for name, v in {**default, **(given or {})}.items()}
 
 
+def checked_names(tuning: Tuning) -> Tuning:
+    """The tuning, if it has no unknown names (which ``**tuning`` lets through)."""
+    unknown = sorted(set(tuning) - set(Tuning.__annotations__))
+    if unknown:
+        raise InvalidInput(
+            "tuning", f"{unknown}", f"names out of {tuple(Tuning.__annotations__)}", "Check the names."
+        )
+    return tuning
+
+
 def speed_of_counts(dt: float, counts: float = COUNTS) -> float:
     """Standard deviation (rad/s) of a speed that is a difference of counts over dt: two errors, each even in ±½."""
     return 2.0 * math.pi / counts / (dt * math.sqrt(6.0))
@@ -128,6 +166,7 @@ def model_parameters(
     p[at.LEAD_MIDDLE], p[at.LEAD], p[at.PIECES] = lead + 0.5 * dt / split, lead, split
     p[at.STIFFNESS], p[at.DAMPING], p[at.VISCOUS] = shaft.stiffness, shaft.damping, drivetrain.viscous
     p[at.COULOMB_MOTOR] = drivetrain.coulomb_motor
+    p[at.INERTIA_MOTOR], p[at.INERTIA_LOAD] = drivetrain.inertias
     p[at.RATIO_PLUS] = friction.coulomb_plus / level if level > 0.0 else 1.0
     p[at.RATIO_MINUS] = friction.coulomb_minus / level if level > 0.0 else 1.0
     p[at.REST_MOTOR], p[at.REST_LOAD] = 1.0 / abs(rows[1, 6]), 1.0 / abs(rows[2, 7])
@@ -160,11 +199,8 @@ def _fill_sensors(
         p[at.MISMATCH + i], p[at.STILL + i] = MISMATCH[name] * scale, FREEZE * noise[name]
 
 
-def process_of_torque(
-    drivetrain: Drivetrain, unknown_torque: Mapping[str, float] | None, dt: float
-) -> tuple[float, float]:
+def process_of_torque(drivetrain: Drivetrain, torque: Mapping[str, float], dt: float) -> tuple[float, float]:
     """Variance that the unknown torque adds to the speeds of motor and load in one sample, (rad/s)²."""
-    torque = chosen("unknown_torque", UNKNOWN_TORQUE, unknown_torque, zero=True)
     return (
         (torque["motor"] / drivetrain.inertia_motor) ** 2 * dt,
         (torque["load"] / drivetrain.inertia_load) ** 2 * dt,
