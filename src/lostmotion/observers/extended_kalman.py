@@ -47,10 +47,10 @@ TRACKING_OUTPUTS = (
 )
 
 #: How far each parameter wanders within a second (standard deviation): ``torque_load`` in Nm, the others as fractions
-#: of what was told (chosen; 0.02 follows a wear of 1 % per second, 0.003 a shaft that grows warm).
+#: of what was told (chosen; 0.015 follows a wear of 1 % per second, 0.003 a shaft that grows warm).
 DRIFT: Mapping[str, float] = MappingProxyType(
     {
-        "backlash": 0.02,
+        "backlash": 0.015,
         "coulomb": 0.02,
         "torque_load": 0.5,
         "stiffness": 0.003,
@@ -59,20 +59,22 @@ DRIFT: Mapping[str, float] = MappingProxyType(
     }
 )
 
-#: How well each is known at the start (standard deviation), in the same units (chosen; what is 20 % off is found too).
+#: How well each is known at the start (standard deviation), in the same units. Chosen; stiffness and inertias as an
+#: identification gives them: what is 20 % off is found as well, only some tenths of a second later.
 UNCERTAINTY: Mapping[str, float] = MappingProxyType(
     {
         "backlash": 0.3,
         "coulomb": 0.15,
         "torque_load": 0.1,
-        "stiffness": 0.05,
-        "inertia_motor": 0.05,
-        "inertia_load": 0.05,
+        "stiffness": 0.01,
+        "inertia_motor": 0.01,
+        "inertia_load": 0.01,
     }
 )
 
-#: Torque that the model leaves out, as the root of its density, Nm·√s. Chosen on virtual rigs 1 to 4: more on the motor
-#: believes a wrong load inertia longer, less grows too sure of itself while the load sticks.
+#: Torque that the model leaves out, as the root of its density, Nm·√s. Chosen on virtual rigs 1 to 4: with less on the
+#: motor a filter grows too sure of itself, with more it follows an unknown load torque worse and finds the gap worse
+#: under control.
 UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.05, "load": 0.02})
 
 #: The Coulomb level stays within this many start deviations above its start value (chosen). An estimate that is far too
