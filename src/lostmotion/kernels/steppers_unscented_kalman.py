@@ -51,12 +51,13 @@ def _factor(s, root):
             pivot -= root[j, k] * root[j, k]
         regular = pivot > 1e-13 * s[COVARIANCE + j * N + j]
         diagonal = math.sqrt(pivot) if regular else 0.0
+        inverse = 1.0 / diagonal if regular else 0.0
         root[j, j] = diagonal
         for i in range(j + 1, N):
             total = s[COVARIANCE + i * N + j]
             for k in range(j):
                 total -= root[i, k] * root[j, k]
-            root[i, j] = total / diagonal if regular else 0.0
+            root[i, j] = total * inverse
 
 
 @njit(cache=True)
