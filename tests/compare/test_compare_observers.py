@@ -114,7 +114,7 @@ class Told:
 
 def test_who_knows_the_truth_makes_no_error(nominal):
     found = score(Told(nominal), nominal)
-    assert set(found) == set(METRICS)
+    assert set(found) == {*METRICS, "torque_sensor"}
     assert found["speed_load"] == found["twist_elastic"] == 0.0
     assert found["f1_gap"] > 0.98
     assert found["impact_delay"] == 0.0 and found["impacts_found"] == 1.0
@@ -127,14 +127,30 @@ def test_who_is_late_finds_the_impacts_late(nominal):
     assert found["f1_gap"] < score(Told(nominal), nominal)["f1_gap"] - 0.03
 
 
-def test_an_observer_that_fails_has_a_large_error_not_nan(nominal):
+@pytest.mark.parametrize("nothing", [np.nan, np.inf, -np.inf, 1e300])
+def test_an_observer_that_fails_has_a_large_error(nominal, nothing):
     broken = Told(nominal)
-    broken.signals["speed_load_estimated"] = np.full(len(nominal.recording), np.nan)
-    broken.signals["torque_shaft_estimated"] = np.full(len(nominal.recording), np.inf)
+    for signal in broken.signals:
+        broken.signals[signal] = np.full(len(nominal.recording), nothing)
     found = score(broken, nominal)
-    assert 0.0 < found["speed_load"] < np.inf
-    assert found["torque_shaft"] > 1e3
+    for metric in ("speed_load", "torque_shaft", "twist_elastic", "backlash_error"):
+        assert 1e3 < found[metric] < np.inf
     assert found["f1_gap"] == 0.0 and found["impact_delay"] is None
+
+
+def test_nan_is_worse_than_zero(nominal):
+    broken, idle = Told(nominal), Told(nominal)
+    broken.signals["speed_load_estimated"] = idle.signals["speed_load_estimated"] * 0.0
+    broken.signals["speed_load_estimated"][-1] = np.nan
+    idle.signals["speed_load_estimated"] = np.zeros(len(nominal.recording))
+    assert score(broken, nominal)["speed_load"] > 1e3 * score(idle, nominal)["speed_load"]
+
+
+def test_who_reads_the_torque_sensor(nominal):
+    found = Told(nominal)
+    assert score(found, nominal)["torque_sensor"] == 0.0
+    found.inputs = ("torque_motor", "torque_shaft")
+    assert score(found, nominal)["torque_sensor"] == 1.0
 
 
 # Statistics.
@@ -149,8 +165,13 @@ def test_bootstrap():
     assert ratio(own, reference) == (same := ratio(own, {1: 1.0, 2: 1.0, 3: 4.0}))
     assert same is not None and same.value == pytest.approx(2.0) == same.high
     assert ratio({1: 1.0}, {2: 1.0}) is None
-    both = overall({"a": {1: np.log(4.0), 2: np.log(4.0)}, "b": {1: 0.0, 2: 0.0, 3: 5.0}})
-    assert both is not None and both.value == pytest.approx(2.0)
+    a, b = {1: np.log(4.0), 2: np.log(4.0)}, {1: 0.0, 2: 0.0, 3: 5.0}
+    for table in ({"one": {"a": a}, "other": {"b": b}}, {"one": {"a": a, "b": b}}):
+        both = overall(table)
+        assert both is not None and both.value == pytest.approx(2.0)
+    grouped = overall({"one": {"a": a}, "other": {"b": b, "c": b, "d": b}})
+    assert grouped is not None and grouped.value == pytest.approx(2.0)
+    assert overall({}) is None and overall({"one": {"a": {1: 0.0}, "b": {2: 0.0}}}) is None
 
 
 def test_verdict_needs_an_interval_on_one_side_and_seeds():

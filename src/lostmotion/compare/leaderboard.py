@@ -7,15 +7,16 @@ import io
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from .. import __version__
 from ..io.whole_files import write_bytes
 from .cases import Case
 from .contestants import REFERENCE
 from .scores import METRICS, Score
-from .statistics import Estimate, median, overall, ratio, verdict
+from .statistics import FEWEST_SEEDS, Estimate, median, overall, ratio, verdict
 
 #: What the ranking and the wins are about.
 RANKED_BY = "speed_load"
@@ -61,35 +62,56 @@ class Leaderboard:
         """Error divided by that of Observer 1 on the same recordings: median over seeds."""
         return ratio(self.values(observer, case, metric), self.values(REFERENCE, case, metric))
 
+    def needs_torque_sensor(self, observer: str) -> bool:
+        """Whether the observer reads the shaft's torque sensor: few drives have one."""
+        rows = [row for seeds in self.scores.values() for row in seeds.values()]
+        return any(row.get(observer, {}).get("torque_sensor") for row in rows)
+
+    def counted(self, observer: str) -> tuple[Case, ...]:
+        """Cases that count for the observer: what only changes a sensor that it does not read is no case of its own."""
+        reads = self.needs_torque_sensor(observer)
+        return tuple(case for case in self.cases if reads or not _torque_sensor_alone(case))
+
     def overall(self, observer: str, metric: str = RANKED_BY) -> Estimate | None:
-        """Geometric mean of that ratio over all cases in which the observer took part."""
-        table = {}
-        for case in self.cases:
+        """Geometric mean of that ratio over the counted cases of each group, then over groups.
+
+        So a group of sixteen cases weighs as much as a single case.
+        """
+        table: dict[str, dict[str, dict[int, float]]] = {}
+        for case in self.counted(observer):
             own, reference = (self.values(o, case.name, metric) for o in (observer, REFERENCE))
             common = set(own) & set(reference)
             if common:
-                table[case.name] = {
+                table.setdefault(case.group, {})[case.name] = {
                     s: math.log(max(own[s], 1e-12) / max(reference[s], 1e-12)) for s in common
                 }
         return overall(table)
 
-    def wins(self, observer: str, metric: str = RANKED_BY) -> dict[str, int]:
-        """Number of cases won, tied and lost against Observer 1."""
+    def wins(self, observer: str, metric: str = RANKED_BY) -> dict[str, int] | None:
+        """Number of counted cases won, tied and lost against Observer 1; None if there are too few rigs to tell."""
         counts = {"win": 0, "tie": 0, "loss": 0}
-        for case in self.cases:
-            seeds = set(self.values(observer, case.name, metric)) & set(
-                self.values(REFERENCE, case.name, metric)
-            )
-            outcome = verdict(self.against_reference(observer, case.name, metric), len(seeds))
+        for case in self.counted(observer):
+            own, reference = (self.values(o, case.name, metric) for o in (observer, REFERENCE))
+            outcome = verdict(ratio(own, reference), len(set(own) & set(reference)))
             if outcome in counts:
                 counts[outcome] += 1
-        return counts
+        return counts if any(counts.values()) else None
+
+    def times_per_sample(self, observer: str) -> dict[float, float]:
+        """Smallest processor time of a sample over all runs, the least disturbed, s, by sample time, s."""
+        times: dict[float, float] = {}
+        for case in self.cases:
+            for spent in self.values(observer, case.name, "time_per_sample").values():
+                times[case.dt] = min(spent, times.get(case.dt, math.inf))
+        return times
 
     def time_per_sample(self, observer: str) -> float | None:
-        """Smallest processor time of a sample over all runs at the first case's sample time, s: the least disturbed."""
-        cases = [case.name for case in self.cases if case.dt == self.cases[0].dt]
-        times = [t for case in cases for t in self.values(observer, case, "time_per_sample").values()]
-        return min(times) if times else None
+        """That time at the first case's sample time, s."""
+        return self.times_per_sample(observer).get(self.cases[0].dt)
+
+    def largest_time_per_sample(self, observer: str) -> float | None:
+        """That time at the sample time where it is largest, s: some filters predict a long sample in pieces."""
+        return max(self.times_per_sample(observer).values(), default=None)
 
     def ranking(self) -> list[str]:
         """Observers from the best to the worst by ``overall``."""
@@ -111,7 +133,8 @@ class Leaderboard:
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
         return {
-            "schema": 1,
+            "schema": 2,
+            "version": __version__,
             "settings": dict(self.settings),
             "seeds": list(self.seeds),
             "reference": REFERENCE,
@@ -119,10 +142,12 @@ class Leaderboard:
                 {
                     "name": name,
                     "kind": self.observers[name],
+                    "needs_torque_sensor": self.needs_torque_sensor(name),
                     "overall_ratio": _plain(self.overall(name)),
                     "wins": self.wins(name),
                     "wins_torque_shaft": self.wins(name, "torque_shaft"),
                     "time_per_sample": self.time_per_sample(name),
+                    "largest_time_per_sample": self.largest_time_per_sample(name),
                 }
                 for name in self.ranking()
             ],
@@ -161,16 +186,31 @@ class Leaderboard:
 
     def _ranking_table(self) -> str:
         lines = [
-            "| observer | kind | load-speed error / Observer 1's (95 %) | wins – ties – losses | µs per sample |",
-            "|---|---|---|---|---|",
+            "| observer | kind | needs torque sensor | load-speed error / Observer 1's (95 %) "
+            "| wins – ties – losses | µs per sample | at its slowest sample time |",
+            "|---|---|---|---|---|---|---|",
         ]
         for name in self.ranking():
-            found, wins, time = self.overall(name), self.wins(name), self.time_per_sample(name)
+            found, wins = self.overall(name), self.wins(name)
             place = "–" if found is None else f"{found.value:.2f} ({found.low:.2f} to {found.high:.2f})"
-            count = "–" if name == REFERENCE else f"{wins['win']} – {wins['tie']} – {wins['loss']}"
-            spent = "–" if time is None else f"{1e6 * time:.2f}"
-            lines.append(f"| {name} | {self.observers[name]} | {place} | {count} | {spent} |")
-        return "\n".join(lines)
+            count = " – ".join(map(str, wins.values())) if wins and name != REFERENCE else "–"
+            times = " | ".join(map(_micro, (self.time_per_sample(name), self.largest_time_per_sample(name))))
+            sensor = "yes" if self.needs_torque_sensor(name) else "no"
+            lines.append(f"| {name} | {self.observers[name]} | {sensor} | {place} | {count} | {times} |")
+        return "\n".join([*lines, "", *self._remarks()])
+
+    def _remarks(self) -> list[str]:
+        """What the ranking's numbers mean."""
+        lines = [
+            "Geometric mean over the cases of each group, then over groups; wins are counted by case.",
+            "Time of a whole run over the number of its samples: in few long samples the call itself counts, too.",
+        ]
+        left_out = [case.name for case in self.cases if _torque_sensor_alone(case)]
+        if left_out:
+            lines.append(f"Only for observers that read the torque sensor: {', '.join(left_out)}.")
+        if len(self.seeds) < FEWEST_SEEDS:
+            lines.append(f"Fewer than {FEWEST_SEEDS} rigs prove no win and no loss.")
+        return lines
 
     def _group_table(self) -> str:
         groups = self.groups()
@@ -204,6 +244,16 @@ class Leaderboard:
         texts = {"json": content, "csv": self.to_csv(), "md": self.to_markdown()}
         for ending, text in texts.items():
             write_bytes(folder / f"leaderboard.{ending}", text.encode())
+
+
+def _torque_sensor_alone(case: Case) -> bool:
+    """Whether the case is the nominal one but for the noise of the shaft's torque sensor."""
+    nominal = Case(case.name, case.group, quick=case.quick)
+    return case != nominal and replace(case, torque_noise=nominal.torque_noise) == nominal
+
+
+def _micro(time: float | None) -> str:
+    return "–" if time is None else f"{1e6 * time:.2f}"
 
 
 def _plain(found: Estimate | None) -> list[float] | None:

@@ -25,23 +25,30 @@ SHORTEST_GAP = 2e-3
 #: The backlash estimate is the mean over this last part of the experiment.
 LAST_PART = 0.1
 
+#: What counts as an estimate that is no number, or beyond all bounds: no observer gains by it (chosen).
+LARGEST = 1e9
+
 SIGNALS = ("speed_load", "torque_shaft", "twist_elastic")
 #: Every number of a score; None where an observer does not estimate it.
 METRICS = (*SIGNALS, "f1_gap", "impact_delay", "impacts_found", "backlash_error", "time_per_sample")
 
 
 def score(observer: Runs, data: Experiment) -> Score:
-    """RMSE of the signals as fraction of range, F1 of the gap, impacts, backlash, time per sample (s)."""
+    """RMSE of the signals as fraction of range, F1 of the gap, impacts, backlash, time per sample (s).
+
+    ``torque_sensor``, 1.0 or 0.0, says whether the observer reads the shaft's torque sensor.
+    """
     recording = data.recording.only(*observer.inputs)
     before = time.process_time()
     estimate = observer.run(recording)
     spent = (time.process_time() - before) / len(recording)
     rows = data.judged
     result: Score = {**dict.fromkeys(METRICS), "time_per_sample": spent}
+    result["torque_sensor"] = float("torque_shaft" in observer.inputs)
     for signal in SIGNALS:
         if f"{signal}_estimated" in estimate:
             true = data.truth[signal][rows]
-            guess = np.nan_to_num(estimate[f"{signal}_estimated"][rows], posinf=1e9, neginf=-1e9)
+            guess = _bounded(estimate[f"{signal}_estimated"][rows])
             result[signal] = rmse(guess, true) / signal_range(true)
     says = _says_gap(estimate, rows)
     if says is not None:
@@ -52,8 +59,13 @@ def score(observer: Runs, data: Experiment) -> Score:
         result["impact_delay"], result["impacts_found"] = _impacts(claimed, open_, recording.dt)
     if "backlash_estimated" in estimate:
         last = estimate["backlash_estimated"][-max(1, round(LAST_PART * len(recording))) :]
-        result["backlash_error"] = abs(float(np.mean(last)) / data.backlash - 1.0)
+        result["backlash_error"] = abs(float(np.mean(_bounded(last))) / data.backlash - 1.0)
     return result
+
+
+def _bounded(estimate: Array) -> Array:
+    """Numbers within ±LARGEST; NaN becomes LARGEST, so that it is punished and not taken for zero."""
+    return np.clip(np.nan_to_num(estimate, nan=LARGEST), -LARGEST, LARGEST)
 
 
 def _says_gap(estimate: Recording, rows: slice) -> Mask | None:

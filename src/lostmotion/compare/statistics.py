@@ -47,17 +47,18 @@ def ratio(own: Mapping[int, float], reference: Mapping[int, float]) -> Estimate 
     return Estimate(*(float(np.exp(v)) for v in (found.value, found.low, found.high)))
 
 
-def overall(table: Mapping[str, Mapping[int, float]]) -> Estimate | None:
-    """Geometric mean over cases of the ratio to the reference, per seed; seeds are resampled as a whole.
+def overall(table: Mapping[str, Mapping[str, Mapping[int, float]]]) -> Estimate | None:
+    """Geometric mean of the ratio to the reference over the cases of each group, then over groups, per seed.
 
-    ``table``: case → seed → log of the ratio. Only seeds that every case has count.
+    ``table``: group → case → seed → log of the ratio. Only seeds that every case has count; they are resampled as a
+    whole.
     """
-    if not table:
-        return None
-    seeds = sorted(set.intersection(*(set(row) for row in table.values())))
+    rows = [row for cases in table.values() for row in cases.values()]
+    seeds = sorted(set.intersection(*map(set, rows))) if rows else []
     if not seeds:
         return None
-    logs = np.array([[row[s] for s in seeds] for row in table.values()]).mean(axis=0)
+    groups = [[[row[s] for s in seeds] for row in cases.values()] for cases in table.values() if cases]
+    logs = np.mean([np.mean(cases, axis=0) for cases in groups], axis=0)
     low, high = np.percentile(logs[_indices(logs.size)].mean(axis=1), [2.5, 97.5])
     return Estimate(*(float(np.exp(v)) for v in (logs.mean(), low, high)))
 

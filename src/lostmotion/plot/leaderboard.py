@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: Colour scale: load-speed error in % of range, from as good as perfect to as bad as the motor speed (chosen).
 BEST, WORST = 0.05, 20.0
+#: Behind the name of an observer that reads the shaft's torque sensor.
+SENSOR_MARK = "†"
 
 
 def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: Axes | None = None) -> Figure:
@@ -47,18 +49,30 @@ def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: A
         )
     figure, axis = _axes(axes, len(names), len(groups))
     _draw(axis, values)
-    ratios = [row["overall_ratio"] for row in board["observers"]]
-    labels = [n if r is None else f"{n}   × {r[0]:.2f}" for n, r in zip(names, ratios, strict=True)]
-    axis.set_yticks(range(len(names)), labels)
+    axis.set_yticks(range(len(names)), [_label(row) for row in board["observers"]])
     axis.set_xticks(range(len(groups)), [_wrapped(group) for group in groups])
     axis.tick_params(length=0, top=True, bottom=False, labeltop=True, labelbottom=False)
-    words = {"speed_load": "load speed", "torque_shaft": "shaft torque", "twist_elastic": "elastic twist"}
-    axis.set_title(
-        f"Error of the {words.get(metric, metric)} in % of range, worst case of each column (median of "
-        f"{len(board['seeds'])} rigs)\nblue is good, red is bad; × is the mean error relative to {board['reference']}",
-        fontsize=11, fontweight="bold", loc="left", pad=14,
-    )  # fmt: skip
+    title = [_wrapped(line, 11 * max(4, len(groups))) for line in _title(board, metric)]
+    axis.set_title("\n".join(title), fontsize=11, fontweight="bold", loc="left", pad=14)
     return figure
+
+
+def _title(board: Mapping[str, Any], metric: str) -> list[str]:
+    words = {"speed_load": "load speed", "torque_shaft": "shaft torque", "twist_elastic": "elastic twist"}
+    lines = [
+        f"Error of the {words.get(metric, metric)} in % of range, worst case of each column "
+        f"(median of {len(board['seeds'])} rigs)",
+        f"blue is good, red is bad; × is the mean error relative to {board['reference']}",
+    ]
+    if any(row.get("needs_torque_sensor") for row in board["observers"]):
+        lines.append(f"{SENSOR_MARK} needs a torque sensor on the shaft")
+    return lines
+
+
+def _label(row: Mapping[str, Any]) -> str:
+    """Name, mark of the torque sensor, mean error relative to the reference."""
+    name = f"{row['name']} {SENSOR_MARK}" if row.get("needs_torque_sensor") else row["name"]
+    return name if row["overall_ratio"] is None else f"{name}   × {row['overall_ratio'][0]:.2f}"
 
 
 def _axes(axes: Axes | None, rows: int, columns: int) -> tuple[Figure, Axes]:
@@ -94,7 +108,7 @@ def _ink(value: float) -> str:
     return "white" if place < 0.12 or place > 0.85 else "#222222"
 
 
-def _wrapped(text: str) -> str:
+def _wrapped(text: str, width: int = 12) -> str:
     import textwrap
 
-    return "\n".join(textwrap.wrap(text, 12))
+    return "\n".join(textwrap.wrap(text, width))
