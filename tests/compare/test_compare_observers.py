@@ -214,7 +214,7 @@ def test_tables(small):
 
 def test_it_goes_on_where_it_was_stopped(small):
     folder, board, _ = small
-    scores = sorted((folder / "scores").iterdir())
+    scores = sorted((folder / "scores").glob("*/*.json"))
     assert len(scores) == 4
     scores[0].unlink()
     scores[1].write_text(scores[1].read_text()[:100])
@@ -231,14 +231,16 @@ def test_it_goes_on_where_it_was_stopped(small):
                 assert a == b
 
 
-def test_other_settings_do_not_use_old_scores(small):
+def test_another_duration_leaves_the_scores_of_the_first(small):
     folder, _, _ = small
+    scores = {path: path.read_bytes() for path in (folder / "scores").glob("*/*.json")}
     calls = []
     compare_observers(
         folder, seeds=[1], cases=["nominal"], observers=["motor speed"], duration=1.2, workers=1,
         progress=lambda fraction, text: calls.append(text),
     )  # fmt: skip
     assert len(calls) == 1
+    assert {path: path.read_bytes() for path in scores} == scores
 
 
 @pytest.mark.parametrize(
@@ -247,7 +249,16 @@ def test_other_settings_do_not_use_old_scores(small):
         ({"cases": ["nominal", "wild"]}, "wild"),
         ({"observers": ["nobody"]}, "nobody"),
         ({"seeds": 0}, "seeds"),
+        ({"cases": "nominal"}, "cases"),
+        ({"observers": []}, "observers"),
         ({"seeds": [1, 1]}, "seeds"),
+        ({"seeds": 1.5}, "seeds"),
+        ({"seeds": "3"}, "seeds"),
+        ({"seeds": [1.5]}, "seeds"),
+        ({"seeds": True}, "seeds"),
+        ({"workers": -1}, "workers"),
+        ({"workers": 1.5}, "workers"),
+        ({"duration": "long"}, "duration"),
         ({"duration": 0.5}, "duration"),
         ({"duration": float("nan")}, "duration"),
     ],
@@ -255,12 +266,6 @@ def test_other_settings_do_not_use_old_scores(small):
 def test_misuse(arguments, complaint):
     with pytest.raises(InvalidInput, match=complaint):
         compare_observers(**arguments)
-
-
-def test_a_folder_that_is_a_file(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InvalidInput, match="file"):
-        compare_observers(tmp_path / "file", quick=True)
 
 
 def test_figure(small):

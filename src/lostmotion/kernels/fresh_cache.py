@@ -12,9 +12,18 @@ import hashlib
 import json
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 _IMPORT = re.compile(r"^\s*from\s+\.(\w+)\s+import\b|^\s*from\s+\.\s+import\s+(.+)$", re.MULTILINE)
+
+
+def combined_hash(sources: Mapping[str, bytes]) -> str:
+    """One hash over names and sources, in any order."""
+    digest = hashlib.sha256()
+    for name in sorted(sources):
+        digest.update(name.encode() + b"\0" + sources[name] + b"\0")
+    return digest.hexdigest()
 
 
 def source_hashes(folder: Path) -> dict[str, str]:
@@ -31,10 +40,7 @@ def source_hashes(folder: Path) -> dict[str, str]:
         while new:
             new = set().union(*(imports[n] for n in new)) - reached
             reached |= new
-        digest = hashlib.sha256()
-        for part in sorted(reached):
-            digest.update(part.encode() + b"\0" + sources[part] + b"\0")
-        hashes[name] = digest.hexdigest()
+        hashes[name] = combined_hash({part: sources[part] for part in reached})
     return hashes
 
 

@@ -1,0 +1,51 @@
+"""Jobs of a comparison: one case on one rig for some observers, here or in processes."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Generator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import active_children
+
+from .cases import CASES
+from .contestants import CONTESTANTS
+from .scores import Score
+
+#: Case, seed, duration (s), observers.
+Job = tuple[str, int, float, tuple[str, ...]]
+Result = tuple[str, int, dict[str, Score]]
+
+
+def run_jobs(jobs: Sequence[Job], workers: int) -> Generator[Result, None, None]:
+    """Results as they come. Whoever leaves early, by Ctrl-C too, ends what still runs."""
+    if workers == 1 or len(jobs) < 2:
+        yield from map(run_job, jobs)
+        return
+    others = set(active_children())
+    with ProcessPoolExecutor(min(workers, len(jobs)), initializer=_leave_interrupts_to_the_parent) as pool:
+        futures = [pool.submit(run_job, job) for job in jobs]
+        processes = set(active_children()) - others
+        try:
+            for future in as_completed(futures):
+                yield future.result()
+        except BaseException:
+            # The pool itself would wait for the jobs that run, and for those that it has handed out beyond them.
+            for process in processes:
+                process.terminate()
+            raise
+
+
+def _leave_interrupts_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def run_job(job: Job) -> Result:
+    """One case on one rig for the named observers."""
+    from .experiment import experiment
+    from .scores import score
+
+    name, seed, duration, names = job
+    case = next(c for c in CASES if c.name == name)
+    data = experiment(case, seed, duration)
+    entries = {entry.name: entry for entry in CONTESTANTS}
+    return name, seed, {n: score(entries[n].make(data.drivetrain, data.sensing), data) for n in names}

@@ -1,0 +1,85 @@
+"""Scores that are kept in files, so that an interrupted comparison goes on, and a change of the code starts it over."""
+
+from __future__ import annotations
+
+import functools
+import json
+from pathlib import Path
+
+from ..errors import InvalidInput
+from ..io.whole_files import write_bytes
+from ..kernels.fresh_cache import combined_hash
+from .scores import Score
+
+Scores = dict[str, Score]
+
+#: Sources that no score depends on: the layers above, and what makes tables of the scores.
+ABOVE = ("cli", "run", "commands", "terminal", "stages", "report", "plot", "export", "io")
+TABLES = ("compare/compare_observers", "compare/leaderboard", "compare/score_cache", "compare/statistics")
+
+
+@functools.cache
+def source_hash(package: Path = Path(__file__).parents[1]) -> str:
+    """Hash of all sources of the package that a score may depend on."""
+    sources = {path.relative_to(package).as_posix(): path for path in package.rglob("*.py")}
+    return combined_hash(
+        {
+            name: path.read_bytes()
+            for name, path in sources.items()
+            if name.removesuffix(".py").split("/")[0] not in ABOVE and name.removesuffix(".py") not in TABLES
+        }
+    )
+
+
+class ScoreCache:
+    """Scores per case and seed for one length of the recordings, kept in files if there is a folder.
+
+    Parameters
+    ----------
+    folder : Path or None
+        Files go to ``scores/duration_…`` in it, so that another duration has files of its own.
+    duration : float, s
+
+    Raises
+    ------
+    InvalidInput
+        If the folder cannot be made.
+    """
+
+    def __init__(self, folder: Path | None, duration: float) -> None:
+        self.folder = None if folder is None else folder / "scores" / f"duration_{duration!r}"
+        self._found: dict[tuple[str, int], Scores] = {}
+        if self.folder is not None:
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise InvalidInput(
+                    str(folder), str(error.strerror or error), "a folder that can be written", "Check."
+                ) from None
+
+    def scores(self, case: str, seed: int) -> Scores:
+        """What is known, by observer."""
+        if (case, seed) not in self._found:
+            self._found[case, seed] = self._read(case, seed)
+        return self._found[case, seed]
+
+    def add(self, case: str, seed: int, found: Scores) -> None:
+        """Keeps the scores beside those of other observers."""
+        scores = self._found[case, seed] = {**self.scores(case, seed), **found}
+        if self.folder is not None:
+            content = {"sources": source_hash(), "case": case, "seed": seed, "scores": scores}
+            write_bytes(self._path(case, seed), json.dumps(content, indent=1, allow_nan=False).encode())
+
+    def _path(self, case: str, seed: int) -> Path:
+        words = "".join(c if c.isalnum() or c in "+−." else "_" for c in case)
+        return (self.folder or Path()) / f"{words}__{seed}.json"
+
+    def _read(self, case: str, seed: int) -> Scores:
+        """The file's scores; a file that is torn or was made by other code counts as none."""
+        if self.folder is None or not self._path(case, seed).is_file():
+            return {}
+        try:
+            content = json.loads(self._path(case, seed).read_text(encoding="utf-8"))
+            return dict(content["scores"]) if content["sources"] == source_hash() else {}
+        except (ValueError, KeyError, TypeError):
+            return {}
