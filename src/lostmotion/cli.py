@@ -166,7 +166,9 @@ def frf(
     fit = result["two_mass_fit"]
     if fit is not None:
         typer.echo(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
-        typer.echo("  A gap that opens during the test lowers both: docs/frequency-response.md says by how much.")
+        typer.echo(
+            "  A gap that opens during the test lowers both: docs/frequency-response.md says by how much."
+        )
     _finished(result["problems"], out, ".json", ".png")
 
 
@@ -243,22 +245,41 @@ def simulate(
 
 @compare_app.command(epilog=EXIT_CODES)
 def observers(
-    out: Annotated[Path, typer.Option(help="Folder of the leaderboard; finished parts are kept.")] = Path(
-        "leaderboard"
-    ),
-    quick: Annotated[bool, typer.Option("--quick", help="Two seeds, fewer cases, short recordings.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder of the leaderboard; finished parts are kept. "
+            "Default: leaderboard, with --quick leaderboard-quick."
+        ),
+    ] = None,
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick",
+            help="Two seeds, fewer cases, short recordings: two minutes of processor time at first.",
+        ),
+    ] = False,
     seeds: Annotated[int | None, typer.Option(min=1, help="Number of rigs; default 20, quick 2.")] = None,
+    case: Annotated[list[str] | None, typer.Option(help="A case by its name; repeat it for more.")] = None,
+    observer: Annotated[
+        list[str] | None, typer.Option(help="An observer by its name; repeat it for more.")
+    ] = None,
 ) -> None:
     """All observers over the same recordings of the virtual rig, as a leaderboard."""
     from .compare import compare_observers
     from .terminal import StageLines
 
-    with _interruptible(), StageLines() as lines:
+    out = out or Path("leaderboard-quick" if quick else "leaderboard")
+    kept = f"finished parts stand in {out / 'scores'}, the same command goes on"
+    with _interruptible(kept), StageLines(every=0.1) as lines:
+        lines("compare", 0.0)
         board = compare_observers(
-            out, quick=quick, seeds=seeds, progress=lambda fraction, text: lines("compare", fraction, text)
-        )
+            out, quick=quick, seeds=seeds, cases=case or None, observers=observer or None,
+            progress=lambda fraction, text: lines("compare", fraction, text),
+        )  # fmt: skip
+        lines("compare", 1.0)
     typer.echo(board.to_markdown())
-    _finished([], out, "/leaderboard.md", "/leaderboard.svg")
+    _finished([], out, *(f"/leaderboard.{ending}" for ending in ("md", "json", "csv", "svg")))
 
 
 def _simulate_variants(

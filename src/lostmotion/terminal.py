@@ -16,10 +16,15 @@ SHOWN = 3
 
 
 class StageLines:
-    """A progress line for each stage on standard error; call it as ``run.Progress``."""
+    """A progress line for each stage on standard error; call it as ``run.Progress``.
 
-    def __init__(self, shown: bool = True) -> None:
+    Without a terminal: a line where a stage starts and ends, and with ``every`` one for each such part of it.
+    """
+
+    def __init__(self, shown: bool = True, every: float = 1.0) -> None:
         self.shown = shown
+        self._every = every
+        self._told: dict[str, int] = {}
         self._console = Console(stderr=True, highlight=False)
         self._progress = Progress(
             TextColumn("{task.fields[stage]:<9}"),
@@ -50,8 +55,14 @@ class StageLines:
         done = fraction >= 1.0 and not text
         shown = text if not done else ""
         self._progress.update(self._tasks[stage], completed=fraction, description=shown)
-        if done and not self._console.is_terminal:
-            self._console.print(f"{stage} done in {time.perf_counter() - self._started[stage]:.1f} s")
+        if self._console.is_terminal:
+            return
+        spent = time.perf_counter() - self._started[stage]
+        if done:
+            self._console.print(f"{stage} done in {spent:.1f} s")
+        elif fraction < 1.0 and (parts := int(fraction / self._every + 1e-9)) > self._told.get(stage, 0):
+            self._told[stage] = parts
+            self._console.print(f"{stage} {100.0 * fraction:.0f} % in {spent:.0f} s")
 
 
 class Countdown:
