@@ -42,3 +42,11 @@ def test_readme_names_both_commands() -> None:
     assert ".venv/bin/pip install . && .venv/bin/lostmotion run" in text
     assert '.venv/bin/pip install ".[test]" && .venv/bin/pytest' in text
     assert '.venv/bin/pip install --quiet ".[test]" && .venv/bin/pytest' in (ROOT / ".ci" / "run").read_text()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_files_that_are_named_exist_and_no_place_is_left_open(page: Path) -> None:
+    text = page.read_text()
+    for named in re.findall(r"(?:^|[ `(])((?:src|tests|benchmarks|docs|examples)/[\w./-]+\.\w+)", text):
+        assert (ROOT / named).exists(), named
+    assert not re.findall(r"^[A-Z]+_[A-Z_]+$", text, re.MULTILINE)

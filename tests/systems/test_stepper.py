@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lostmotion.errors import InvalidInput
+from lostmotion.io.storage import load_law, save_law
 from lostmotion.recording import Recording
 from lostmotion.systems import Stepper
 
@@ -99,3 +101,15 @@ def test_a_state_of_another_law_is_refused(counting):
         counting.step([0.0, np.nan, 0.0, 0.0], [0.0, 0.0])
     with pytest.raises(InvalidInput, match="inputs"):
         counting.step(counting.init(), [0.0])
+
+
+def test_a_stored_stepper_is_read_again_and_a_foreign_one_is_not(counting, tmp_path):
+    stored = replace(counting, kernel="lostmotion.kernels.steppers_sliding_mode")
+    save_law(stored, tmp_path / "law.json")
+    again = load_law(tmp_path / "law.json")
+    assert isinstance(again, Stepper) and again.to_dict() == stored.to_dict()
+    assert np.array_equal(again.parameters, stored.parameters)
+    with pytest.raises(InvalidInput, match=r"lostmotion\.kernels"):
+        Stepper.from_dict(counting.to_dict())
+    with pytest.raises(InvalidInput, match="to_dict"):
+        Stepper.from_dict({"kernel": stored.kernel})

@@ -20,7 +20,7 @@ from ..recording import Event, Recording
 from .whole_files import read_bytes, write_bytes
 
 if TYPE_CHECKING:
-    from ..systems import DiscreteSystem
+    from ..systems import DiscreteSystem, Stepper
 
 #: Raised by one whenever an older package could no longer read the files.
 SCHEMA_VERSION = 1
@@ -60,16 +60,17 @@ def load_json(path: str | Path, kind: str) -> dict[str, Any]:
     return unwrapped(content, kind, str(path))
 
 
-def save_law(system: DiscreteSystem, path: str | Path) -> None:
-    """Write a ``DiscreteSystem`` as JSON; see ``load_law``."""
+def save_law(system: DiscreteSystem | Stepper, path: str | Path) -> None:
+    """Write a ``DiscreteSystem`` or a ``Stepper`` as JSON; see ``load_law``."""
     save_json(path, "law", system.to_dict())
 
 
-def load_law(path: str | Path) -> DiscreteSystem:
-    """The ``DiscreteSystem`` that ``save_law`` wrote, equal to the last bit."""
-    from ..systems import DiscreteSystem
+def load_law(path: str | Path) -> DiscreteSystem | Stepper:
+    """The ``DiscreteSystem`` or ``Stepper`` that ``save_law`` wrote, equal to the last bit."""
+    from ..systems import DiscreteSystem, Stepper
 
-    return DiscreteSystem.from_dict(load_json(path, "law"))
+    content = load_json(path, "law")
+    return Stepper.from_dict(content) if "kernel" in content else DiscreteSystem.from_dict(content)
 
 
 def save_recording(recording: Recording, path: str | Path) -> None:

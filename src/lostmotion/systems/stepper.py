@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from importlib import import_module
 from typing import Any
 
@@ -17,6 +17,9 @@ from .discrete_system import MAX_INPUTS, _check_names
 from .inputs import check_renames, input_columns
 
 Array = NDArray[np.float64]
+
+#: Where the functions of a stored stepper may come from: a file must not name code of its own.
+KERNELS = "lostmotion.kernels."
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -154,6 +157,31 @@ class Stepper:
             inputs=tuple(names.get(n, n) for n in self.inputs),
             outputs=tuple(names.get(n, n) for n in self.outputs),
         )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain lists, numbers and strings: ``from_dict`` gives back the very same law, also through JSON."""
+        return {
+            "name": self.name,
+            "inputs": list(self.inputs),
+            "outputs": list(self.outputs),
+            "dt": self.dt,
+            "parameters": self.parameters.tolist(),
+            "kernel": self.kernel,
+            "state_names": dict(self.state_names),
+            "exportable": self.exportable,
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Stepper:
+        """The law that ``to_dict`` wrote, of this package's own functions; InvalidInput for any other."""
+        expected = {field.name for field in fields(cls)}
+        kernel = str(data.get("kernel", ""))
+        if set(data) != expected or not kernel.startswith(KERNELS):
+            raise InvalidInput(
+                "Stepper.from_dict", f"keys {sorted(data)}, functions in {kernel!r}",
+                f"{sorted(expected)}, functions in {KERNELS}…", "Write it with to_dict.",
+            )  # fmt: skip
+        return cls(**data)
 
     def _state(self, state: ArrayLike) -> Array:
         copy = np.array(state, dtype=np.float64)
