@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import relative_rmse, rig_experiment
+from rig_runs import relative_rmse, rig_experiment
 
 from lostmotion.compare.cases import Case
 from lostmotion.compare.experiment import experiment as leaderboard_experiment

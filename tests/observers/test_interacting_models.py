@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import gap_f1, relative_rmse
+from rig_runs import gap_f1, relative_rmse
 
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment as rig_case

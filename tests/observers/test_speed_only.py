@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import gap_f1, relative_rmse
+from rig_runs import gap_f1, relative_rmse
 
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import gap_f1, relative_rmse, rig_experiment
+from rig_runs import gap_f1, relative_rmse, rig_experiment
 
 from lostmotion import rig
 from lostmotion.drivetrain import Drivetrain

@@ -101,10 +101,14 @@ def _fast(d: Drivetrain, s: Sensing) -> Runs:
 
 
 def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain, Sensing], Runs]:
-    """A filter that takes the noise of its sensor from the data sheet."""
-    return lambda d, s: make(
-        d, dt=s.dt, count_averaged=s.averaged, sensor_noise={"speed_motor": s.speed_noise}, **options
-    )
+    """A filter that takes the noise of its sensors from the data sheets."""
+
+    def made(d: Drivetrain, s: Sensing) -> Runs:
+        noise = {"speed_motor": s.speed_noise, "torque_shaft": s.torque_noise}
+        told = {name: noise[name] for name in options.get("measured", ("speed_motor",))}
+        return make(d, dt=s.dt, count_averaged=s.averaged, sensor_noise=told, **options)
+
+    return made
 
 
 def _speed_only(make: Callable[..., Runs]) -> Callable[[Drivetrain, Sensing], Runs]:
@@ -148,6 +152,11 @@ CONTESTANTS: tuple[Contestant, ...] = (
         lambda d, s: observers.disturbance(d, dt=s.dt, count_averaged=s.averaged),
     ),
     Contestant("extended Kalman", "stepper", _stepper(extended_kalman)),
+    Contestant(
+        "extended Kalman, both sensors",
+        "stepper",
+        _stepper(extended_kalman, measured=("torque_shaft", "speed_motor")),
+    ),
     Contestant("unscented Kalman", "stepper", _stepper(unscented_kalman)),
     Contestant("interacting models", "stepper", _stepper(interacting_models)),
     Contestant("moving horizon", "stepper", _stepper(moving_horizon), slow=True),

@@ -39,11 +39,11 @@ from .steppers_model import (
     STIFFNESS,
     TWIST,
     USE,
-    VARIANCE,
     clip,
     doubt,
     next_count,
     sensor_believed,
+    sensor_variance,
     write_estimates,
 )  # fmt: skip
 
@@ -98,10 +98,10 @@ def sensor(p, s, i, value, missing, h, gain, innovation, variance):
     Scratch: h, gain (≥ 3, N); innovation, variance (≥ 3,).
     """
     kind = int(p[KIND + i])
-    best = 0
+    best, error = 0, sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i)
     for m in range(MODELS):
         innovation[m] = value * p[SCALE + i] - _row(p, s, m, kind, h[m])
-        variance[m] = p[VARIANCE + i]
+        variance[m] = error
         for j in range(N):
             gain[m, j] = 0.0
             for k in range(N):
@@ -129,7 +129,7 @@ def sensor(p, s, i, value, missing, h, gain, innovation, variance):
         _weigh(p, s, h, innovation, variance, gain)
     if kind == SPEED_MOTOR and p[AVERAGED]:
         for m in range(MODELS):
-            next_count(p, i, s, m * ONE, m * ONE + N, N, value, verdict == USE)
+            next_count(p, i, s, m * ONE, m * ONE + N, N, value, error, verdict == USE)
     return verdict != USE
 
 

@@ -44,8 +44,8 @@ OWN = 114  # first place that an observer may use for itself
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
 
 #: Places in the memory of one sensor: last value, how often it came in a row, how far the model has moved since,
-#: rejections in a row.
-MEMORY = 4
+#: rejections in a row, and the smallest step that the value ever made (0 if none).
+MEMORY = 5
 
 #: What to do with a sample: use it; start again from it; predict through all others.
 USE, MISSING, START_AGAIN, FROZEN, JUMP = 0, 1, 2, 3, 4
@@ -60,7 +60,12 @@ ANGLE = 4
 #: (chosen: a jump of 8 rad/s is refused for 20 ms).
 DOUBT, WORST = 60.0, 10.0
 
+#: A value stands still if the model has moved by less than so many of its smallest steps (chosen: ``tuning.FREEZE``
+#: deviations of a count); smaller changes than this share of a value are its rounding.
+STEPS, ROUNDING = 2.45, 1e-9
+
 _ROOT_HALF = math.sqrt(0.5)
+_ROOT_SIXTH = math.sqrt(1.0 / 6.0)
 _DENSITY = 1.0 / math.sqrt(2.0 * math.pi)
 
 
@@ -162,6 +167,22 @@ def torque_believed(p, state, at, inputs, faults):
 
 
 @njit(cache=True, inline="always")
+def sensor_variance(p, state, at, i):
+    """Variance of sensor ``i``, times ``SCALE`` squared; at least that of the steps in which its value comes.
+
+    An encoder coarser than was told shows itself by them, in its first few changes.
+    """
+    step = state[at + 4] * p[SCALE + i]
+    return max(p[VARIANCE + i], step * step / 12.0)
+
+
+@njit(cache=True, inline="always")
+def deviation_of_steps(state, at):
+    """Standard deviation of a speed that is a difference of counts, by its smallest step."""
+    return state[at + 4] * _ROOT_SIXTH
+
+
+@njit(cache=True, inline="always")
 def sensor_believed(p, state, at, i, value, missing, moved, innovation, variance):
     """Whether a sample of sensor ``i`` is used; keeps the sensor's memory at ``state[at]``.
 
@@ -188,7 +209,7 @@ def sensor_believed(p, state, at, i, value, missing, moved, innovation, variance
     if value == state[at]:
         state[at + 1] += 1.0
         state[at + 2] = LOST if state[at + 2] >= LOST else state[at + 2] + moved
-        if state[at + 1] >= 3.0 and abs(state[at + 2]) > p[STILL + i]:
+        if state[at + 1] >= 3.0 and abs(state[at + 2]) > max(p[STILL + i], STEPS * state[at + 4]):
             # Once frozen it stays so, also where the estimate comes past the value again.
             state[at + 2] = LOST
             if state[at + 1] <= p[FROZEN_HOLD]:
@@ -196,6 +217,9 @@ def sensor_believed(p, state, at, i, value, missing, moved, innovation, variance
             state[at + 1] = state[at + 2] = state[at + 3] = 0.0
             return START_AGAIN
     else:
+        step = abs(value - state[at])
+        if step > ROUNDING * abs(value) and (step < state[at + 4] or state[at + 4] == 0.0):
+            state[at + 4] = step
         state[at] = value
         state[at + 1] = 1.0
         state[at + 2] = 0.0
@@ -210,11 +234,11 @@ def sensor_believed(p, state, at, i, value, missing, moved, innovation, variance
 
 
 @njit(cache=True, inline="always")
-def next_count(p, i, s, mean, covariance, n, value, used):
+def next_count(p, i, s, mean, covariance, n, value, error, used):
     """After sensor ``i`` counted: the angle of the mean at s[mean …] is measured from the newest count on.
 
     A used sample moves it by what was counted. Otherwise the count is not known: the angle is then its error alone, and
-    in the (n, n) covariance at s[covariance …] it is white noise.
+    in the (n, n) covariance at s[covariance …] it is white noise of the variance ``error``.
     """
     if used:
         s[mean + ANGLE] -= value * p[SCALE + i]
@@ -222,7 +246,7 @@ def next_count(p, i, s, mean, covariance, n, value, used):
     s[mean + ANGLE] = 0.0
     for j in range(n):
         s[covariance + ANGLE * n + j] = s[covariance + j * n + ANGLE] = 0.0
-    s[covariance + ANGLE * (n + 1)] = p[VARIANCE + i]
+    s[covariance + ANGLE * (n + 1)] = error
 
 
 @njit(cache=True)

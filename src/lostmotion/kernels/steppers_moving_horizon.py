@@ -35,12 +35,12 @@ from .steppers_model import (
     SPEED_MOTOR,
     START_AGAIN,
     USE,
-    VARIANCE,
     advance,
     doubt,
     mean_gap,
     next_count,
     sensor_believed,
+    sensor_variance,
 )  # fmt: skip
 from .steppers_tracking import (
     BACKLASH,
@@ -125,7 +125,8 @@ def _count(p, s, at, w):
     """The estimate w, before the node's trajectory at s[at …] moves on: its angle from the node's count on."""
     if p[AVERAGED]:
         i = _counter(p)
-        next_count(p, i, w, 0, COVARIANCE, N, s[at + NODE_VALUE + i], s[at + NODE_BELIEVED + i] != 0.0)
+        error = sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i)
+        next_count(p, i, w, 0, COVARIANCE, N, s[at + NODE_VALUE + i], error, s[at + NODE_BELIEVED + i] != 0.0)
 
 
 @njit(cache=True)
@@ -183,8 +184,7 @@ def _use(p, w, s, at, i, h, gain):
     if s[at + NODE_BELIEVED + i] == 0.0:
         return 0.0, 1.0
     innovation = s[at + NODE_VALUE + i] * p[SCALE + i] - row(p, w, int(p[KIND + i]), h)
-    variance = p[VARIANCE + i]
-    variance += along(w, h, gain)
+    variance = sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i) + along(w, h, gain)
     correct(w, h, innovation, variance, gain)
     return innovation / variance, variance
 
@@ -271,7 +271,7 @@ def _append(p, s, inputs, torque, faults, h, scratch):
     for i in range(int(p[N_SENSORS])):
         kind = int(p[KIND + i])
         innovation = inputs[1 + i] * p[SCALE + i] - row(p, s, kind, h)
-        variance = p[VARIANCE + i] + along(s, h, scratch)
+        variance = sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i) + along(s, h, scratch)
         verdict = sensor_believed(
             p, s, SENSOR_MEMORY + MEMORY * i, i, inputs[1 + i], given & (2 << i) != 0, moved(p, s, kind), innovation,
             variance,

@@ -25,15 +25,16 @@ from .steppers_model import (
     USE,
     advance,
     clip,
+    deviation_of_steps,
     sensor_believed,
     torque_believed,
     write_estimates,
 )  # fmt: skip
 
 # Own parameters: half of the backlash, Coulomb level; largest innovation expected, and its growth per sample without
-# a believed measurement, both over the gate.
-HALF, COULOMB, EXPECTED, GROWTH = OWN, OWN + 1, OWN + 2, OWN + 3
-FREE = OWN + 4
+# a believed measurement, both over the gate; the sensor's deviation as told, and how much that of its steps adds.
+HALF, COULOMB, EXPECTED, GROWTH, NOISE, COARSER = OWN, OWN + 1, OWN + 2, OWN + 3, OWN + 4, OWN + 5
+FREE = OWN + 6
 
 # Places in the state: those of ``steppers_model``, then
 STARTED, TORQUE, FRICTION, MOVED, UNBELIEVED, GIVEN, SENSOR = 5, 6, 7, 8, 9, 10, 11
@@ -65,6 +66,7 @@ def innovation_of(p, s, inputs, faults):
         restart(p, s, 0.0 if missing else speed)
     innovation = speed - (s[ANGLE] / p[DT] if p[AVERAGED] else s[1])
     expected = p[EXPECTED] + p[GROWTH] * s[UNBELIEVED]
+    expected += p[COARSER] * max(deviation_of_steps(s, SENSOR) - p[NOISE], 0.0)
     verdict = sensor_believed(p, s, SENSOR, 0, speed, missing, s[MOVED], innovation, expected * expected)
     if verdict == START_AGAIN:
         restart(p, s, speed)

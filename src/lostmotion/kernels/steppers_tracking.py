@@ -37,12 +37,12 @@ from .steppers_model import (
     TORQUE_SHAFT,
     TWIST,
     USE,
-    VARIANCE,
     clip,
     doubt,
     mean_gap,
     next_count,
     sensor_believed,
+    sensor_variance,
     torque_believed,
     write_estimates,
 )  # fmt: skip
@@ -211,8 +211,8 @@ def correct_all(p, s, inputs, torque_faults, work):
     for i in range(int(p[N_SENSORS])):
         kind = int(p[KIND + i])
         innovation = inputs[1 + i] * p[SCALE + i] - row(p, s, kind, h)
-        variance = p[VARIANCE + i]
-        variance += along(s, h, gain)
+        error = sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i)
+        variance = error + along(s, h, gain)
         verdict = sensor_believed(
             p, s, SENSOR_MEMORY + MEMORY * i, i, inputs[1 + i], torque_faults & (2 << i) != 0, moved(p, s, kind),
             innovation, variance,
@@ -227,7 +227,7 @@ def correct_all(p, s, inputs, torque_faults, work):
         if verdict == START_AGAIN:
             restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
         if kind == SPEED_MOTOR and p[AVERAGED]:
-            next_count(p, i, s, 0, COVARIANCE, N, inputs[1 + i], verdict == USE)
+            next_count(p, i, s, 0, COVARIANCE, N, inputs[1 + i], error, verdict == USE)
     return faults
 
 

@@ -47,6 +47,7 @@ def speed_only_parameters(
     p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb
     p[kernel.EXPECTED] = (LARGEST_INNOVATION + OF_NOISE * p[at.STILL] / FREEZE) / p[at.GATE]
     p[kernel.GROWTH] = INNOVATION_RATE * dt / p[at.GATE]
+    p[kernel.NOISE], p[kernel.COARSER] = p[at.STILL] / FREEZE, OF_NOISE / p[at.GATE]
     return p
 
 

@@ -57,6 +57,10 @@ SENSOR_NOISE: Mapping[str, float] = MappingProxyType(
 #: (chosen: the innovations on the virtual rig are five times those of a 20-bit encoder).
 MODES = 1e-5
 
+#: The same of the shaft's twist, rad: added to the error of a torque or twist sensor (chosen on virtual rigs 1 to 4,
+#: where the 750 Hz mode has 2 Nm on the shaft).
+TWIST_MODES = 1.6e-4
+
 #: Encoder that a speed from counts is taken to come from, counts in a turn (chosen: 20 bit).
 COUNTS = 2**20
 
@@ -101,6 +105,10 @@ def chosen(
     where: str, default: Mapping[str, float], given: Mapping[str, float] | None, zero: bool
 ) -> dict[str, float]:
     """The defaults, changed by what the user gave."""
+    if not isinstance(given, Mapping | None):
+        raise InvalidInput(
+            where, repr(given), f"a mapping, names out of {tuple(default)}", "Give {name: value}."
+        )
     unknown = sorted(set(given or {}) - set(default))
     if unknown:
         raise InvalidInput(where, f"{unknown}", f"names out of {tuple(default)}", "Check the names.")
@@ -153,6 +161,7 @@ def model_parameters(
     """The part of the parameter array that ``kernels.steppers_model`` reads; the rest is zero."""
     from ..kernels import steppers_model as at
 
+    positive("dt", dt)
     if count_averaged and "speed_motor" not in measured:
         raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
     shaft, friction = drivetrain.shaft, drivetrain.frictions[1]
@@ -174,7 +183,7 @@ def model_parameters(
     p[at.TORQUE_BOUND] = 2.0 * limit if math.isfinite(limit) else 1e30
     p[at.GATE], p[at.HOLD], p[at.DT] = GATE, max(1.0, round(HOLD / dt)), dt
     p[at.N_SENSORS], p[at.FROZEN_HOLD] = len(measured), max(3.0, round(FROZEN_HOLD / dt))
-    _fill_sensors(p, measured, dt, sensor_noise, count_averaged)
+    _fill_sensors(p, measured, dt, shaft.stiffness, sensor_noise, count_averaged)
     return p
 
 
@@ -182,6 +191,7 @@ def _fill_sensors(
     p: Array,
     measured: tuple[str, ...],
     dt: float,
+    stiffness: float,
     sensor_noise: Mapping[str, float] | None,
     count_averaged: bool,
 ) -> None:
@@ -190,12 +200,19 @@ def _fill_sensors(
 
     usual = {**SENSOR_NOISE, "speed_motor": speed_of_counts(dt)} if count_averaged else SENSOR_NOISE
     noise = chosen("sensor_noise", usual, sensor_noise, zero=False)
+    others = sorted(set(sensor_noise or {}) - set(measured))
+    if others:
+        raise InvalidInput(
+            "sensor_noise", f"{others}", f"names out of {measured}", "Measure them, or drop them."
+        )
     for i, name in enumerate(measured):
         counted = count_averaged and name == "speed_motor"
         scale = dt if counted else 1.0
         p[at.KIND + i], p[at.SCALE + i] = STEPPER_SENSORS.index(name), scale
         error = (noise[name] * scale) ** 2
         p[at.VARIANCE + i] = 0.5 * error + MODES**2 if counted else error
+        if name in ("torque_shaft", "twist"):
+            p[at.VARIANCE + i] += (TWIST_MODES * (stiffness if name == "torque_shaft" else 1.0)) ** 2
         p[at.MISMATCH + i], p[at.STILL + i] = MISMATCH[name] * scale, FREEZE * noise[name]
 
 
