@@ -92,6 +92,8 @@ FAULTS: dict[str, tuple[float, Callable[[np.ndarray], Any]]] = {
     "+5, 2 ms": (0.002, lambda y: y + 5.0),
 }
 DROPPED = "5 % dropped"
+#: The same of the motor's torque.
+NO_TORQUE = "torque_motor NaN, 20 ms"
 
 
 def broken(values: np.ndarray, fault: str, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -114,18 +116,21 @@ def broken(values: np.ndarray, fault: str, dt: float) -> tuple[np.ndarray, np.nd
 def after_faults(
     law: Any, recording: lm.Recording, load: np.ndarray, signal: str
 ) -> list[tuple[float, float]]:
-    """For each fault of the signal: error of the load's speed after it over the normal error; share flagged."""
+    """For each fault of the signal, and for a missing torque: the load's speed's error over the normal one; flagged."""
     estimates = law.run(recording.only(*law.inputs))
     if "input_fault" not in estimates:
         return []
     normal = np.sqrt(np.mean((estimates["speed_load_estimated"] - load)[round(0.3 / recording.dt) :] ** 2))
     cells = []
-    for fault in (*FAULTS, DROPPED):
-        shown, bad, after = broken(recording[signal], fault, recording.dt)
-        found = law.run(recording.with_signals("measured", **{signal: shown}).only(*law.inputs))
+    trials = [(signal, fault) for fault in (*FAULTS, DROPPED)]
+    if "torque_motor" in law.inputs:
+        trials.append(("torque_motor", next(iter(FAULTS))))
+    for name, fault in trials:
+        shown, bad, after = broken(recording[name], fault, recording.dt)
+        found = law.run(recording.with_signals("measured", **{name: shown}).only(*law.inputs))
         error = np.sqrt(np.mean((found["speed_load_estimated"] - load)[after] ** 2))
         cells.append((float(error / normal), float(np.mean(found["input_fault"][bad]))))
-    return cells
+    return cells if "torque_motor" in law.inputs else [*cells, (np.nan, np.nan)]
 
 
 def closed_shaft(seed: int) -> tuple[lm.Recording, np.ndarray]:
@@ -165,7 +170,9 @@ def print_faults(results: list[dict[str, list[tuple[float, float]]]]) -> None:
         rows.append(
             [name, *(f"{m[0]:.1f} ({w:.1f}), {100 * m[1]:.0f} %" for m, w in zip(middle, worst, strict=True))]
         )
-    print(table(["error after / normal error: median (worst rig), flagged", *FAULTS, DROPPED], rows))
+    print(
+        table(["error after / normal error: median (worst rig), flagged", *FAULTS, DROPPED, NO_TORQUE], rows)
+    )
 
 
 def over_seeds(job: Callable[[int], Any], seeds: int) -> list[Any]:

@@ -81,7 +81,11 @@ def python_run(
             w.append(curve(x + u + w, i))
         for i, (_, row, memory) in checks.items():
             predicted = total(row, x + u + w)
-            u[i], bad = memory.checked(sample[i], predicted, u[i])
+            if memory.check.missing_only:
+                unsure = any(fault >> (k - len(x)) & 1 for k, _ in row if len(x) <= k < len(x) + len(u))
+                u[i], bad = memory.filled(sample[i], predicted, u[i], unsure)
+            else:
+                u[i], bad = memory.checked(sample[i], predicted, u[i])
             fault |= bad << i
         for i in range(len(w), len(curves)):
             w.append(curve(x + u + w, i))
@@ -102,6 +106,11 @@ class Memory:
         self.error = self.before = 0.0
         self.doubt = 2 * check.hold
         self.largest_error = self.largest_change = self.longest_run = 0.0
+
+    def filled(self, given: float, predicted: float, kept: float, unsure: bool) -> tuple[float, bool]:
+        if abs(given) <= 1e30:
+            return given, False
+        return (kept if self.check.keep or unsure or not abs(predicted) <= 1e30 else predicted), True
 
     def checked(self, given: float, predicted: float, kept: float) -> tuple[float, bool]:
         missing, lost, armed = (

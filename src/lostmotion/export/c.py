@@ -205,6 +205,7 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
     def terms(matrix: NDArray[np.float64]) -> list[list[tuple[str, str]]]:
         return [[(repr(float(row[j])), symbols[j]) for j in np.flatnonzero(row)] for row in matrix]
 
+    remembering = [check.input for check in law.checks if not check.missing_only]
     curves = []
     for curve in law.curves:
         # Each segment: upper end (None for the last), then the value and slope at its anchor.
@@ -240,17 +241,20 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
         "early_curves": law.early_curves,
         "checks": [
             {
-                "number": i,
+                "number": None if check.missing_only else remembering.index(check.input),
                 "input": law.inputs.index(check.input),
                 "limit": repr(check.limit),
                 "hold": repr(float(check.hold)),
                 "forget": repr(check.forget),
                 "keep": int(check.keep),
                 "alone": int(check.alone),
+                "missing_only": check.missing_only,
+                "needed": sum(1 << int(u) for u in np.flatnonzero(law.Q[i])),
                 "start": [repr(number) for number in check.start()],
             }
             for i, check in enumerate(law.checks)
         ],
+        "remembering": len(remembering),
         "checked": [law.inputs.index(check.input) for check in law.checks],
         "rule": {
             name: repr(value)

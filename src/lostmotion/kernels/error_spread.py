@@ -45,7 +45,7 @@ def output_spread(arguments, faults, of_state, of_input, of_curve, curves, check
     curves : tuple of arrays
         Points, values (n_curves, most), slopes (n_curves, most + 1), number of points (n_curves,).
     checked : (n_inputs,) int64 array
-        Row of P and R for each input, or −1.
+        Row of P and R for each input, or −1; one without a row counts as exact while it is replaced.
     noise : tuple of arrays
         Standard deviations that a sample has: of the process, per state; of each input.
     errors : (samples, n_states) array, changed in place

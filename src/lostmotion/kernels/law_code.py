@@ -29,8 +29,8 @@ class LawShape(NamedTuple):
     rows: tuple[tuple[int, ...], ...]  # columns of the coefficients that are not zero
     slopes: tuple[tuple[int, ...], ...]  # of each curve's segments: FLAT, ONE or STEEP
     checks: tuple[
-        tuple[int, bool, bool], ...
-    ]  # input, whether it keeps its last good value, and stands alone
+        tuple[int, bool, bool, bool], ...
+    ]  # input, whether it keeps its last good value, stands alone, and is replaced only where it is missing
 
 
 def _number(value: float) -> str:
@@ -174,6 +174,30 @@ def _checked(
     return value, w.make(f"phi i64 [0, %good{i}], [{bad}, %other{i}]")
 
 
+def _filled(
+    w: _Writer, shape: LawShape, j: int, given: str, place: int, v: list[str], faults: str
+) -> tuple[str, str]:
+    """The input of check j, believed unless it is missing, and its bit if it is; the prediction is made only then.
+
+    The last good value stays where an input that the prediction needs is bad itself.
+    """
+    i, keep, *_ = shape.checks[j]
+    columns = shape.rows[shape.n_curves + shape.n_outputs + shape.n_states + j]
+    needed = sum(1 << u for u in range(shape.n_inputs) if shape.n_states + u in columns)
+    kept, usable, before = v[shape.n_states + i], w.usable(given), w.block
+    w.lines.append(f"br i1 {usable}, label %taken{i}, label %missing{i}, !prof !0")
+    w.label(f"missing{i}")
+    if not keep:
+        predicted = _row(w, columns, place, v)
+        sure = w.make(f"icmp eq i64 {w.make(f'and i64 {faults}, {needed}')}, 0")
+        sure = w.make(f"and i1 {sure}, {w.usable(predicted)}")
+        kept = w.make(f"select i1 {sure}, double {predicted}, double {kept}")
+    w.lines.append(f"br label %taken{i}")
+    w.label(f"taken{i}")
+    value = w.make(f"phi double [{given}, %{before}], [{kept}, %missing{i}]")
+    return value, w.make(f"phi i64 [0, %{before}], [{1 << i}, %missing{i}]")
+
+
 def _source(shape: LawShape) -> str:
     w, n_known = _Writer(), shape.n_states + shape.n_inputs
     starts = [0]
@@ -185,7 +209,7 @@ def _source(shape: LawShape) -> str:
     slope_at = w_at + sum(points)
     checks_at = slope_at + sum(points) + shape.n_curves
     v = [w.load("%state", i) for i in range(n_known)]
-    checked, faults = {i for i, _, _ in shape.checks}, "0"
+    checked, faults = {i for i, *_ in shape.checks}, "0"
 
     def curve(i: int) -> None:
         before = sum(points[:i])
@@ -202,14 +226,16 @@ def _source(shape: LawShape) -> str:
             faults = w.make(f"or i64 {faults}, {w.make(f'select i1 {good}, i64 0, i64 {1 << i}')}")
     for i in range(shape.n_early):
         curve(i)
-    expected = shape.n_curves + shape.n_outputs + shape.n_states
-    for j, (i, keep, alone) in enumerate(shape.checks):
-        predicted = _row(w, shape.rows[expected + j], starts[expected + j], v)
-        place, at = checks_at + 3 * j, n_known + REMEMBERED * j
-        kept = v[shape.n_states + i]
-        v[shape.n_states + i], bad = _checked(
-            w, i, w.load("%inputs", i), predicted, kept, keep, alone, place, at
-        )
+    expected, at = shape.n_curves + shape.n_outputs + shape.n_states, n_known
+    for j, (i, keep, alone, missing_only) in enumerate(shape.checks):
+        given, kept, row = w.load("%inputs", i), v[shape.n_states + i], expected + j
+        if missing_only:
+            value, bad = _filled(w, shape, j, given, starts[row], v, faults)
+        else:
+            predicted = _row(w, shape.rows[row], starts[row], v)
+            value, bad = _checked(w, i, given, predicted, kept, keep, alone, checks_at + 3 * j, at)
+            at += REMEMBERED
+        v[shape.n_states + i] = value
         faults = w.make(f"or i64 {faults}, {bad}")
     for i in range(shape.n_early, shape.n_curves):
         curve(i)

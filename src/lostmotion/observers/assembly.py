@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..curves import PiecewiseLinear, dead_zone, saturation
 from ..drivetrain import Friction
 from ..systems import DiscreteSystem
-from .checks import with_checks
+from .checks import with_checks, with_torque_check
 from .gates import with_gates, with_innovation
 from .model import ObserverModel
 
@@ -132,7 +132,33 @@ class Assembly:
             law = with_gates(law, measured, residual, gain - self.slack_gain, self.model)
         if limits is not None:
             law = with_checks(law, measured, residual, limits)
+            if "speed_motor" in measured:
+                law = self._with_torque_check(law, measured, residual, names)
         return with_innovation(law, measured, residual) if innovation else law
+
+    def _with_torque_check(
+        self,
+        law: DiscreteSystem,
+        measured: tuple[str, ...],
+        expected: tuple[Array, Array],
+        names: tuple[str, ...],
+    ) -> DiscreteSystem:
+        """While the motor's torque is missing, the one that brings the model's motor to the measured speed.
+
+        Shaft torque and viscous friction, and J/dt·(measured − expected speed): by the end of the sample where the
+        torque acts at once; through a lag, its state gets there by then, and the speed one sample later.
+        """
+        model, i = self.model, measured.index("speed_motor")
+        drivetrain, per_speed = model.drivetrain, model.drivetrain.inertia_motor / self.dt
+        shaft, curves = self._torque_rows(names)
+        states = -per_speed * expected[0][i]
+        states[: shaft.size] += shaft + model.row(speed_motor=drivetrain.viscous_motor)
+        curves = curves - per_speed * expected[1][i]
+        if drivetrain.lag > 0.0:
+            stays = np.exp(-self.dt / drivetrain.lag)
+            states[model.states.index("torque_actuator")] -= stays
+            states, curves, per_speed = (part / (1.0 - stays) for part in (states, curves, per_speed))
+        return with_torque_check(law, states, ("speed_motor", per_speed), curves)
 
     def _measurement(
         self, measured: tuple[str, ...], c: Array, names: tuple[str, ...]

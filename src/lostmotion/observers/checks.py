@@ -51,3 +51,16 @@ def with_checks(
     p[:, : rows[0].shape[1]], r[:, : rows[1].shape[1]] = rows
     checks = tuple(InputCheck.over_time(name, limits[name], law.dt, keep, alone) for name in measured)
     return replace(law, checks=checks, P=p, R=r)
+
+
+def with_torque_check(
+    law: DiscreteSystem, states: Array, signal: tuple[str, float], curves: Array
+) -> DiscreteSystem:
+    """The law that while torque_motor is missing takes states·x + share·signal + curves·w for it.
+
+    Both rows go over the law's first states and curves; ``signal`` is a checked input and its share.
+    """
+    p, q, r = (np.pad(matrix, ((0, 1), (0, 0))) for matrix in (law.P, law.Q, law.R))
+    p[-1, : states.size], r[-1, : curves.size] = states, curves
+    q[-1, law.inputs.index(signal[0])] = signal[1]
+    return replace(law, checks=(*law.checks, InputCheck.when_missing("torque_motor")), P=p, Q=q, R=r)

@@ -39,7 +39,7 @@ def deviations(
     Many samples of it are moved along the estimate through the true curves. (One covariance moved by the curves' mean
     slopes is half as large as the errors: it forgets that a wrong side of the gap stays wrong for a while.) In the gap
     nothing brings the load's error back, and it grows. While a check replaces a sample by its prediction, that sensor
-    corrects nothing, and all errors grow.
+    corrects nothing, and all errors grow; a missing motor torque counts as known.
 
     The deviations are as right as the covariances, so there is no default: those of ``kalman`` choose a gain, and as
     noises they are far too large. ``covariances`` fits them to a recording; in physical terms they are (unknown torque,
@@ -127,6 +127,8 @@ def _tables(observer: DiscreteSystem) -> tuple[Any, ...]:
     counts = np.array([len(curve.points) for curve in curves], dtype=np.int64)
     checked = np.full(len(o.inputs), -1, dtype=np.int64)
     for i, check in enumerate(o.checks):
+        if check.missing_only:
+            continue
         checked[o.inputs.index(check.input)] = i
     return (
         (o.F, o.A, o.C, o.P), (o.G, o.B, o.D), (o.H, o.E, o.J, o.R), (points, values, slopes, counts), checked

@@ -61,8 +61,9 @@ class DiscreteSystem:
         y  = C x + D u + J w
         x⁺ = A x + B u + E w
 
-    An input may have a check, with a prediction p = P x + Q u + R w of it, out of states, inputs without a check, and
-    curves that need no others: while it is missing, jumps or is frozen, p takes its place. See ``InputCheck``.
+    An input may have a check, with a prediction p = P x + Q u + R w of it, out of states, inputs without a check or
+    with an earlier one, and curves that need no checked input: while it is missing, jumps or is frozen, p takes its
+    place. See ``InputCheck``.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ class DiscreteSystem:
         Shapes follow from the equations; a matrix that is left out (or empty) is zero. Copied and read-only.
     curves : tuple of PiecewiseLinear
     checks : tuple of InputCheck
-        In the order of the rows of P, Q and R; at most one for each input.
+        In the order of the rows of P, Q and R, in which they are done; at most one for each input.
     inputs, outputs, states : tuple of str
         Signal names, each without doubles.
     dt : float, s
@@ -83,7 +84,7 @@ class DiscreteSystem:
     ------
     InvalidInput
         If a shape does not fit, a number is not finite, a name comes twice, H is not strictly lower
-        triangular, a check is of no input, or its prediction needs an input that has a check itself.
+        triangular, a check is of no input, or its prediction needs an input that is checked with it or later.
     """
 
     inputs: tuple[str, ...]
@@ -144,11 +145,12 @@ class DiscreteSystem:
                 "Check the names.",
             )
         checked = [self.inputs.index(name) for name in names]
-        if np.any(self.Q[:, checked]) or np.any(self.G[: self.early_curves, checked]):
+        if np.any(np.triu(self.Q[:, checked])) or np.any(self.G[: self.early_curves, checked]):
             raise InvalidInput(
-                f"{self.name}.checks", f"a prediction that needs an input out of {names}",
-                "predictions out of states, inputs without a check, and curves of these",
-                "Order the curves so that those of the predictions come first.",
+                f"{self.name}.checks", f"a prediction that needs an input out of {names} that is not checked yet",
+                "predictions out of states, inputs without a check or with an earlier one, and curves that need none "
+                "of the checked inputs",
+                "Order the checks, and the curves so that those of the predictions come first.",
             )  # fmt: skip
 
     @property
@@ -254,7 +256,7 @@ class DiscreteSystem:
             slopes=tuple(
                 tuple({0.0: FLAT, 1.0: ONE}.get(slope, STEEP) for slope in c.slopes) for c in self.curves
             ),
-            checks=tuple((self.inputs.index(c.input), c.keep, c.alone) for c in self.checks),
+            checks=tuple((self.inputs.index(c.input), c.keep, c.alone, c.missing_only) for c in self.checks),
         )
         points = [point for c in self.curves for point in c.points]
         numbers = [

@@ -49,6 +49,9 @@ class InputCheck:
     alone : bool
         For a law without a model of what moves the signal, which soon expects a frozen one: a value other than zero is
         frozen if it came more than five times in a row, and three times as often as any of late.
+    missing_only : bool
+        Every sample but a missing one is believed, and nothing is remembered: for a command, which may stand and jump
+        as it likes. The last good one is kept while an input that the prediction needs is bad too.
     """
 
     input: str
@@ -57,6 +60,7 @@ class InputCheck:
     forget: float
     keep: bool = False
     alone: bool = False
+    missing_only: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "limit", float(self.limit))
@@ -85,8 +89,15 @@ class InputCheck:
         """The check with its times in s, for the sample time ``dt`` (s)."""
         return cls(input, limit, max(1, round(hold / dt)), math.exp(-dt / memory), keep, alone)
 
+    @classmethod
+    def when_missing(cls, input: str) -> InputCheck:
+        """The check that replaces missing samples alone."""
+        return cls(input, limit=1e30, hold=1, forget=0.0, missing_only=True)
+
     def start(self) -> list[float]:
         """What it remembers at the start (``kernels.input_check``), when every finite sample is taken."""
+        if self.missing_only:
+            return []
         return [0.0, 0.0, 0.0, 0.0, 2.0 * self.hold, 0.0, 0.0, 0.0]
 
     def to_dict(self) -> dict[str, Any]:
