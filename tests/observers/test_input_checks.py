@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -113,6 +114,46 @@ def test_the_torque_sensor_may_fail_too(fault):
     assert ratio < 1.5
     assert flagged > (0.8 if fault in ("frozen", "zero") else 0.999)
     assert wrongly < 1e-3
+
+
+#: These correct slowly: the angle by which the model's motor was a sample late is still there 50 ms later. (Before: 19,
+#: 44 and 13; wanted: 1.5.)
+LATE = {"kalman": 2.5, "kalman on both": 2.2, "kalman, scheduled": 1.7}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_missing_motor_torque_is_told_from_the_motor_speed(name):
+    ratio, flagged, wrongly = compared(on_the_rigs(name), "torque_motor", "missing")
+    assert ratio < LATE.get(name, 1.5)
+    assert flagged == 1.0 and wrongly == 0.0
+
+
+@pytest.mark.parametrize("lag", [0.0, 3e-4, 5e-3])
+@pytest.mark.parametrize("averaged", [False, True])
+@pytest.mark.parametrize("dt", [1e-4, 1e-3])
+def test_the_torque_that_follows_the_motor_speed_is_stable(lag, averaged, dt):
+    """The torque put into the law: the motor follows soon, the load swings as on a motor whose speed is given.
+
+    Through a lag that swing may grow, by 0.5 per second at most.
+    """
+    plant = PLANT.with_parameters(lag=lag, backlash=0.0, coulomb=0.0)
+    law = kalman(plant, dt=dt, count_averaged=averaged)
+    row = [check.input for check in law.checks].index("torque_motor")
+    poles = replace(law, A=law.A + law.B[:, :1] @ law.P[[row]]).poles()
+    swing = abs(poles - 1.0) < 0.3
+    assert max(abs(poles[swing])) < (1.0 if lag == 0.0 or dt == 1e-4 else np.exp(0.5 * dt))
+    assert max(abs(poles[~swing]), default=0.0) < 0.9
+
+
+def test_with_all_signals_missing_the_torque_holds_its_last_value():
+    law, data = OBSERVERS["kalman"], {n: RECORDING[n].copy() for n in OBSERVERS["kalman"].inputs}
+    gone = slice(6000, 6200)
+    data["speed_motor"][gone] = np.nan
+    held = {n: values.copy() for n, values in data.items()}
+    data["torque_motor"][gone], held["torque_motor"][gone] = np.nan, held["torque_motor"][5999]
+    found, wanted = law.run(data), law.run(held)
+    for name in law.outputs:
+        np.testing.assert_array_equal(found[name], wanted[name])
 
 
 def test_a_short_and_large_jump_does_not_make_it_deaf_to_small_ones():

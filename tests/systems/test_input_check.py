@@ -95,6 +95,40 @@ def test_what_the_same_law_takes_without_its_checks():
     assert not np.any(run(tracker().without_checks(), [*SETTLED, 7.0, 7.0])["input_fault"])
 
 
+def follower(checks=(CHECK, InputCheck.when_missing("u")), rows=((1.0, 0.0, 0.0), (10.0, 0.0, 2.0))):
+    """The tracker, which takes 10 x + 2 y for u where that is missing; rows of (P, Q)."""
+    rows = np.array(rows)
+    return replace(tracker(), checks=checks, P=rows[:, :1], Q=rows[:, 1:], R=[])
+
+
+@pytest.mark.parametrize("keep, wanted", [(False, [0.0, 0.0, 2.5, 28.75]), (True, [0.0, 0.0, 0.5, 0.75])])
+def test_a_missing_command_is_told_from_an_input_that_is_checked_before_it(keep, wanted):
+    law = follower((replace(CHECK, limit=100.0), replace(InputCheck.when_missing("u"), keep=keep)))
+    found = run(law, [0.0, 1.0, 1.0, 1.0], u=[0.0, np.nan, np.nan, 0.0])
+    # x⁺ = 0.5 (x + y) + u with u = 2 and 27, or 0.
+    assert found["estimate"].tolist() == wanted
+    assert found["input_fault"].tolist() == [0.0, 1.0, 1.0, 0.0]
+
+
+def test_it_keeps_its_last_value_where_that_input_is_bad_too():
+    found = run(follower(), [*SETTLED, np.nan, np.nan, 0.0], u=[*SETTLED[1:], 3.0, np.nan, np.nan, 0.0])
+    # While y is missing, its prediction x takes its place: x⁺ = x + u.
+    assert found["estimate"].tolist() == [*SETTLED, 3.0, 6.0, 9.0]
+
+
+def test_a_command_may_stand_and_jump():
+    u = [*[1.0] * 40, 1e29, *[-1e29] * 40, 0.0]
+    law = replace(follower(), A=[[0.0]], B=[[1.0, 0.0]])
+    found = run(law, [0.0] * len(u), u=u)
+    assert found["estimate"].tolist() == [0.0, *u[:-1]]
+    assert (
+        run(replace(law, checks=law.checks[1:], P=law.P[1:], Q=law.Q[1:], R=[]), [0.0] * 82, u)[
+            "input_fault"
+        ].tolist()
+        == [0.0] * 82
+    )
+
+
 @pytest.mark.parametrize(
     "changes, complaint",
     [
@@ -103,6 +137,12 @@ def test_what_the_same_law_takes_without_its_checks():
         ({"Q": [[0.0, 1.0]]}, "prediction that needs"),
         ({"R": [[1.0]], "G": [[0.0, 1.0]]}, "prediction that needs"),
         ({"P": [[1.0, 2.0]]}, "shape"),
+        # Told by itself, or by what is checked later.
+        ({"checks": (InputCheck.when_missing("u"),), "Q": [[1.0, 0.0]]}, "not checked yet"),
+        (
+            {"checks": (InputCheck.when_missing("u"), CHECK), "P": [], "Q": [[0.0, 1.0], [0.0, 0.0]]},
+            "not checked yet",
+        ),
     ],
 )
 def test_misuse_of_a_law(changes, complaint):
@@ -138,6 +178,26 @@ def test_a_joined_law_keeps_the_check_for_all_and_the_order_of_curves():
 def test_a_signal_that_a_system_makes_is_not_checked():
     law = connect([one_sample_delay("raw", 0.1, "y"), tracker()], inputs=("raw", "u"), outputs=("estimate",))
     assert law.checks == ()
+
+
+def test_the_check_of_a_command_vanishes_where_a_system_makes_it():
+    controller = one_sample_delay("command", 0.1, "u")
+    joined, plain = (
+        connect([law, controller], inputs=("y", "command"), outputs=("estimate",))
+        for law in (follower(), tracker())
+    )
+    assert joined.to_dict() == plain.to_dict()
+    filter_of_y = DiscreteSystem(inputs=("raw",), outputs=("y",), dt=0.1, D=[[2.0]])
+    outside = connect([filter_of_y, follower()], inputs=("raw", "u"), outputs=("estimate",))
+    assert [check.input for check in outside.checks] == ["u"] and outside.Q.tolist() == [[4.0, 0.0]]
+
+
+def test_files_of_before_there_were_checks_of_missing_samples_alone_still_read():
+    data = tracker().to_dict()
+    del data["checks"][0]["missing_only"]
+    assert DiscreteSystem.from_dict(data).checks == (CHECK,)
+    again = DiscreteSystem.from_dict(json.loads(json.dumps(follower().to_dict(), allow_nan=False)))
+    assert again.checks == follower().checks
 
 
 def test_files_and_new_names_keep_the_check_and_older_files_have_none():

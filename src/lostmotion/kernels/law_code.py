@@ -174,9 +174,7 @@ def _checked(
     return value, w.make(f"phi i64 [0, %good{i}], [{bad}, %other{i}]")
 
 
-def _filled(
-    w: _Writer, shape: LawShape, j: int, given: str, place: int, v: list[str], faults: str
-) -> tuple[str, str]:
+def _filled(w: _Writer, shape: LawShape, j: int, place: int, v: list[str], faults: str) -> tuple[str, str]:
     """The input of check j, believed unless it is missing, and its bit if it is; the prediction is made only then.
 
     The last good value stays where an input that the prediction needs is bad itself.
@@ -184,7 +182,8 @@ def _filled(
     i, keep, *_ = shape.checks[j]
     columns = shape.rows[shape.n_curves + shape.n_outputs + shape.n_states + j]
     needed = sum(1 << u for u in range(shape.n_inputs) if shape.n_states + u in columns)
-    kept, usable, before = v[shape.n_states + i], w.usable(given), w.block
+    given, kept, before = w.load("%inputs", i), v[shape.n_states + i], w.block
+    usable = w.usable(given)
     w.lines.append(f"br i1 {usable}, label %taken{i}, label %missing{i}, !prof !0")
     w.label(f"missing{i}")
     if not keep:
@@ -228,12 +227,13 @@ def _source(shape: LawShape) -> str:
         curve(i)
     expected, at = shape.n_curves + shape.n_outputs + shape.n_states, n_known
     for j, (i, keep, alone, missing_only) in enumerate(shape.checks):
-        given, kept, row = w.load("%inputs", i), v[shape.n_states + i], expected + j
+        row = expected + j
         if missing_only:
-            value, bad = _filled(w, shape, j, given, starts[row], v, faults)
+            value, bad = _filled(w, shape, j, starts[row], v, faults)
         else:
-            predicted = _row(w, shape.rows[row], starts[row], v)
-            value, bad = _checked(w, i, given, predicted, kept, keep, alone, checks_at + 3 * j, at)
+            predicted, kept = _row(w, shape.rows[row], starts[row], v), v[shape.n_states + i]
+            given, place = w.load("%inputs", i), checks_at + 3 * j
+            value, bad = _checked(w, i, given, predicted, kept, keep, alone, place, at)
             at += REMEMBERED
         v[shape.n_states + i] = value
         faults = w.make(f"or i64 {faults}, {bad}")
