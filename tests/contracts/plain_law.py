@@ -83,7 +83,7 @@ def python_run(
             predicted = total(row, x + u + w)
             if memory.check.missing_only:
                 unsure = any(fault >> (k - len(x)) & 1 for k, _ in row if len(x) <= k < len(x) + len(u))
-                u[i], bad = memory.filled(sample[i], predicted, u[i], unsure)
+                u[i], bad = memory.filled(sample[i], predicted, unsure)
             else:
                 u[i], bad = memory.checked(sample[i], predicted, u[i])
             fault |= bad << i
@@ -103,14 +103,15 @@ class Memory:
         self.check = check
         self.last: float | None = None
         self.count, self.bad = 0, False
-        self.error = self.before = 0.0
+        self.error = self.before = self.good = 0.0
         self.doubt = 2 * check.hold
         self.largest_error = self.largest_change = self.longest_run = 0.0
 
-    def filled(self, given: float, predicted: float, kept: float, unsure: bool) -> tuple[float, bool]:
+    def filled(self, given: float, predicted: float, unsure: bool) -> tuple[float, bool]:
         if abs(given) <= 1e30:
+            self.good = given
             return given, False
-        return (kept if self.check.keep or unsure or not abs(predicted) <= 1e30 else predicted), True
+        return (self.good if self.check.keep or unsure or not abs(predicted) <= 1e30 else predicted), True
 
     def checked(self, given: float, predicted: float, kept: float) -> tuple[float, bool]:
         missing, lost, armed = (

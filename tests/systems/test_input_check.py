@@ -110,10 +110,14 @@ def test_a_missing_command_is_told_from_an_input_that_is_checked_before_it(keep,
     assert found["input_fault"].tolist() == [0.0, 1.0, 1.0, 0.0]
 
 
-def test_it_keeps_its_last_value_where_that_input_is_bad_too():
-    found = run(follower(), [*SETTLED, np.nan, np.nan, 0.0], u=[*SETTLED[1:], 3.0, np.nan, np.nan, 0.0])
-    # While y is missing, its prediction x takes its place: x⁺ = x + u.
-    assert found["estimate"].tolist() == [*SETTLED, 3.0, 6.0, 9.0]
+def test_the_last_given_one_takes_its_place_where_that_input_is_bad_too():
+    found = run(
+        follower((replace(CHECK, limit=100.0), InputCheck.when_missing("u"))),
+        [*SETTLED, 0.0, np.nan, np.nan, 0.0],
+        u=[*SETTLED[1:], 3.0, np.nan, np.nan, np.nan, 0.0],
+    )
+    # x⁺ = 0.5 (x + y) + u with u = 3, then 10 x + 2 y = 30 for once; while y is missing, x⁺ = x + 3.
+    assert found["estimate"].tolist() == [*SETTLED, 3.0, 31.5, 34.5, 37.5]
 
 
 def test_a_command_may_stand_and_jump():

@@ -174,27 +174,29 @@ def _checked(
     return value, w.make(f"phi i64 [0, %good{i}], [{bad}, %other{i}]")
 
 
-def _filled(w: _Writer, shape: LawShape, j: int, place: int, v: list[str], faults: str) -> tuple[str, str]:
+def _filled(
+    w: _Writer, shape: LawShape, j: int, place: int, v: list[str], faults: str
+) -> tuple[str, str, str]:
     """The input of check j, believed unless it is missing, and its bit if it is; the prediction is made only then.
 
-    The last good value stays where an input that the prediction needs is bad itself.
+    The last good value takes its place where an input that the prediction needs is bad itself. Third: what is kept.
     """
     i, keep, *_ = shape.checks[j]
     columns = shape.rows[shape.n_curves + shape.n_outputs + shape.n_states + j]
     needed = sum(1 << u for u in range(shape.n_inputs) if shape.n_states + u in columns)
     given, kept, before = w.load("%inputs", i), v[shape.n_states + i], w.block
-    usable = w.usable(given)
+    usable, used = w.usable(given), kept
     w.lines.append(f"br i1 {usable}, label %taken{i}, label %missing{i}, !prof !0")
     w.label(f"missing{i}")
     if not keep:
         predicted = _row(w, columns, place, v)
         sure = w.make(f"icmp eq i64 {w.make(f'and i64 {faults}, {needed}')}, 0")
         sure = w.make(f"and i1 {sure}, {w.usable(predicted)}")
-        kept = w.make(f"select i1 {sure}, double {predicted}, double {kept}")
+        used = w.make(f"select i1 {sure}, double {predicted}, double {kept}")
     w.lines.append(f"br label %taken{i}")
     w.label(f"taken{i}")
-    value = w.make(f"phi double [{given}, %{before}], [{kept}, %missing{i}]")
-    return value, w.make(f"phi i64 [0, %{before}], [{1 << i}, %missing{i}]")
+    value, kept = (w.make(f"phi double [{given}, %{before}], [{x}, %missing{i}]") for x in (used, kept))
+    return value, w.make(f"phi i64 [0, %{before}], [{1 << i}, %missing{i}]"), kept
 
 
 def _source(shape: LawShape) -> str:
@@ -209,6 +211,7 @@ def _source(shape: LawShape) -> str:
     checks_at = slope_at + sum(points) + shape.n_curves
     v = [w.load("%state", i) for i in range(n_known)]
     checked, faults = {i for i, *_ in shape.checks}, "0"
+    kept_of: dict[int, str] = {}  # where it is not what the law takes
 
     def curve(i: int) -> None:
         before = sum(points[:i])
@@ -229,7 +232,7 @@ def _source(shape: LawShape) -> str:
     for j, (i, keep, alone, missing_only) in enumerate(shape.checks):
         row = expected + j
         if missing_only:
-            value, bad = _filled(w, shape, j, starts[row], v, faults)
+            value, bad, kept_of[i] = _filled(w, shape, j, starts[row], v, faults)
         else:
             predicted, kept = _row(w, shape.rows[row], starts[row], v), v[shape.n_states + i]
             given, place = w.load("%inputs", i), checks_at + 3 * j
@@ -246,7 +249,9 @@ def _source(shape: LawShape) -> str:
     for i in range(shape.n_states):
         row = shape.n_curves + shape.n_outputs + i
         after.append(_row(w, shape.rows[row], starts[row], v))
-    for i, value in enumerate([*after, *v[shape.n_states : n_known]]):
+    for i in range(shape.n_inputs):
+        after.append(kept_of.get(i, v[shape.n_states + i]))
+    for i, value in enumerate(after):
         w.store(value, "%state", i)
     w.lines.append(f"ret i64 {faults}")
     pointers = ", ".join(f"ptr noalias %{name}" for name in ("numbers", "state", "inputs", "outputs"))

@@ -51,7 +51,7 @@ class InputCheck:
         frozen if it came more than five times in a row, and three times as often as any of late.
     missing_only : bool
         Every sample but a missing one is believed, and nothing is remembered: for a command, which may stand and jump
-        as it likes. The last good one is kept while an input that the prediction needs is bad too.
+        as it likes. The last good one takes its place while an input that the prediction needs is bad too.
     """
 
     input: str
