@@ -167,9 +167,8 @@ def print_faults(results: list[dict[str, list[tuple[float, float]]]]) -> None:
     for name in results[0]:
         values = np.array([r[name] for r in results])
         middle, worst = np.median(values, axis=0), values[..., 0].max(axis=0)
-        rows.append(
-            [name, *(f"{m[0]:.1f} ({w:.1f}), {100 * m[1]:.0f} %" for m, w in zip(middle, worst, strict=True))]
-        )
+        cells = (f"{m[0]:.1f} ({w:.1f}), {100 * m[1]:.0f} %" for m, w in zip(middle, worst, strict=True))
+        rows.append([name, *("–" if "nan" in text else text for text in cells)])
     print(
         table(["error after / normal error: median (worst rig), flagged", *FAULTS, DROPPED, NO_TORQUE], rows)
     )

@@ -147,3 +147,14 @@ def test_misuse_says_what_to_do():
     without = replace(observer(), A=np.eye(len(observer().states)) * 1.01)
     with pytest.raises(InvalidInput, match="unit circle"):
         deviations(without, given, **right)
+
+
+def test_a_missing_motor_torque_counts_as_known(noisy):
+    linear = PLANT.with_parameters(backlash=0.0)
+    law = kalman(linear, dt=DT, process_covariance=PROCESS, measurement_covariance=MEASUREMENT)
+    given = {name: values[:500] for name, values in noisy[1].items()}
+    gone = {**given, "torque_motor": np.where(np.arange(500) < 300, given["torque_motor"], np.nan)}
+    options = {"process_covariance": PROCESS, "measurement_covariance": MEASUREMENT}
+    told, wanted = (deviations(law, data, **options) for data in (gone, given))
+    for name in told:
+        np.testing.assert_array_equal(told[name], wanted[name])
