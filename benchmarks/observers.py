@@ -24,6 +24,7 @@ from lostmotion.compare.experiment import Experiment, experiment
 from lostmotion.compare.scores import score
 from lostmotion.compare.statistics import median
 from lostmotion.observers import covariances, kalman, shaft_torque
+from lostmotion.observers.covariances import SEARCHED
 
 PARTS = ("leaderboard", "targets", "torque-sensor", "weights", "covariances", "faults")
 CASE = {case.name: case for case in CASES}
@@ -78,7 +79,7 @@ def covariances_of_rig(seed: int) -> tuple[dict[str, list[tuple[float, float, fl
         "paper": [errors(observer(d), d) for d in data.values()],
         "from data": [errors(observer(d, **own), d) for d in data.values()],
     }
-    noise = {name: float(np.sqrt(value)) for name, value in found.process.items()}
+    noise = {name: float(np.sqrt(found.process[name])) for name in SEARCHED}
     noise["sensor"] = float(np.sqrt(found.measurement["speed_motor"] / recording.dt))
     return rows, {**noise, **{f"curvature {n}": v for n, v in found.sensitivity.items()}}
 

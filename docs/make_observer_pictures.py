@@ -35,6 +35,12 @@ def steps() -> None:
             step, observer.run(step), step_time=STEP, name=name, source="virtual rig (simulated)"
         )
         figure.savefig(IMAGES / f"{file}.png", dpi=100, facecolor="white")
+        around, estimate = (r.window(STEP - 0.05, STEP + 0.1) for r in (step, observer.run(step)))
+        for signal in ("speed_load", "twist"):
+            error = lm.metrics.rmse(estimate[f"{signal}_estimated"], around[signal])
+            print(
+                f"{name}, {signal}: {100.0 * error / lm.metrics.signal_range(around[signal]):.2f} % of its range"
+            )
 
 
 def deviations() -> None:

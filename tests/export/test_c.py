@@ -12,7 +12,7 @@ from lostmotion.controllers import pi, pole_placement
 from lostmotion.curves import saturation
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import kalman
+from lostmotion.observers import extended_kalman, kalman
 from lostmotion.systems import DiscreteSystem, connect
 
 needs_compiler = pytest.mark.skipif(
@@ -155,3 +155,9 @@ def test_misuse(law, tmp_path, changes, complaint):
 def test_signal_names_must_be_c_identifiers(law, tmp_path):
     with pytest.raises(InvalidInput, match="Motor speed"):
         export.c(law.renamed({"speed_motor": "Motor speed"}), tmp_path)
+
+
+def test_a_filter_is_refused_with_what_to_take_instead(tmp_path):
+    plant = Drivetrain.two_mass(inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, backlash=0.012)
+    with pytest.raises(InvalidInput, match=r"a Stepper, expected a DiscreteSystem.*kalman"):
+        export.c(extended_kalman(plant, dt=1e-4), tmp_path)
