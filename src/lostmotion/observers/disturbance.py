@@ -64,6 +64,11 @@ def disturbance(
     DiscreteSystem
         Inputs torque_motor and speed_motor; outputs ``OUTPUTS``.
 
+    Raises
+    ------
+    InvalidInput
+        For numbers out of range, and limits of unknown signals.
+
     Notes
     -----
     Ohnishi, Shibata & Murakami 1996, IEEE/ASME Trans. Mechatronics 1, 56–67; in momentum form De Luca & Mattone 2003,

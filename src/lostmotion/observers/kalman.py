@@ -108,9 +108,11 @@ def kalman(
     dt : float, s
         Sample time.
     process_covariance : mapping of state → variance, optional
-        Continuous-time density, default ``PROCESS_COVARIANCE``; names that are left out keep the default.
+        Continuous-time density, (unit of the state)²/s, default ``PROCESS_COVARIANCE``; names that are left out keep
+        the default. An unknown torque of σ Nm·√s on an inertia J makes (σ/J)² for its speed.
     measurement_covariance : mapping of measured signal → variance, optional
-        Continuous-time density, default ``MEASUREMENT_COVARIANCE``; a sample has this value divided by dt.
+        Continuous-time density, (unit of the signal)²·s, default ``MEASUREMENT_COVARIANCE``: the variance of one sample
+        times dt.
     count_averaged : bool
         The measured motor speed is a mean over the last sample (a count difference divided by dt): it is
         compared with the mean of the last two estimated speeds, and the gain is that of the system with this

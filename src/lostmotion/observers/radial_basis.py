@@ -56,6 +56,11 @@ def radial_basis(
         Inputs torque_motor, speed_motor; outputs ``OUTPUTS``. ``backlash_estimated`` is the total height of the learned
         gap curve.
 
+    Raises
+    ------
+    InvalidInput
+        For numbers out of range.
+
     Notes
     -----
     Schröder (ed.) 2000, Intelligent Observer and Control Design for Nonlinear Systems: separable

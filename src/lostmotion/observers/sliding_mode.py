@@ -58,6 +58,11 @@ def sliding_mode(
     Stepper
         Inputs torque_motor, speed_motor; outputs ``speed_only.ESTIMATES``.
 
+    Raises
+    ------
+    InvalidInput
+        For numbers out of range.
+
     Notes
     -----
     Merzouki & Cadiou 2005, Control Engineering Practice 13, 973–983: there the sliding correction is the estimate of

@@ -60,6 +60,11 @@ def super_twisting(
         Inputs torque_motor, speed_motor; outputs ``OUTPUTS``: ``torque_unknown_estimated`` (Nm) is what the
         model misses on the motor; with the default bandwidth nothing of it goes into the load's speed.
 
+    Raises
+    ------
+    InvalidInput
+        For numbers out of range.
+
     Notes
     -----
     Levant 1998, Automatica 34, 379–384 (gains 1.5 and 1.1); for backlash: Djeziri, Merzouki & Bouamama 2009, IEEE

@@ -25,6 +25,21 @@ def unscented_kalman(
     gap and friction instead of linearising; linear sensors correct it as in the Kalman filter, the shaft torque by
     statistical linearisation.
 
+    Parameters
+    ----------
+    drivetrain, measured, dt, tuning
+        As in ``extended_kalman``.
+
+    Returns
+    -------
+    Stepper
+        Inputs torque_motor and ``measured``; outputs ``extended_kalman.TRACKING_OUTPUTS``.
+
+    Raises
+    ------
+    InvalidInput
+        For unknown names and for numbers out of range.
+
     Notes
     -----
     Julier & Uhlmann 2004, Proc. IEEE 92, 401–422, with κ = 1.
