@@ -113,6 +113,19 @@ def test_bad_samples_are_predicted_through_flagged_and_soon_forgotten(make, faul
 
 
 @EVERY
+def test_a_missing_motor_torque_does_not_last(make):
+    """The motor speed then follows its sensor: with the last torque held, sliding modes were 40 times off afterwards."""
+    torque, after = RECORDING["torque_motor"].copy(), []
+    for start in STARTS[:-1]:
+        torque[start : start + 200] = np.nan
+        after += range(start + 700, start + 900)
+    clean, result = _clean(make), _run(make, torque_motor=torque)
+    normal = np.sqrt(np.mean(_load_error(clean)[5000:] ** 2))
+    assert np.all(result["input_fault"][np.isnan(torque)] == 1.0)
+    assert np.sqrt(np.mean(_load_error(result)[after] ** 2)) < 2.0 * normal
+
+
+@EVERY
 def test_a_torque_beyond_the_limit_is_not_believed(make):
     torque = RECORDING["torque_motor"].copy()
     torque[8000] = 1e6

@@ -32,8 +32,10 @@ from .steppers_model import (
     ANGLE,
     AVERAGED,
     COULOMB_MOTOR,
+    DT,
     KIND,
     LEAD_MIDDLE,
+    MISSING_TORQUE,
     N_SENSORS,
     PIECES,
     PROCESS,
@@ -150,6 +152,9 @@ def step(p, s, inputs, faults, outputs):
     mixed, parts = np.empty((MODELS, ONE)), np.empty((MODELS, PART))
     f, work = np.empty((MOVING, N)), np.empty((MOVING, N))
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
+    if faults & 1:
+        for m in range(MODELS):
+            s[m * ONE + N + N + 1] += (MISSING_TORQUE * p[DT]) ** 2
     if s[STARTED] == 0.0:
         restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
     for i in range(int(p[N_SENSORS])):

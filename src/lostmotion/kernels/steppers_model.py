@@ -53,6 +53,10 @@ USE, MISSING, START_AGAIN, FROZEN, JUMP = 0, 1, 2, 3, 4
 #: An estimate beyond this is lost (SI units; chosen far above any drivetrain), and the observer starts again.
 LOST = 1e8
 
+#: What a missing motor torque may do to its speed, rad/s² (chosen: 20 Nm on the paper's rig): the speed then follows
+#: its sensor.
+MISSING_TORQUE = 1500.0
+
 #: Place of ``angle_counted`` among the states.
 ANGLE = 4
 

@@ -79,6 +79,11 @@ def innovation_of(p, s, inputs, faults):
         return torque, 0.0, faults | 2
     s[UNBELIEVED] = 0.0
     s[ANGLE] -= speed * p[DT]
+    if faults & 1:
+        # Without a motor torque the model's motor follows the measured speed, and nothing else is corrected.
+        s[1] += innovation
+        s[ANGLE] += innovation * p[DT]
+        return torque, 0.0, faults
     return torque, innovation, faults
 
 

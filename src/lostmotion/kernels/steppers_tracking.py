@@ -26,6 +26,7 @@ from .steppers_model import (
     LEAD,
     LOST,
     MEMORY,
+    MISSING_TORQUE,
     N_SENSORS,
     SCALE,
     SPEED_LOAD,
@@ -235,6 +236,8 @@ def correct_all(p, s, inputs, torque_faults, work):
 def begin(p, s, inputs, faults):
     """The torque to use and the faults; a first sample starts the filter."""
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
+    if faults & 1:
+        s[COVARIANCE + N + 1] += (MISSING_TORQUE * p[DT]) ** 2
     if s[STARTED] == 0.0:
         restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
     return torque, faults
