@@ -114,7 +114,7 @@ def test_bad_samples_are_predicted_through_flagged_and_soon_forgotten(make, faul
 
 @EVERY
 def test_a_missing_motor_torque_does_not_last(make):
-    """The motor speed then follows its sensor: with the last torque held, sliding modes were 40 times off afterwards."""
+    """The motor speed then follows its sensor: sliding modes that held the torque were 40 times off."""
     torque, after = RECORDING["torque_motor"].copy(), []
     for start in STARTS[:-1]:
         torque[start : start + 200] = np.nan
