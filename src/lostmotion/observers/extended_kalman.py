@@ -169,8 +169,9 @@ def _fill_variances(
     dt = p[at.DT] / p[at.PIECES]
     q_motor, q_load = process_of_torque(drivetrain, torque, dt)
     p[at.START + 5 : at.START + 11] = 0.0, backlash, coulomb, 1.0, 1.0, 1.0
-    # At the start the twist lies anywhere in the gap, the load turns about as fast as the motor.
-    p[at.START_VARIANCE : at.START_VARIANCE + 4] = (0.5 * backlash) ** 2 + 1e-8, 0.25, 0.25, 0.25
+    # At the start the twist lies anywhere in the gap, the load turns about as fast as the motor; the actuator follows
+    # its set-point, and without variance it costs the unscented filter no points.
+    p[at.START_VARIANCE : at.START_VARIANCE + 4] = (0.5 * backlash) ** 2 + 1e-8, 0.25, 0.25, 0.0
     if p[at.AVERAGED]:
         motor = list(p[at.KIND : at.KIND + int(p[at.N_SENSORS])]).index(0.0)
         p[at.START_VARIANCE + at.ANGLE] = p[at.VARIANCE + motor]
