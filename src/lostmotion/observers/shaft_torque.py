@@ -68,8 +68,8 @@ def shaft_torque(
     DiscreteSystem
         Inputs speed_motor, torque_shaft; outputs ``OUTPUTS``. Bad samples are predicted through for ``HOLD``: the
         torque from the states, the speed on a straight line through the last two; they are flagged for as long as they
-        are missing or frozen. In a gap
-        the torque tells nothing of the load: then use ``kalman`` with torque_shaft among the measured signals.
+        are missing or frozen. In a gap the torque tells nothing of the load: then use ``kalman`` with torque_shaft
+        among the measured signals.
 
     Raises
     ------
