@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from lostmotion.curves import dead_zone, saturation
+from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
+from lostmotion.observers import kalman
 from lostmotion.recording import Recording
 from lostmotion.systems import DiscreteSystem, connect, one_sample_delay, zero_order_hold
 
@@ -203,3 +205,26 @@ def test_renamed_refuses_unknown_names():
 def test_a_replaced_law_is_checked_again():
     with pytest.raises(InvalidInput, match=r"lag\.C"):
         replace(first_order(), C=np.ones((2, 2)))
+
+
+def test_a_check_whose_prediction_needs_its_own_input_is_left_out():
+    """A system that corrects the speed by the torque stands before an observer that tells a torque from the speed."""
+    plant = Drivetrain.two_mass(inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, backlash=0.012)
+    corrected = DiscreteSystem(
+        inputs=("torque_motor", "speed_raw"),
+        outputs=("speed_motor",),
+        dt=1e-4,
+        D=[[1e-3, 1.0]],
+        name="corrected",
+    )
+    filtered = replace(corrected, inputs=("speed_raw",), D=[[1.0]])
+    for before, checked in ((corrected, []), (filtered, ["torque_motor"])):
+        law = connect(
+            [before, kalman(plant, dt=1e-4)],
+            inputs=("torque_motor", "speed_raw"),
+            outputs=("speed_load_estimated",),
+        )
+        assert [check.input for check in law.checks] == checked
+        torque = np.where(np.arange(50) == 20, np.nan, 1.0)
+        found = law.run({"torque_motor": torque, "speed_raw": np.linspace(0.0, 0.3, 50)})
+        assert found["input_fault"][20] == 1.0 and np.all(np.isfinite(found["speed_load_estimated"]))

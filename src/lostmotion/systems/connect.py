@@ -33,7 +33,8 @@ def connect(
     DiscreteSystem
         States in the order of the systems; curves in an order in which each needs earlier ones only. A state
         name that several systems use is preceded by the system's name and a dot. An input has the check of the first
-        system that checks it, for all; a signal that one of the systems makes is not checked.
+        system that checks it, for all; a signal that one of the systems makes is not checked, nor is one whose
+        prediction needs itself, through what another system makes of it.
 
     Raises
     ------
@@ -148,8 +149,23 @@ class _Join:
                 if check.input in inputs:
                     first.setdefault(check.input, (s, i))
         #: Checks of the joined law: system, number in it.
-        self.checks = list(first.values())
+        self.checks = [check for check in first.values() if self._is_predictable(*check, tuple(first))]
         self._rows: dict[_Node, dict[_Node, float]] = {}
+
+    def _is_predictable(self, s: int, i: int, checked: tuple[str, ...]) -> bool:
+        """Whether a check's prediction is known when it is due: it needs no input that is checked with it or later, and
+        its curves none that is checked at all."""
+        later = checked[checked.index(self.systems[s].checks[i].input) :]
+        open_ = [(node, False) for node in self.p_terms(s, i)]
+        seen = set(open_)
+        while open_:
+            node, curved = open_.pop()
+            if node[0] == "u" and node[1] < 0 and self.inputs[node[2]] in (checked if curved else later):
+                return False
+            new = {(needed, curved or node[0] == "w") for needed in self.needs(node)} - seen
+            seen |= new
+            open_ += new
+        return True
 
     def _terms(self, s: int, index: int, matrices: tuple[Matrix, Matrix, Matrix]) -> dict[_Node, float]:
         return {
