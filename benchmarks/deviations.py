@@ -54,8 +54,8 @@ def rms(values) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def filters_noises(plant) -> tuple[dict[str, float], dict[str, float]]:
-    """Process and measurement covariance of the filters' default tuning."""
+def physical_noises(plant) -> tuple[dict[str, float], dict[str, float]]:
+    """Process and measurement covariance of ``UNKNOWN_TORQUE`` on both inertias and SENSOR."""
     process = {
         f"speed_{place}": (UNKNOWN_TORQUE[place] / inertia) ** 2
         for place, inertia in (("motor", plant.inertia_motor), ("load", plant.inertia_load))
@@ -79,7 +79,7 @@ def on_the_model(seed: int) -> dict[str, list[tuple[float, float]]]:
     }
     rows = slice(3000, None)
     law = lm.observers.kalman(plant, dt=DT)
-    results = {"kalman": judged(*of_fixed_gain(law, given, *filters_noises(plant)), true, rows)}
+    results = {"kalman": judged(*of_fixed_gain(law, given, *physical_noises(plant)), true, rows)}
     for make in FILTERS:
         known = make(plant, dt=DT, sensor_noise={"speed_motor": SENSOR}, unknown_torque=UNKNOWN_TORQUE)
         estimate = known.run(given)
@@ -93,7 +93,7 @@ def on_the_rig(seed: int) -> dict[str, list[tuple[float, float]]]:
     found = lm.observers.covariances(given, data.drivetrain, count_averaged=True)
     law = lm.observers.kalman(data.drivetrain, dt=DT, count_averaged=True)
     noises = {
-        "kalman, the filters' noises": filters_noises(data.drivetrain),
+        "kalman, 0.02 Nm·√s and 0.03 rad/s": physical_noises(data.drivetrain),
         "kalman, covariances from data": (found.process, found.measurement),
     }
     results = {

@@ -28,9 +28,8 @@ class LawShape(NamedTuple):
     n_early: int  # curves that are evaluated before the inputs are checked
     rows: tuple[tuple[int, ...], ...]  # columns of the coefficients that are not zero
     slopes: tuple[tuple[int, ...], ...]  # of each curve's segments: FLAT, ONE or STEEP
-    checks: tuple[
-        tuple[int, bool, bool, bool], ...
-    ]  # input, whether it keeps its last good value, stands alone, and is replaced only where it is missing
+    #: Input, whether it keeps its last good value, stands alone, and is replaced only where it is missing.
+    checks: tuple[tuple[int, bool, bool, bool], ...]
 
 
 def _number(value: float) -> str:

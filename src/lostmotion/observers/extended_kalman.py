@@ -98,13 +98,13 @@ def extended_kalman(
     Parameters
     ----------
     drivetrain : Drivetrain
-        Two masses; its backlash, Coulomb level, stiffness and motor inertia are the start values.
+        Two masses; its backlash, Coulomb level, stiffness and inertias are the start values.
     measured : sequence of str
         Any of speed_motor, speed_load, twist, torque_shaft (SI units).
     dt : float, s
         Sample time.
     **tuning
-        See ``tuning.Tuning``; defaults ``UNKNOWN_TORQUE``, ``DRIFT``, ``UNCERTAINTY``. Stiffness and motor inertia are
+        See ``tuning.Tuning``; defaults ``UNKNOWN_TORQUE``, ``DRIFT``, ``UNCERTAINTY``. Stiffness and inertias are
         held between half and twice of what the drivetrain says.
 
     Returns

@@ -21,7 +21,7 @@ def unscented_kalman(
 ) -> Stepper:
     """Unscented Kalman filter of a two-mass drivetrain: tuning, states and outputs of ``extended_kalman``.
 
-    Its prediction moves 21 points (two fewer for each state without variance) through the model with the true, sharp
+    Its prediction moves 23 points (two fewer for each state without variance) through the model with the true, sharp
     gap and friction instead of linearising; linear sensors correct it as in the Kalman filter, the shaft torque by
     statistical linearisation.
 

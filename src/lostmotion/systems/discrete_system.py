@@ -212,7 +212,7 @@ class DiscreteSystem:
 
         time, inputs = input_columns(self.name, self.inputs, self.dt, data)
         full = self.init(state)
-        outputs, faults = law_run(self.tables(), full, inputs)
+        outputs, faults = law_run(self._tables, full, inputs)
         signals = {name: outputs[:, i] for i, name in enumerate(self.outputs)}
         signals["input_fault"] = (faults != 0).astype(float)
         return Recording(
