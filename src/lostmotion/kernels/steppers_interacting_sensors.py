@@ -42,6 +42,7 @@ from .steppers_model import (
     clip,
     doubt,
     next_count,
+    scalar_update,
     sensor_believed,
     sensor_variance,
     write_estimates,
@@ -77,18 +78,6 @@ def _torque(p, s, m, h):
     h[2] = -h[1]
     edge = (1 - m) * p[HALF]
     return h[0] * (s[at] - edge) + h[1] * (s[at + 1] - s[at + 2])
-
-
-@njit(cache=True)
-def _correct(s, m, h, innovation, variance, gain):
-    at, c = m * ONE, m * ONE + N
-    for i in range(N):
-        s[at + i] += gain[i] / variance * innovation
-    for i in range(N):
-        for j in range(i, N):
-            value = s[c + i * N + j] - gain[i] * gain[j] / variance
-            s[c + i * N + j] = value
-            s[c + j * N + i] = value
 
 
 @njit(cache=True)
@@ -143,7 +132,7 @@ def _weigh(p, s, h, innovation, variance, gain):
         tail = 1.0 + innovation[m] * innovation[m] / (3.0 * variance[m])
         s[CHANCE + m] *= (tail * tail * math.sqrt(variance[m])) ** -p[SHARE]
         total += s[CHANCE + m]
-        _correct(s, m, h[m], innovation[m], variance[m], gain[m])
+        scalar_update(s, m * ONE, m * ONE + N, N, innovation[m], variance[m], gain[m])
         s[m * ONE + COULOMB] = clip(s[m * ONE + COULOMB], 0.0, p[COULOMB_BOUND])
     for m in range(MODELS):
         s[CHANCE + m] /= total

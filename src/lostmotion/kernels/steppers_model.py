@@ -238,6 +238,18 @@ def sensor_believed(p, state, at, i, value, missing, moved, innovation, variance
 
 
 @njit(cache=True, inline="always")
+def scalar_update(s, mean, covariance, n, innovation, variance, gain):
+    """The mean at s[mean …] and its (n, n) covariance corrected by one sensor; ``gain`` holds P·hᵀ."""
+    for i in range(n):
+        s[mean + i] += gain[i] / variance * innovation
+    for i in range(n):
+        for j in range(i, n):
+            value = s[covariance + i * n + j] - gain[i] * gain[j] / variance
+            s[covariance + i * n + j] = value
+            s[covariance + j * n + i] = value
+
+
+@njit(cache=True, inline="always")
 def next_count(p, i, s, mean, covariance, n, value, error, used):
     """After sensor ``i`` counted: the angle of the mean at s[mean …] is measured from the newest count on.
 

@@ -185,7 +185,7 @@ def _use(p, w, s, at, i, h, gain):
         return 0.0, 1.0
     innovation = s[at + NODE_VALUE + i] * p[SCALE + i] - row(p, w, int(p[KIND + i]), h)
     variance = sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i) + along(w, h, gain)
-    correct(w, h, innovation, variance, gain)
+    correct(w, innovation, variance, gain)
     return innovation / variance, variance
 
 

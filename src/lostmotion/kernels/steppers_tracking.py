@@ -42,6 +42,7 @@ from .steppers_model import (
     doubt,
     mean_gap,
     next_count,
+    scalar_update,
     sensor_believed,
     sensor_variance,
     torque_believed,
@@ -144,15 +145,9 @@ def along(s, h, gain):
 
 
 @njit(cache=True)
-def correct(s, h, innovation, variance, gain):
+def correct(s, innovation, variance, gain):
     """Scalar update; ``gain`` holds P·hᵀ on entry."""
-    for i in range(N):
-        s[i] += gain[i] / variance * innovation
-    for i in range(N):
-        for j in range(i, N):
-            value = s[COVARIANCE + i * N + j] - gain[i] * gain[j] / variance
-            s[COVARIANCE + i * N + j] = value
-            s[COVARIANCE + j * N + i] = value
+    scalar_update(s, 0, COVARIANCE, N, innovation, variance, gain)
 
 
 @njit(cache=True)
@@ -219,7 +214,7 @@ def correct_all(p, s, inputs, torque_faults, work):
             innovation, variance,
         )  # fmt: skip
         if verdict == USE:
-            correct(s, h, innovation, variance, gain)
+            correct(s, innovation, variance, gain)
             bound(p, s)
         else:
             faults |= 2 << i
