@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.kernels import closed_loop as kernels
+from lostmotion.kernels import two_mass as kernels
 from lostmotion.kernels.law import law_run
 from lostmotion.simulation.simulate import PlantRun
 from lostmotion.systems import DiscreteSystem

@@ -14,7 +14,7 @@ from scipy.linalg import expm
 
 from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft
 from lostmotion.kernels.modes import ORDER
-from lostmotion.kernels.plant import ELEMENT_ROWS, HEADER
+from lostmotion.kernels.plant_tables import ELEMENT_ROWS, HEADER
 from lostmotion.simulation.modes import elements
 from lostmotion.simulation.tables import Mode, Plant
 

@@ -18,19 +18,13 @@ from .plant import (
     CHATTERING,
     DONE,
     EVENT_COLUMNS,
-    FRICTION,
     MAX_EVENTS_PER_SAMPLE,
     NEED_EVENT_SPACE,
     NEED_MODE,
-    SHAFT,
-    Array,
-    Indices,
-    PlantTables,
-    new_work,
-    padded,
     run_open_loop,
-    run_open_loop_two_mass,
 )
+from .plant_tables import FRICTION, SHAFT, Array, Indices, PlantTables, new_work, padded
+from .two_mass import run_open_loop_two_mass
 from .vectors import LANES, absolute, address, fused, larger, load, multiply, read, store, total, write
 
 #: Samples in a block (chosen: 48 kB of states and sums for two masses).
@@ -48,7 +42,7 @@ class Family(NamedTuple):
     """
 
     chain: Chain
-    radix: Indices  # (E,), and below, as in ``plant.PlantTables``
+    radix: Indices  # (E,), and below, as in ``plant_tables.PlantTables``
     modes: int  # combinations of digits
     kind: Indices
     stick: Indices

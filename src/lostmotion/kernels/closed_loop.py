@@ -7,34 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from .enclosure import no_crossing
 from .law import step_at
-from .plant import (
-    _PLANT,
-    ALL,
-    DONE,
-    NEED_MODE,
-    TWO_MASS_ROWS,
-    Array,
-    Indices,
-    _add_change,
-    _four_rows,
-    _quiet,
-    _within,
-    block_size,
-    finish_sample,
-    mode_number,
-    places_of,
-)
+from .plant import DONE, NEED_MODE, add_change, finish_sample
+from .plant_tables import COMPILED, Array, Indices, block_size, mode_number, places_of
 from .vectors import (
-    absolute,
-    add,
     address,
-    load,
     read,
     read_integer,
-    splat,
-    spread,
-    store,
     write,
     write_integer,
 )
@@ -123,8 +103,8 @@ class _Places(NamedTuple):
     n_outputs: int
 
 
-@njit(inline="always", **_PLANT)
-def _places(loop):
+@njit(inline="always", **COMPILED)
+def loop_places(loop):
     s = loop.sensors
     return _Places(
         address(s.signal), address(s.span), address(s.source), address(s.resolution), address(s.difference),
@@ -137,7 +117,7 @@ def _places(loop):
     )  # fmt: skip
 
 
-@njit(**_PLANT)
+@njit(**COMPILED)
 def _shown(p, value, i, k):
     """What the sensor of input i shows in sample k."""
     resolution = read(p.resolution, i)
@@ -150,7 +130,7 @@ def _shown(p, value, i, k):
     return value + read(p.disturbance, k * p.noise_row + i)
 
 
-@njit(inline="always", **_PLANT)
+@njit(inline="always", **COMPILED)
 def _measure(p, m, s, k):
     """The law's inputs in sample k, to their row."""
     for i in range(p.n_inputs):
@@ -167,8 +147,8 @@ def _measure(p, m, s, k):
         write(p.measured, k * p.n_inputs + i, value)
 
 
-@njit(inline="always", **_PLANT)
-def _control(p, m, s, k, last):
+@njit(inline="always", **COMPILED)
+def control(p, m, s, k, last):
     """Sensors and law of sample k, and the torques on the plant, which s holds then; returns the first one."""
     u, y = k * p.n_inputs, (k + p.delay) * p.n_outputs
     if p.every == 1 or k % p.every == 0:
@@ -197,7 +177,7 @@ def _control(p, m, s, k, last):
     return first
 
 
-@njit(**_PLANT)
+@njit(**COMPILED)
 def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
     """Any plant with a law in the loop; as ``plant.run_open_loop``, and
 
@@ -211,7 +191,7 @@ def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
     M = loop.torque.shape[1]
     C = s.size
     N = C - M - 1
-    row, radix, idle, places, p = tb.row, tb.radix, tb.idle, places_of(tb, work), _places(loop)
+    row, radix, idle, places, p = tb.row, tb.radix, tb.idle, places_of(tb, work), loop_places(loop)
     base, x, change = places.flat, address(s), address(work)
     size = block_size(N, C, E, tb.order)
     k = int(cursor[0])
@@ -231,10 +211,10 @@ def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
             for i in range(N):
                 states[k, i] = s[i]
             modes[k] = mode
-            last = _control(p, m, x, k, last)
-            quiet = _quiet(base + 8 * m * size, x, change, N, C, E, idle)
+            last = control(p, m, x, k, last)
+            quiet = no_crossing(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
-            _add_change(x, change, N)
+            add_change(x, change, N)
         else:
             status, start, count = finish_sample(
                 places, x, address(digits), start, k, address(events), events.shape[0], count, N, C, E, idle
@@ -249,75 +229,5 @@ def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
     if status == DONE:
         for i in range(N):
             states[k, i] = s[i]
-        modes[k] = mode
-    return status
-
-
-@njit(**_PLANT)
-def run_closed_loop_two_mass(tb, s, digits, loop, work, states, modes, events, cursor):
-    """`run_closed_loop` for four states, one torque, two elements: `plant.run_open_loop_two_mass` with a law."""
-    row, radix = tb.row, tb.radix
-    places, p = places_of(tb, work), _places(loop)
-    base, address_s, change, rows = places.flat, address(s), address(work), address(states)
-    size = block_size(4, 6, 2, tb.order)
-    k = int(cursor[0])
-    start = cursor[1]
-    count = int(cursor[2])
-    begun = cursor[3] != 0.0
-    last = cursor[4]
-    status = DONE
-    mode = mode_number(radix, digits, 2)
-    m = row[mode]
-    at = base + 8 * m * size
-    x = load(address_s, 0)
-    while k < loop.torque.shape[0]:
-        if m < 0:
-            status = NEED_MODE
-            break
-        if not begun:
-            store(rows, 4 * k, x)
-            store(address_s, 0, x)
-            modes[k] = mode
-            last = _control(p, m, address_s, k, last)
-            x0, x1, x2, v = spread(x, 0), spread(x, 1), spread(x, 2), splat(last)
-            g = _four_rows(at, 4, x0, x1, x2, v)
-            d = _four_rows(at, 8, x0, x1, x2, v)
-            swing = _four_rows(at, 12, absolute(x0), absolute(x1), absolute(x2), absolute(v))
-            low, high = load(at, 6 * TWO_MASS_ROWS), load(at, 6 * TWO_MASS_ROWS + 4)
-            if _within(low, g, d, swing, high) == ALL:
-                x = add(x, _four_rows(at, 0, x0, x1, x2, v))
-                k += 1
-                continue
-        if not begun and _quiet(at, address_s, change, 4, 6, 2, 3):
-            x = add(x, load(change, 0))
-        else:
-            status, start, count = finish_sample(
-                places,
-                address_s,
-                address(digits),
-                start,
-                k,
-                address(events),
-                events.shape[0],
-                count,
-                4,
-                6,
-                2,
-                3,
-            )
-            mode = mode_number(radix, digits, 2)
-            m = row[mode]
-            at = base + 8 * m * size
-            if status != DONE:
-                begun = True
-                break
-            start, begun = 0.0, False
-            x = load(address_s, 0)
-        k += 1
-    cursor[0], cursor[1], cursor[2], cursor[3], cursor[4] = k, start, count, begun, last
-    if status == DONE or not begun:
-        store(address_s, 0, x)
-    if status == DONE:
-        store(rows, 4 * k, x)
         modes[k] = mode
     return status

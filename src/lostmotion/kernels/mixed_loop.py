@@ -13,7 +13,8 @@ from numba import njit, types
 from numba.typed import List
 
 from .law import law_step
-from .plant import DONE, NEED_MODE, Array, Indices, mode_number, run_open_loop
+from .plant import DONE, NEED_MODE, run_open_loop
+from .plant_tables import Array, Indices, mode_number
 from .steppers import STEP, checked_step
 
 #: Status beside those of ``plant``: a signal depends on itself within one sample.

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from .plant import FRICTION, SHAFT, Indices
+from .plant_tables import FRICTION, SHAFT, Indices
 
 #: Contact laws of a shaft. LINEAR: no backlash; without damping PHYSICAL is VISCOELASTIC.
 LINEAR, VISCOELASTIC, DEAD_ZONE, LIMITED, CLIPPED, PHYSICAL = range(6)

@@ -31,7 +31,7 @@ from .mode_rows import (
     driving_torque,
     fill_rows,
 )
-from .plant import ELEMENT_ROWS, HEADER, Array, padded
+from .plant_tables import ELEMENT_ROWS, HEADER, Array, padded
 from .vectors import LANES, absolute, add, address, fused, load, read, splat, store, total, write
 
 #: Largest ‖F‖·(length of a piece) in the norm of energy (chosen: 15 terms reach the next number).

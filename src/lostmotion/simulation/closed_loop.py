@@ -77,7 +77,8 @@ def _simulate_joined(
     """The kernel with one DiscreteSystem."""
     drivetrain, dt, length, names = run.plant.drivetrain, run.plant.dt, run.length, run.plant.layout.inputs
     wiring = _Wiring(run, law, given, sensors, names)
-    from ..kernels.closed_loop import LoopTables, run_closed_loop, run_closed_loop_two_mass
+    from ..kernels.closed_loop import LoopTables, run_closed_loop
+    from ..kernels.two_mass import run_closed_loop_two_mass
 
     law_state, tables = law.init(), law.tables()
     torque = np.zeros((length, len(names)))

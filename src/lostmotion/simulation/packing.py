@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def chain_of(layout: Layout, parts: tuple[Element, ...]) -> Chain:
     """What all variants of a drivetrain share that differ in their numbers only."""
     from ..kernels.mode_rows import Chain
-    from ..kernels.plant import BRANCH, FRICTION, SHAFT
+    from ..kernels.plant_tables import BRANCH, FRICTION, SHAFT
 
     drivetrain, n = layout.drivetrain, layout.n
     number = {(e.kind, e.index): j for j, e in enumerate(parts)}

@@ -111,7 +111,8 @@ def simulate(
             return MixedLoop((), (), (), torques, {}, moved).simulate(run, seed, energy)
     inputs = np.column_stack([values.get(name, np.zeros(length)) for name in names])
     inputs[:, 0] = _set_point(drivetrain, inputs[:, 0], dt, state)
-    from ..kernels.plant import run_open_loop, run_open_loop_two_mass
+    from ..kernels.plant import run_open_loop
+    from ..kernels.two_mass import run_open_loop_two_mass
 
     usual = (run.plant.layout.states, len(names), len(run.plant.elements)) == (4, 1, 2)
     kernel = run_open_loop_two_mass if usual else run_open_loop
@@ -142,7 +143,7 @@ def _set_point(
     actuator = drivetrain.actuator
     torque = np.clip(torque, -actuator.torque_limit, actuator.torque_limit)
     if math.isfinite(actuator.rate_limit):
-        from ..kernels.plant import limit_rate
+        from ..kernels.rate_limit import limit_rate
 
         torque = limit_rate(torque, actuator.rate_limit * dt, last_set_point(state))
     return torque
@@ -194,7 +195,8 @@ class PlantRun:
         state: Sequence[float] | Mapping[str, Any] | None,
         length: int,
     ) -> None:
-        from ..kernels.plant import EVENT_COLUMNS, new_work
+        from ..kernels.plant import EVENT_COLUMNS
+        from ..kernels.plant_tables import new_work
 
         self.plant = Plant(drivetrain, dt, inputs)
         layout = self.plant.layout

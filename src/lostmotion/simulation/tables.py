@@ -33,7 +33,7 @@ class Mode:
     rows : (4 n − 2 + N + E, C)
         As in ``kernels.modes.ModeWork``.
     block : (B,)
-        The kernel's numbers, see ``kernels.plant``.
+        The kernel's numbers, see ``kernels.plant_tables``.
     n, states : int
         Inertias and states.
     dt : float, s
@@ -93,7 +93,7 @@ class Mode:
     @property
     def state_series(self) -> Array:
         """(O, N, C): Taylor coefficients of the state over a piece, from order 1 on."""
-        from ..kernels.plant import HEADER
+        from ..kernels.plant_tables import HEADER
 
         columns, order, high = self.rows.shape[1], int(self.block[self._header + 1]), _groups(self.states)
         table = self.block[self._header + HEADER :][: order * columns * high]
@@ -102,7 +102,7 @@ class Mode:
     @property
     def table(self) -> Array:
         """(C, rows): change of the state over a sample, guards, their rates, swings and remainders, in groups."""
-        from ..kernels.plant import ELEMENT_ROWS
+        from ..kernels.plant_tables import ELEMENT_ROWS
 
         columns = self.rows.shape[1]
         height = _groups(self.states) + ELEMENT_ROWS * _groups(len(self.guard))
@@ -125,7 +125,7 @@ class Plant:
 
     def __init__(self, drivetrain: Drivetrain, dt: float, inputs: tuple[str, ...]) -> None:
         from ..kernels.modes import ORDER, new_mode_work
-        from ..kernels.plant import block_size
+        from ..kernels.plant_tables import block_size
 
         self.drivetrain = drivetrain
         self.dt = dt
@@ -212,7 +212,7 @@ class Plant:
     def tables(self) -> Any:
         """The kernel's view of the modes built so far."""
         from ..kernels.modes import ORDER
-        from ..kernels.plant import PlantTables
+        from ..kernels.plant_tables import PlantTables
 
         return PlantTables(
             flat=self._flat.reshape(-1),

@@ -8,7 +8,8 @@ from numba import njit
 
 import lostmotion as lm
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.kernels.plant import MAX_ORDER, _first_crossing
+from lostmotion.kernels.crossings import first_crossing
+from lostmotion.kernels.plant_tables import MAX_ORDER
 from lostmotion.kernels.vectors import LANES
 from lostmotion.simulation.tables import Plant
 
@@ -19,7 +20,7 @@ def polynomial(*coefficients: float) -> np.ndarray:
 
 @njit
 def _crossing(p, order, sign, bound, until, bend, tolerance):
-    return _first_crossing(p, order, sign, bound, until, bend, tolerance)
+    return first_crossing(p, order, sign, bound, until, bend, tolerance)
 
 
 def first(p: np.ndarray, sign: float, bound: float, until: float = 1.0) -> float:
