@@ -133,36 +133,8 @@ class Assembly:
         if limits is not None:
             law = with_checks(law, measured, residual, limits)
             if "speed_motor" in measured:
-                law = self._with_torque_check(law, measured, residual, names)
+                law = with_torque_check(law, self.model.drivetrain.inertia_motor, self.model.drivetrain.lag)
         return with_innovation(law, measured, residual) if innovation else law
-
-    def _with_torque_check(
-        self,
-        law: DiscreteSystem,
-        measured: tuple[str, ...],
-        expected: tuple[Array, Array],
-        names: tuple[str, ...],
-    ) -> DiscreteSystem:
-        """While the motor's torque is missing, the one that brings the model's motor to the measured speed.
-
-        The constant torque that changes its speed by what it is behind within the sample. Through a lag, the torque is
-        there by the end of the sample, and the speed one later. (With the shaft torque at the sample's start instead of
-        what the model makes of it, the load's swing would grow at 1 ms, by 1 to 2 per second.)
-        """
-        states, i = self.model.states, measured.index("speed_motor")
-        motor, lag = states.index("speed_motor"), self.model.drivetrain.lag
-        row, curves, per_torque = -expected[0][i], -expected[1][i], float(self.gamma[motor, 0])
-        row[: len(states)] -= self.phi[motor]
-        row[motor] += 1.0
-        if "gap" in names:
-            curves[names.index("gap")] -= self.gamma[motor, 1]
-        stays = 0.0
-        if lag > 0.0:
-            actuator, stays = states.index("torque_actuator"), float(np.exp(-self.dt / lag))
-            per_torque += float(self.phi[motor, actuator])
-            row[actuator] = -stays * per_torque
-        scale = 1.0 / (per_torque * (1.0 - stays))
-        return with_torque_check(law, scale * row, ("speed_motor", scale), scale * curves)
 
     def _measurement(
         self, measured: tuple[str, ...], c: Array, names: tuple[str, ...]

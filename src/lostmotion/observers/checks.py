@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -20,6 +21,10 @@ Array = NDArray[np.float64]
 LARGEST_INNOVATION: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 4.0, "speed_load": 4.0, "twist": 0.006, "torque_shaft": 40.0, "angle_motor": 0.006}
 )
+
+#: Rate at which the motor follows its measured speed while its torque is missing, 1/s, and the most per sample (chosen
+#: on rigs 1 to 4: slower loses the angle, faster takes an encoder's steps for torque; more per sample swings).
+FOLLOWING, FASTEST = 1500.0, 0.55
 
 
 def limits_of(
@@ -53,14 +58,36 @@ def with_checks(
     return replace(law, checks=checks, P=p, R=r)
 
 
-def with_torque_check(
-    law: DiscreteSystem, states: Array, signal: tuple[str, float], curves: Array
-) -> DiscreteSystem:
-    """The law that while torque_motor is missing takes states·x + share·signal + curves·w for it.
+def with_torque_check(law: DiscreteSystem, inertia: float, lag: float) -> DiscreteSystem:
+    """The law that while torque_motor is missing takes the one with which its motor follows the measured speed.
 
-    Both rows go over the law's first states and curves; ``signal`` is a checked input and its share.
+    That is the torque's mean of late, and more the further the motor is behind: proportional and integral action::
+
+        T = T̄ + a·(speed_motor − expected),    T̄⁺ = T̄ + b·(T − T̄)
+
+    A ramp of the speed is followed without delay, so that the motor's angle stays right, and an encoder's steps are
+    smoothed. Through a lag, T is the torque that the actuator reaches by the end of the sample. The gains a and b put
+    the poles of the motor alone at the rate ``FOLLOWING``, damped by 0.7. T̄ is one more state, ``torque_motor_mean``.
     """
-    p, q, r = (np.pad(matrix, ((0, 1), (0, 0))) for matrix in (law.P, law.Q, law.R))
-    p[-1, : states.size], r[-1, : curves.size] = states, curves
-    q[-1, law.inputs.index(signal[0])] = signal[1]
-    return replace(law, checks=(*law.checks, InputCheck.when_missing("torque_motor")), P=p, Q=q, R=r)
+    rate = min(FOLLOWING * law.dt, FASTEST)
+    pole = np.exp(rate * complex(-1.0, 1.0) / math.sqrt(2.0))
+    change = 2.0 - 2.0 * float(pole.real)
+    per_speed, share = change * inertia / law.dt, float(abs(1.0 - pole) ** 2) / change
+    n, stays = len(law.states), math.exp(-law.dt / lag) if lag > 0.0 else 0.0
+    mean, torque = np.zeros(n + 1), np.zeros(n + 1)
+    mean[n], torque[n] = 1.0 - share, 1.0
+    if lag > 0.0:
+        actuator = law.states.index("torque_actuator")
+        mean[actuator], torque[actuator] = share * stays, -stays
+    expected = [check.input for check in law.checks].index("speed_motor")
+    torque[:n] -= per_speed * law.P[expected]
+    a, f, c, p = (np.pad(matrix, ((0, 0), (0, 1))) for matrix in (law.A, law.F, law.C, law.P))
+    b, e, q = (np.pad(matrix, ((0, 1), (0, 0))) for matrix in (law.B, law.E, law.Q))
+    b[n, law.inputs.index("torque_motor")] = share * (1.0 - stays)
+    q[-1, law.inputs.index("speed_motor")] = per_speed / (1.0 - stays)
+    return replace(
+        law, states=(*law.states, "torque_motor_mean"), initial_state=np.append(law.initial_state, 0.0),
+        checks=(*law.checks, InputCheck.when_missing("torque_motor")),
+        A=np.vstack([a, mean]), B=b, E=e, F=f, C=c, P=np.vstack([p, torque / (1.0 - stays)]), Q=q,
+        R=np.vstack([law.R, -per_speed / (1.0 - stays) * law.R[[expected]]]),
+    )  # fmt: skip
