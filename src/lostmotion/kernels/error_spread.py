@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numba import njit
 
+from .steppers_model import by_modes
+
 
 @njit(cache=True)
 def _curve(z, points, values, slopes, count):
@@ -89,4 +91,13 @@ def output_spread(arguments, faults, of_state, of_input, of_curve, curves, check
             x[:] = after
         for o in range(n_y):
             found[k, o] = math.sqrt(found[k, o] / errors.shape[0])
+    return found
+
+
+@njit(cache=True)
+def spread_by_modes(share, rate, torque):
+    """Variance that ``by_modes`` gives to each sample of an estimated shaft torque."""
+    memory, found = np.zeros(2), np.empty(torque.size)
+    for k in range(torque.size):
+        found[k] = by_modes(share, rate, memory, 0, torque[k])
     return found

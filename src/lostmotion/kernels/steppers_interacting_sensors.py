@@ -17,6 +17,7 @@ from .steppers_interacting_state import (
     ONE,
     SENSOR_MEMORY,
     SHARE,
+    TORQUE_SPREAD,
     N,
     restart,
 )  # fmt: skip
@@ -32,6 +33,8 @@ from .steppers_model import (
     KIND,
     LEAD,
     MEMORY,
+    MODE_RATE,
+    MODE_SHARE,
     SCALE,
     SPEED_LOAD,
     SPEED_MOTOR,
@@ -39,6 +42,7 @@ from .steppers_model import (
     STIFFNESS,
     TWIST,
     USE,
+    by_modes,
     clip,
     doubt,
     next_count,
@@ -166,6 +170,7 @@ def write(p, s, h, work, outputs):
     for i in range(3):
         outputs[11 + i] = math.sqrt(max(second[i], 0.0))
         s[BEFORE + i] = mean[i]
-    outputs[14] = math.sqrt(max(square - torque * torque, 0.0))
+    modes = by_modes(p[MODE_SHARE], p[MODE_RATE], s, TORQUE_SPREAD, torque)
+    outputs[14] = math.sqrt(max(square - torque * torque, 0.0) + modes)
     outputs[15] = math.sqrt(max(second[LOAD_TORQUE], 0.0))
     outputs[16] = math.sqrt(max(second[COULOMB], 0.0))

@@ -27,7 +27,8 @@ TORQUE = STARTED + 1
 FRICTION = STARTED + 2
 BEFORE = STARTED + 3
 SENSOR_MEMORY = STARTED + 6
-SIZE = SENSOR_MEMORY + 4 * MEMORY
+TORQUE_SPREAD = SENSOR_MEMORY + 4 * MEMORY  # see ``steppers_model.by_modes``
+SIZE = TORQUE_SPREAD + 2
 
 
 @njit(cache=True)
@@ -60,5 +61,5 @@ def recover(p, s):
             bad = bad or not abs(s[at + i]) < LOST or not s[at + N + i * N + i] < LOST * LOST
         if bad:
             restart(p, s, 0.0, N)
-            s[STARTED] = 0.0
+            s[STARTED] = s[TORQUE_SPREAD] = s[TORQUE_SPREAD + 1] = 0.0
             return

@@ -38,7 +38,8 @@ N_SENSORS = 109
 COULOMB_BOUND = 110  # Nm: largest Coulomb level that is believed
 FROZEN_HOLD = 111  # samples
 INERTIA_MOTOR, INERTIA_LOAD = 112, 113
-OWN = 114  # first place that an observer may use for itself
+MODE_SHARE, MODE_RATE = 114, 115  # see ``by_modes``
+OWN = 116  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
@@ -145,6 +146,19 @@ def mean_gap(z, half, deviation):
 def torque_of(p, x0, x1, x2, gap):
     """Shaft torque, with gap = clip(twist + lead·rate, ±half)."""
     return p[STIFFNESS] * (x0 - gap) + p[DAMPING] * (x1 - x2)
+
+
+@njit(cache=True, inline="always")
+def by_modes(share, rate, state, at, torque):
+    """Variance that modes beyond the model add to the shaft torque: of its own running variance, the share squared.
+
+    What makes them swing is what the torque itself does. Its mean and variance, kept at state[at …], forget by ``rate``
+    with each sample.
+    """
+    away = torque - state[at]
+    state[at] += rate * away
+    state[at + 1] += rate * (away * away - state[at + 1])
+    return share * share * state[at + 1]
 
 
 @njit(cache=True, inline="always")

@@ -27,6 +27,8 @@ from .steppers_model import (
     LOST,
     MEMORY,
     MISSING_TORQUE,
+    MODE_RATE,
+    MODE_SHARE,
     N_SENSORS,
     SCALE,
     SPEED_LOAD,
@@ -38,6 +40,7 @@ from .steppers_model import (
     TORQUE_SHAFT,
     TWIST,
     USE,
+    by_modes,
     clip,
     doubt,
     mean_gap,
@@ -65,7 +68,8 @@ TORQUE = STARTED + 1
 FRICTION = STARTED + 2
 BEFORE = STARTED + 3  # the four moving states before the last prediction: what the model alone has moved
 SENSOR_MEMORY = STARTED + 7
-SIZE = SENSOR_MEMORY + 4 * MEMORY
+TORQUE_SPREAD = SENSOR_MEMORY + 4 * MEMORY  # see ``by_modes``
+SIZE = TORQUE_SPREAD + 2
 
 
 @njit(cache=True)
@@ -191,7 +195,8 @@ def write(p, s, h, scratch, outputs):
     outputs[9], outputs[10], outputs[11] = p[STIFFNESS] * s[FACTOR], motor, load
     for i in range(3):
         outputs[12 + i] = math.sqrt(max(s[c + i * (N + 1)], 0.0))
-    outputs[15] = math.sqrt(max(along(s, h, scratch), 0.0))
+    modes = by_modes(p[MODE_SHARE], p[MODE_RATE], s, TORQUE_SPREAD, outputs[4])
+    outputs[15] = math.sqrt(max(along(s, h, scratch), 0.0) + modes)
     for i in range(6):
         outputs[16 + i] = math.sqrt(max(s[c + (5 + i) * (N + 1)], 0.0))
     outputs[19] *= p[STIFFNESS]
@@ -243,4 +248,4 @@ def recover(p, s):
     """Start again if the estimate is lost."""
     if lost(s):
         restart(p, s, 0.0, N)
-        s[STARTED] = 0.0
+        s[STARTED] = s[TORQUE_SPREAD] = s[TORQUE_SPREAD + 1] = 0.0

@@ -13,6 +13,7 @@ from ..errors import InvalidInput
 from ..recording import Recording
 from ..systems import DiscreteSystem
 from ..systems.inputs import input_columns
+from .tuning import MODE_SHARE, mode_numbers
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,7 @@ def deviations(
     *,
     process_covariance: Mapping[str, float],
     measurement_covariance: Mapping[str, float],
+    mode_share: float = MODE_SHARE,
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> Recording:
@@ -56,6 +58,9 @@ def deviations(
         Continuous-time density; zero for states that are not named.
     measurement_covariance : mapping of measured signal → variance
         Continuous-time density; zero for signals that are not named.
+    mode_share : float
+        What modes beyond the model add to torque_shaft_deviation, as in ``tuning.Tuning``: a share of the estimate's
+        own standard deviation over the last ``tuning.MODE_MEMORY``. Zero where the model is the plant.
     samples : int
         Of the error, at least 2; the time it takes grows with it (some 10 µs per row with the default).
     seed : int
@@ -71,12 +76,13 @@ def deviations(
     InvalidInput
         For unknown names, negative numbers, and an observer whose error does not settle.
     """
-    from ..kernels.error_spread import output_spread
+    from ..kernels.error_spread import output_spread, spread_by_modes
     from ..kernels.law import law_run
 
     if not (isinstance(samples, int) and samples >= 2):
         raise InvalidInput("deviations.samples", repr(samples), "a whole number, at least 2", "Give more.")
     sensors = tuple(name for name in observer.inputs if name != "torque_motor")
+    modes = mode_numbers("deviations.mode_share", mode_share, observer.dt)
     q = _densities("process_covariance", observer.states, observer.states, process_covariance)
     r = _densities("measurement_covariance", observer.inputs, sensors, measurement_covariance)
     noise = q * observer.dt, r / observer.dt
@@ -89,6 +95,10 @@ def deviations(
     spread = output_spread(
         arguments, faults, of_state, of_input, of_curve, curves, checked, levels, start, rng
     )
+    if "torque_shaft_estimated" in observer.outputs:
+        i = observer.outputs.index("torque_shaft_estimated")
+        estimate, _ = law_run(observer.tables(), observer.init(), inputs)
+        spread[:, i] = np.sqrt(spread[:, i] ** 2 + spread_by_modes(*modes, estimate[:, i]))
     names = [name.removesuffix("_estimated") + "_deviation" for name in observer.outputs]
     signals = {name: spread[:, i] for i, name in enumerate(names)}
     return Recording(

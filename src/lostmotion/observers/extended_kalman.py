@@ -11,11 +11,13 @@ import numpy as np
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
 from .tuning import (
+    MODE_SHARE,
     Array,
     Tuning,
     checked_names,
     chosen,
     measured_sensors,
+    mode_numbers,
     model_parameters,
     process_of_torque,
 )
@@ -142,10 +144,13 @@ def tracking_parameters(
     tuning: Tuning,
 ) -> Array:
     """The parameter array of a filter with wandering parameters; ``unknown_torque`` is its default."""
+    from ..kernels import steppers_model as at
+
     tuning = checked_names(tuning)
     p = model_parameters(
         drivetrain, measured, dt, tuning.get("sensor_noise"), tuning.get("count_averaged", False)
     )
+    p[at.MODE_SHARE], p[at.MODE_RATE] = mode_numbers("mode_share", tuning.get("mode_share", MODE_SHARE), dt)
     torque = chosen("unknown_torque", unknown_torque, tuning.get("unknown_torque"), zero=True)
     _fill_variances(p, drivetrain, torque, tuning.get("drift"), tuning.get("uncertainty"))
     return p

@@ -32,6 +32,10 @@ class Tuning(TypedDict, total=False):
     drift, uncertainty : mapping
         How far a parameter wanders within a second, and how well it is known at the start, as standard deviations:
         ``torque_load`` in Nm, all others as fractions of what the drivetrain says. Zero for both holds a parameter.
+    mode_share : float
+        Standard deviation that modes beyond the model give to the shaft torque, as a share of its own standard
+        deviation over the last ``MODE_MEMORY``. Counts in torque_shaft_deviation alone; default ``MODE_SHARE``, zero
+        where the model is the plant.
     count_averaged : bool
         The measured motor speed is a difference of counts over dt: the sum of its samples, an angle, is filtered, in
         which a count has one error instead of two. Default False.
@@ -41,6 +45,7 @@ class Tuning(TypedDict, total=False):
     unknown_torque: Mapping[str, float] | None
     drift: Mapping[str, float] | None
     uncertainty: Mapping[str, float] | None
+    mode_share: float
     count_averaged: bool
 
 
@@ -60,6 +65,12 @@ MODES = 1e-5
 #: The same of the shaft's twist, rad: added to the error of a torque or twist sensor (chosen on virtual rigs 1 to 4,
 #: where the 750 Hz mode has 2 Nm on the shaft).
 TWIST_MODES = 1.6e-4
+
+#: What modes beyond a two-mass model add to the shaft torque's standard deviation, as a share of the torque's own over
+#: the last MODE_MEMORY (s): the torque's changes make them swing. Chosen on virtual rigs 1 to 4, where the 750 Hz mode
+#: has 5 Nm on the shaft when the joint opens under hard reversals. (A fixed twist as TWIST_MODES, right for those, is
+#: six times too large in quiet work.)
+MODE_SHARE, MODE_MEMORY = 0.073, 0.02
 
 #: Encoder that a speed from counts is taken to come from, counts in a turn (chosen: 20 bit).
 COUNTS = 2**20
@@ -128,6 +139,11 @@ def checked_names(tuning: Tuning) -> Tuning:
 def speed_of_counts(dt: float, counts: float = COUNTS) -> float:
     """Standard deviation (rad/s) of a speed that is a difference of counts over dt: two errors, each even in ±½."""
     return 2.0 * math.pi / counts / (dt * math.sqrt(6.0))
+
+
+def mode_numbers(where: str, share: float, dt: float) -> tuple[float, float]:
+    """Share and rate for ``kernels.steppers_model.by_modes``."""
+    return positive(where, share, zero=True), -math.expm1(-dt / MODE_MEMORY)
 
 
 def pieces(drivetrain: Drivetrain, dt: float) -> int:
