@@ -56,13 +56,16 @@ def deviations() -> None:
         },
         measurement_covariance={"speed_motor": SENSOR_NOISE["speed_motor"] ** 2 * DT},
     )  # fmt: skip
-    first = told.with_signals("estimated", speed_load_estimated=observer.run(given)["speed_load_estimated"])
+    estimate = observer.run(given)
+    first = told.with_signals("estimated", **{name: estimate[name] for name in estimate})
     second = lm.observers.extended_kalman(plant, dt=DT, count_averaged=True).run(given)
-    exact = given.with_signals("simulated", speed_load=data.truth["speed_load"])
-    figure = lm.plot.estimate_errors(
-        {"Observer 1": first, "extended Kalman": second}, exact, gap=data.truth["gap"] > 0.5, span=SPAN
-    )
-    figure.savefig(IMAGES / "deviations.png", dpi=100, facecolor="white")
+    for name, signal in (("deviations", "speed_load"), ("deviations-torque", "torque_shaft")):
+        exact = given.with_signals("simulated", **{signal: data.truth[signal]})
+        figure = lm.plot.estimate_errors(
+            {"Observer 1": first, "extended Kalman": second}, exact, signal=signal, gap=data.truth["gap"] > 0.5,
+            span=SPAN,
+        )  # fmt: skip
+        figure.savefig(IMAGES / f"{name}.png", dpi=100, facecolor="white")
 
 
 def main() -> None:
