@@ -17,6 +17,7 @@ from lostmotion.commands.simulate import simulate_file
 from lostmotion.commands.simulate_variants import chunk_folder, simulate_variants
 from lostmotion.io import load_json
 from lostmotion.plot import recording_overview
+from lostmotion.simulation import variants
 
 
 def is_picture(path: Path) -> bool:
@@ -129,8 +130,22 @@ def test_an_interrupted_batch_of_variants_goes_on(tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [int(row["variant"]) for row in rows] == list(range(250))
     assert float(rows[7]["peak_speed_load [rad/s]"]) == pytest.approx(made.peak["speed_load"][7], rel=1e-8)
+    assert {"lag [s]", "breakaway_1 [Nm]", "breakaway_2 [Nm]"} <= set(rows[0])
     inertias = np.array([float(row["inertia_2 [kg m2]"]) for row in rows])
     assert 0.09 <= inertias.min() < 0.092 and 0.108 < inertias.max() <= 0.11
+
+
+def test_every_number_that_varies_has_a_column(tmp_path: Path) -> None:
+    frictions = (lm.Friction(0.2, 0.01), lm.Friction(0.5, 0.02, breakaway=0.8))
+    plant = lm.Drivetrain((0.02, 0.1), (lm.Shaft(6e3, 0.3, 0.01),), frictions, lm.Actuator(lag=2e-3))
+    lm.save_drivetrain(plant, tmp_path / "plant.toml")
+    simulate_variants(tmp_path / "plant.toml", tmp_path / "run.csv", count=4, duration=0.1)
+    with (tmp_path / "run.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    for i, variant in enumerate(variants(plant, 4)):
+        assert float(rows[i]["lag [s]"]) == pytest.approx(variant.actuator.lag, rel=1e-8)
+        assert float(rows[i]["breakaway_2 [Nm]"]) == pytest.approx(variant.frictions[1].breakaway, rel=1e-8)
+        assert rows[i]["breakaway_1 [Nm]"] == rows[i]["coulomb_1 [Nm]"]  # none given: that of the sliding
 
 
 @pytest.mark.parametrize("dt", [0.0, np.nan, -1e-4])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,6 +33,26 @@ app = typer.Typer(
 
 compare_app = typer.Typer(help="Leaderboards.", no_args_is_help=True)
 app.add_typer(compare_app, name="compare")
+
+
+def _positive(value: float | None) -> float | None:
+    """An option that must be above zero; NaN is not."""
+    if value is not None and not value > 0.0:
+        raise typer.BadParameter(f"{value} is not above 0.")
+    return value
+
+
+def _finite_positive(value: float) -> float:
+    if not 0.0 < value < math.inf:
+        raise typer.BadParameter(f"{value} is not a finite number above 0.")
+    return value
+
+
+def _spread(value: float) -> float:
+    if not 0.0 <= value < 1.0:
+        raise typer.BadParameter(f"{value} is not in the range 0<=x<1; 0.2 is 20 %.")
+    return value
+
 
 SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed; default: the TOML's, else 1.")]
 
@@ -182,13 +203,14 @@ def excite(
         "designed_torque"
     ),
     kind: Annotated[str, typer.Option(help="levels, step, chirp, multisine, prbs or noise.")] = "levels",
-    duration: Annotated[float, typer.Option(help="s")] = 10.0,
-    dt: Annotated[float, typer.Option(help="Sample time of the drive, s.")] = 1e-4,
+    duration: Annotated[float, typer.Option(callback=_finite_positive, help="s")] = 10.0,
+    dt: Annotated[float, typer.Option(callback=_finite_positive, help="Sample time of the drive, s.")] = 1e-4,
     torque_limit: Annotated[
-        float | None, typer.Option(help="Nm; default: the torque_limit of the TOML, else 40.")
+        float | None,
+        typer.Option(callback=_positive, help="Nm; default: the torque_limit of the TOML, else 40."),
     ] = None,
-    speed_limit: Annotated[float, typer.Option(help="rad/s")] = 50.0,
-    angle_limit: Annotated[float, typer.Option(help="rad")] = float("inf"),
+    speed_limit: Annotated[float, typer.Option(callback=_positive, help="rad/s")] = 50.0,
+    angle_limit: Annotated[float, typer.Option(callback=_positive, help="rad")] = float("inf"),
     encoder_bits: Annotated[int, typer.Option(min=1, max=40, help="Motor encoder, bit per turn.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the signal.")] = 1,
 ) -> None:
@@ -219,8 +241,13 @@ def simulate(
         "simulated.csv"
     ),
     torque: Annotated[Path | None, typer.Option(help="CSV with time and torque_motor.")] = None,
-    duration: Annotated[float, typer.Option(help="Without a torque: length of the excitation, s.")] = 10.0,
-    dt: Annotated[float, typer.Option(help="Without a torque: sample time, s.")] = 1e-4,
+    duration: Annotated[
+        float,
+        typer.Option(callback=_finite_positive, help="Without a torque: length of the excitation, s."),
+    ] = 10.0,
+    dt: Annotated[
+        float, typer.Option(callback=_finite_positive, help="Without a torque: sample time, s.")
+    ] = 1e-4,
     seed: Annotated[
         int, typer.Option(min=0, help="Of the variants, and without a torque of the excitation.")
     ] = 1,
@@ -228,7 +255,8 @@ def simulate(
         int | None, typer.Option(min=1, help="Simulate so many variants instead; the CSV has a row for each.")
     ] = None,
     spread: Annotated[
-        float, typer.Option(help="With variants: how far each number may be off, 0.2 for 20 %.")
+        float,
+        typer.Option(callback=_spread, help="With variants: how far each number may be off, 0.2 for 20 %."),
     ] = 0.2,
 ) -> None:
     """Simulate a drivetrain exactly, from event to event; or variants of it, going on after an interruption."""

@@ -56,6 +56,10 @@ class InvalidInput(LostMotionError, ValueError):
         self.problem = Problem("error", where, got, expected, remedy)
         super().__init__(str(self.problem))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        p = self.problem  # what another process raised comes back by its arguments
+        return type(self), (p.where, p.got, p.expected, p.remedy)
+
 
 class InputProblems(LostMotionError):
     """All problems of a file or configuration, collected and raised together."""
@@ -63,3 +67,6 @@ class InputProblems(LostMotionError):
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = tuple(problems)
         super().__init__("\n".join(f"{p.severity}: {p}" for p in self.problems))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.problems,)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +13,7 @@ from plants import TABLE_I
 
 import lostmotion as lm
 from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft
-from lostmotion.simulation import read_trajectories, simulate_batch
+from lostmotion.simulation import batch_store, read_trajectories, simulate_batch
 
 DT = 1e-4
 #: Longer than a block of the compiled code.
@@ -213,10 +216,86 @@ def test_interrupted_batch_goes_on(tmp_path, workers):
     )
     assert calls == [6]  # two chunks stood, one was left
     same(made, simulate_batch(plants, **arguments))
-    calls.clear()
-    arguments["torque_motor"] = 2.0 * TORQUE
-    simulate_batch(plants, **arguments, folder=tmp_path, progress=lambda d, t, r: calls.append(d))
-    assert calls == [2, 4, 6]  # other arguments: nothing that stands fits
+
+
+def test_chunks_of_another_batch_are_refused_by_name_and_kept(tmp_path):
+    plants = variants(4)
+    arguments = dict(dt=DT, torque_motor=TORQUE, workers=1, chunk=2, folder=tmp_path)
+    simulate_batch(plants, **arguments)
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    for change, names in (
+        ({"torque_motor": 2.0 * TORQUE}, "torque_motor"),
+        ({"quantiles": ("twist",), "dt": 2.0 * DT}, "dt, quantiles"),
+        ({"state": (0.0, 1.0, 0.0)}, "state"),
+        ({"chunk": 3}, "chunk"),
+    ):
+        with pytest.raises(lm.InvalidInput, match=f"differs in {names}, expected"):
+            simulate_batch(plants, **{**arguments, **change})
+    with pytest.raises(lm.InvalidInput, match="differs in drivetrains, expected"):
+        simulate_batch(plants[::-1], **arguments)
+    assert before == {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+
+
+def test_more_variants_of_the_same_go_on(tmp_path):
+    arguments = dict(dt=DT, torque_motor=TORQUE, workers=1, chunk=2)
+    simulate_batch(variants(5), **arguments, folder=tmp_path)
+    calls: list[int] = []
+    made = simulate_batch(variants(8), **arguments, folder=tmp_path, progress=lambda d, t, r: calls.append(d))
+    assert calls == [6, 8]  # the last chunk was of one variant, is of two
+    same(made, simulate_batch(variants(8), **arguments))
+
+
+def test_chunks_by_other_code_are_worked_out_again(tmp_path, monkeypatch):
+    plants, calls = variants(4), []
+    arguments = dict(dt=DT, torque_motor=TORQUE, workers=1, chunk=2, folder=tmp_path)
+    monkeypatch.setattr(batch_store, "source_hash", lambda: "older")
+    simulate_batch(plants, **arguments)
+    monkeypatch.undo()
+    simulate_batch(plants, **arguments, progress=lambda d, t, r: calls.append(d))
+    assert calls == [2, 4]
+
+
+def test_a_batch_depends_on_its_own_layer_and_all_below():
+    package = Path(lm.__file__).parent
+    file = package.parents[1] / "pyproject.toml"
+    if not file.is_file():
+        pytest.skip("not run from the sources")
+    layers = tomllib.loads(file.read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
+    names = [name for layer in layers[layers.index("simulation") :] for name in layer.split(" | ")]
+    assert set(batch_store.SOURCES) == set(names)
+
+
+def test_sources_that_change_change_the_hash(tmp_path):
+    for folder in ("kernels", "plot"):
+        (tmp_path / folder).mkdir()
+    hashes = []
+    for name in ("curves.py", "kernels/plant.py", "plot/bode.py"):
+        (tmp_path / name).write_text("")
+        batch_store.source_hash.cache_clear()
+        hashes.append(batch_store.source_hash(tmp_path))
+    batch_store.source_hash.cache_clear()
+    assert hashes[0] != hashes[1] == hashes[2]
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"chunk": 0}, {"chunk": 2.5}, {"workers": -1}, {"workers": 0}, {"workers": True}]
+)
+def test_counts_below_one_are_refused(wrong):
+    with pytest.raises(lm.InvalidInput, match=f"simulate_batch.{next(iter(wrong))}.*whole number"):
+        simulate_batch(variants(1), dt=DT, torque_motor=TORQUE, **wrong)
+
+
+@pytest.mark.parametrize("trajectories", [False, True])
+def test_a_full_disk_is_said_of_the_folder(tmp_path, monkeypatch, trajectories):
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed" if trajectories else "savez", full)
+    with pytest.raises(lm.InvalidInput, match="No space left") as caught:
+        simulate_batch(
+            variants(2), dt=DT, torque_motor=TORQUE, workers=1, folder=tmp_path, trajectories=trajectories
+        )
+    assert caught.value.problem.where == str(tmp_path) and not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("part", [0.0, 0.5, None])

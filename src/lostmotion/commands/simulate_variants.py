@@ -99,14 +99,19 @@ def _table(plants: Sequence[Drivetrain], made: BatchResult) -> str:
 def _parameters(plant: Drivetrain) -> dict[str, float]:
     """The numbers that differ, by column."""
     units = {"inertia": "kg m2", "stiffness": "Nm/rad", "damping": "Nm s/rad", "backlash": "rad"}
-    units |= {"coulomb": "Nm", "viscous": "Nm s/rad"}
+    units |= {"coulomb": "Nm", "viscous": "Nm s/rad", "breakaway": "Nm"}
     rows = {"inertia": plant.inertias, "coulomb": tuple(f.coulomb_plus for f in plant.frictions)}
     rows["viscous"] = tuple(f.viscous for f in plant.frictions)
+    # Where none is given, motion starts just above rest at the positive speed's level.
+    rows["breakaway"] = tuple(
+        f.level_at_rest[0] if f.breakaway is None else f.breakaway for f in plant.frictions
+    )
     for name in ("stiffness", "damping", "backlash"):
         rows[name] = tuple(getattr(shaft, name) for shaft in plant.shafts)
-    return {
+    numbered = {
         f"{name}_{i + 1} [{units[name]}]": v for name, values in rows.items() for i, v in enumerate(values)
     }
+    return numbered | {"lag [s]": plant.actuator.lag}
 
 
 def _unit(name: str) -> str:

@@ -94,7 +94,8 @@ def simulate_batch(
         Signals kept at up to 200 times for ``BatchResult.quantiles``.
     folder : path, optional
         Finished chunks are stored here, each whole or not at all. A later call with the same arguments goes on after
-        what stands: so an interruption (Ctrl-C) loses at most the chunks that were being worked on.
+        what stands: so an interruption (Ctrl-C) loses at most the chunks that were being worked on. Chunks of other
+        arguments are refused; those made by another version of the package are worked out again.
     trajectories : bool
         Keep whole recordings too: one file for each chunk in `folder`, see ``read_trajectories``.
     workers : int, optional
@@ -110,8 +111,9 @@ def simulate_batch(
     Raises
     ------
     InvalidInput
-        If there is no drivetrain, trajectories are wanted without a folder, or the torques are no finite signals of one
-        length. What a single variant raises is reported under its index in ``failures``.
+        If there is no drivetrain, `workers` or `chunk` is below one, trajectories are wanted without a folder, the
+        folder holds chunks of another batch, or the torques are no finite signals of one length. What a single variant
+        raises is reported under its index in ``failures``.
     """
     drivetrains = tuple(drivetrains)
     if not drivetrains:
@@ -120,12 +122,13 @@ def simulate_batch(
         raise InvalidInput(
             "simulate_batch.trajectories", "True without a folder", "a folder", "Say where to keep them."
         )
+    _check_count("chunk", chunk)
+    if workers is not None:
+        _check_count("workers", workers)
     work = Work(dt, tuple(signals), tuple(quantiles), trajectories, dict(arguments))
     parts = {start: drivetrains[start : start + chunk] for start in range(0, len(drivetrains), chunk)}
-    store = None if folder is None else Store(Path(folder), work, chunk)
-    finished: dict[int, Chunk] = {}
-    if store is not None:
-        finished = {start: stood for start in parts if (stood := store.read(start, parts[start])) is not None}
+    store = None if folder is None else Store(Path(folder), work, chunk, parts)
+    finished = {} if store is None else store.finished
     todo = {start: part for start, part in parts.items() if start not in finished}
     before = done = sum(len(parts[start]) for start in finished)
     began = time.monotonic()
@@ -140,6 +143,16 @@ def simulate_batch(
 
     _run_all(work, todo, store, min(workers or os.cpu_count() or 1, max(1, len(todo))), note)
     return _gather([finished[start] for start in parts], work, chunk)
+
+
+def _check_count(name: str, value: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+        raise InvalidInput(
+            f"simulate_batch.{name}",
+            repr(value),
+            "a whole number from 1 on",
+            "Leave it out for the usual one.",
+        )
 
 
 def _run_all(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
-from ..errors import LostMotionError
+from ..errors import InvalidInput, LostMotionError
 from ..recording import Recording
 from .family import TorqueRun, kinship
 from .simulate import check_lengths, check_sample_time, check_signal, simulate
@@ -180,8 +180,18 @@ class Work:
 
 
 def write_whole(file: Path, arrays: Mapping[str, Any], compressed: bool = False) -> None:
-    """Writes a .npz whole or not at all."""
+    """Writes a .npz whole or not at all; raises ``InvalidInput`` where that fails."""
     part = file.with_suffix(f".part{os.getpid()}-{threading.get_ident()}")
-    with part.open("wb") as stream:
-        (np.savez_compressed if compressed else np.savez)(stream, **arrays)
-    part.replace(file)
+    try:
+        with part.open("wb") as stream:
+            (np.savez_compressed if compressed else np.savez)(stream, **arrays)
+        part.replace(file)
+    except OSError as error:
+        raise InvalidInput(
+            str(file.parent),
+            error.strerror or "an error",
+            "a place that can be written, with room for the chunks",
+            "Make room, then give the same again: the finished chunks stand.",
+        ) from None
+    finally:
+        part.unlink(missing_ok=True)
