@@ -83,7 +83,10 @@ def run(
         int | None, typer.Option(min=0, help="Seed of rig and noise; default: the TOML's, else 1.")
     ] = None,
     force: Annotated[
-        bool, typer.Option("--force", help="Write although foreign files lie in the folder.")
+        bool,
+        typer.Option(
+            "--force", help="Write although foreign or changed files lie in the folder; they are kept."
+        ),
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print results.json.")] = False,

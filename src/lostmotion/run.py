@@ -48,7 +48,7 @@ def run(
     seed : int, optional
         Seed of the virtual rig and of everything random; default: the configuration's, else 1.
     force : bool
-        Write although foreign files lie in the folder; they are kept.
+        Write although foreign files, or changed ones, lie in the folder; they are kept.
     progress : callable
 
     Returns

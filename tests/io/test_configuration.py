@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lostmotion.errors import Problem
+from lostmotion.drivetrain import Drivetrain
+from lostmotion.errors import InputProblems, Problem
 from lostmotion.io.channels import Channel
 from lostmotion.io.configuration import (
     Configuration,
@@ -23,6 +24,7 @@ from lostmotion.io.configuration import (
     read_configuration,
     template,
 )
+from lostmotion.io.drivetrain_files import save_drivetrain
 
 Problems = Callable[[Callable[[], object]], tuple[Problem, ...]]
 MINIMAL = '[[recording]]\nfile = "rig.csv"\n'
@@ -310,3 +312,25 @@ def test_pydantic_is_loaded_only_when_a_toml_is_read() -> None:
     code = "import sys; from lostmotion.io import RecordingSource; print('pydantic' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert done.stdout.strip() == "False"
+
+
+def test_a_drivetrain_instead_of_a_job_is_one_error_that_says_so(tmp_path: Path) -> None:
+    plant = Drivetrain.two_mass(inertia_motor=0.02, inertia_load=0.1, stiffness=6e3, damping=0.3)
+    save_drivetrain(plant, tmp_path / "drivetrain.toml")
+    with pytest.raises(InputProblems) as caught:
+        read_configuration(tmp_path / "drivetrain.toml")
+    (problem,) = caught.value.problems
+    assert "a drivetrain" in problem.got and "recordings" in problem.expected
+    assert "lostmotion simulate" in problem.remedy
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("a.csv", b"time,speed_motor\n0,1\n"), ("a.mat", b"MATLAB\xff\xfe"), ("a.npz", b"PK\xff")],
+)
+def test_a_recording_instead_of_a_job_is_said_to_be_none(tmp_path: Path, name: str, content: bytes) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputProblems) as caught:
+        read_configuration(tmp_path / name)
+    (problem,) = caught.value.problems
+    assert repr(name[1:]) in problem.got and "[[recording]]" in problem.remedy and name in problem.remedy

@@ -103,3 +103,25 @@ def test_a_missing_file_is_not_called_broken(tmp_path: Path) -> None:
     with pytest.raises(InvalidInput) as caught:
         load_drivetrain(tmp_path / "none.toml")
     assert caught.value.problem.got == "no such file"
+
+
+def test_no_part_of_a_file_passes_as_a_whole_one(tmp_path: Path) -> None:
+    path = tmp_path / "drivetrain.toml"
+    save_drivetrain(TABLE_I, path)
+    text = path.read_text(encoding="utf-8")
+    for length in range(len(text) - 1):  # all but the last line's end
+        path.write_text(text[:length], encoding="utf-8")
+        with pytest.raises(InvalidInput):
+            load_drivetrain(path)
+    path.write_text(text[: text.index("[[inertia]]  # 2")], encoding="utf-8")
+    with pytest.raises(InvalidInput, match="cut off"):
+        load_drivetrain(path)
+
+
+def test_a_file_without_the_first_line_needs_no_last_one(tmp_path: Path) -> None:
+    """As a user writes it, or an older version wrote it."""
+    path = tmp_path / "drivetrain.toml"
+    save_drivetrain(TABLE_I, path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join(lines[1:-1]), encoding="utf-8")
+    assert load_drivetrain(path) == TABLE_I

@@ -13,6 +13,7 @@ import pytest
 
 from lostmotion.errors import InvalidInput
 from lostmotion.io.folders import MARKER, foreign_files, output_folder
+from lostmotion.io.storage import save_json
 
 
 def run(path: Path, force: bool = False, **files: str) -> None:
@@ -84,6 +85,29 @@ def test_foreign_files_are_refused_before_the_work_starts(out: Path, foreign: st
     with pytest.raises(InvalidInput, match=foreign), output_folder(out):
         pytest.fail("the work was started")
     assert content(out) == before and alone(out)
+
+
+def test_a_file_changed_by_hand_is_foreign_and_kept_with_force(out: Path) -> None:
+    (out / "c" / "law.c").write_text("mine")
+    assert foreign_files(out) == ["c/law.c"]
+    with pytest.raises(InvalidInput, match=r"changed since: c/law\.c"), output_folder(out):
+        pytest.fail("the work was started")
+    run(out, True, c__law_c="two")
+    assert content(out) == {"c/law.c": "two", "c/law.c.kept": "mine"}
+
+
+def test_a_file_changed_during_the_run_is_kept(out: Path) -> None:
+    with output_folder(out) as folder:
+        (folder / "old.txt").write_text("two")
+        (out / "old.txt").write_text("mine")
+    assert content(out) == {"old.txt": "two", "old.txt.kept": "mine"}
+
+
+def test_the_output_of_an_older_version_is_replaced(out: Path) -> None:
+    """Its marker lists names without hashes."""
+    save_json(out / MARKER, "output_folder", {"files": sorted(FIRST)})
+    run(out, a_txt="two")
+    assert content(out) == {"a.txt": "two"}
 
 
 def test_a_folder_without_marker_or_with_a_broken_one_is_foreign(out: Path) -> None:

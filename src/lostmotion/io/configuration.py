@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,7 +15,7 @@ from ..recording import Recording
 from .channels import Channel
 from .checks import check_identifiable
 from .recordings import read_recording
-from .whole_files import read_bytes
+from .toml_files import read_toml
 
 #: Poles of the state feedback, 1/s: Fietzek & Rinderknecht, section V.
 DEFAULT_POLES = (-400.0, -400.0, -400.0)
@@ -105,18 +104,16 @@ def read_configuration(path: str | Path) -> Configuration:
     """
     path = Path(path)
     try:
-        text = read_bytes(path).decode("utf-8-sig")
+        content, text = read_toml(path, "a TOML that names recordings")
+        if content.get("kind") == "drivetrain":
+            raise InvalidInput(
+                str(path),
+                "a drivetrain, which a run writes",
+                "a TOML that names recordings",
+                "Name the one that the run was given; lostmotion simulate and excite take a drivetrain.",
+            )
     except InvalidInput as error:
         raise InputProblems([error.problem]) from None
-    except UnicodeDecodeError:
-        got = "text that is not UTF-8"
-        raise InputProblems([_problem(str(path), got, "a TOML file", "Save it as UTF-8.")]) from None
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputProblems(
-            [_problem(str(path), f"broken TOML: {error}", "valid TOML", "Put texts in quotes; see toml.io.")]
-        ) from None
     from .configuration_models import validated
 
     lines = _lines_of_keys(text)
@@ -163,10 +160,6 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
 def template() -> str:
     """A commented TOML with every key, to be filled in by the user."""
     return (Path(__file__).parent / "template.toml").read_text(encoding="utf-8")
-
-
-def _problem(where: str, got: str, expected: str, remedy: str) -> Problem:
-    return Problem("error", where, got, expected, remedy)
 
 
 def _expanded(file: str, where: str) -> str:

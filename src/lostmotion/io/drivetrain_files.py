@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,13 +11,20 @@ from ..drivetrain import Actuator, Drivetrain, Friction, Shaft
 from ..errors import InvalidInput
 from .columns import suggestion
 from .storage import SCHEMA_VERSION, unwrapped
-from .whole_files import read_bytes, write_bytes
+from .toml_files import read_toml
+from .whole_files import write_bytes
+
+#: Half a file can be valid TOML of another drivetrain: the first line says how the last one reads.
+_END = "# end"
+_HEAD = (
+    f"# A chain of inertias joined by shafts, motor first, load last. SI units. The last line is {_END!r}."
+)
 
 
 def save_drivetrain(drivetrain: Drivetrain, path: str | Path) -> None:
     """Write a drivetrain as readable TOML with units; ``load_drivetrain`` gives an equal one."""
     lines = [
-        "# A chain of inertias joined by shafts, motor first, load last. SI units.",
+        _HEAD,
         'kind = "drivetrain"',
         f"schema_version = {SCHEMA_VERSION}",
         *([_entry("locked", drivetrain.locked, "this end is held")] if drivetrain.locked else []),
@@ -32,7 +38,7 @@ def save_drivetrain(drivetrain: Drivetrain, path: str | Path) -> None:
         lines += [_entry("inertia", inertia, "kg m2"), *_entries(friction, _FRICTION_UNITS)]
     for i, shaft in enumerate(drivetrain.shafts):
         lines += ["", f"[[shaft]]  # between inertia {i + 1} and {i + 2}", *_entries(shaft, _SHAFT_UNITS)]
-    write_bytes(Path(path), ("\n".join(lines) + "\n").encode())
+    write_bytes(Path(path), ("\n".join([*lines, "", _END]) + "\n").encode())
 
 
 def load_drivetrain(path: str | Path) -> Drivetrain:
@@ -44,13 +50,14 @@ def load_drivetrain(path: str | Path) -> Drivetrain:
         If the file cannot be read, a key is missing or unknown, or a value is out of range.
     """
     where = str(path)
-    raw = read_bytes(Path(path))
-    try:
-        content = tomllib.loads(raw.decode("utf-8-sig"))
-    except ValueError as error:
+    content, text = read_toml(Path(path), "a drivetrain as TOML")
+    if _HEAD in text and _END not in text.splitlines():
         raise InvalidInput(
-            where, f"broken TOML: {error}", "a drivetrain as TOML", "Write it again."
-        ) from None
+            where,
+            f"no line {_END!r}, which its first line speaks of",
+            "a whole drivetrain: this one is cut off",
+            "Copy or write it again. If you took the line out yourself, put it back at the end.",
+        )
     content = unwrapped(content, "drivetrain", where)
     _known(content, ("actuator", "inertia", "locked", "shaft"), where)
     inertias = _tables(content, "inertia", {"inertia", *_FRICTION_UNITS}, {"inertia"}, where)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import os
 import re
 import secrets
@@ -16,7 +17,8 @@ from ..errors import InvalidInput
 from .columns import short_list
 from .storage import load_json, save_json
 
-#: File in every output folder that lists what the run wrote: whatever else lies there is somebody else's.
+#: File in every output folder that lists what the run wrote, with hashes: whatever else lies there, or was changed, is
+#: somebody else's.
 MARKER = ".lostmotion-run.json"
 _KIND = "output_folder"
 #: Errors of the place, not of the program: no space, no quota (unknown to Windows), read-only.
@@ -27,10 +29,10 @@ _NO_ROOM = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC), errno.EROFS)
 def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
     """A temporary folder beside ``path`` that takes its place when the block ends without an exception.
 
-    The files of an earlier run in ``path`` are replaced. Any other file there makes it refuse, unless
-    ``force`` is given: such a file is then kept, with ``.kept`` behind its name if the run wrote one of the
-    same name. On any exception, and when the process is killed, the previous folder stays as it was; what a
-    killed run left beside it is removed, or put back, by the next run.
+    The files of an earlier run in ``path`` are replaced. Any other file there, or one of them that was changed
+    since, makes it refuse, unless ``force`` is given: such a file is then kept, with ``.kept`` behind its name if
+    the run wrote one of the same name. On any exception, and when the process is killed, the previous folder
+    stays as it was; what a killed run left beside it is removed, or put back, by the next run.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
         raise _cannot_write(path, error) from None
     try:
         yield new
-        save_json(new / MARKER, _KIND, {"files": _files(new)})
+        save_json(new / MARKER, _KIND, {"files": {name: _hash(new / name) for name in _files(new)}})
         _keep_foreign(path, new)
         _swap(path, new)
     except OSError as error:
@@ -73,15 +75,24 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
 
 
 def foreign_files(path: str | Path) -> list[str]:
-    """Files (and empty folders) in a folder that no run has written, relative to it."""
+    """Files (and empty folders) in a folder that no run has written, or not as they are now, relative to it."""
     path = Path(path)
     if not path.is_dir():
         return []
     try:
-        own = set(load_json(path / MARKER, _KIND)["files"]) | {MARKER}
+        files = load_json(path / MARKER, _KIND)["files"]
+        # An older version listed names alone.
+        own = {**(files if isinstance(files, dict) else dict.fromkeys(files)), MARKER: None}
     except (InvalidInput, KeyError, TypeError):
-        own = set()
-    return [name for name in _files(path) if name not in own]
+        own = {}
+    return [name for name in _files(path) if name not in own or own[name] not in (None, _hash(path / name))]
+
+
+def _hash(file: Path) -> str:
+    """Of the content; a link or an empty folder is known by its being one."""
+    if file.is_symlink() or not file.is_file():
+        return "no file"
+    return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def _files(folder: Path) -> list[str]:
@@ -110,7 +121,7 @@ def _refuse_foreign(path: Path, force: bool) -> None:
     if foreign and not force:
         raise InvalidInput(
             str(path),
-            f"{len(foreign)} files that no run has written: {short_list(foreign, 5)}",
+            f"{len(foreign)} files that no run has written, or that were changed since: {short_list(foreign, 5)}",
             "a new or empty folder, or the output of an earlier run",
             "Choose another folder, or force it: those files are kept.",
         )
