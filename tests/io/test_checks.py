@@ -16,6 +16,7 @@ from lostmotion.io.checks import (
     IDENTIFIABLE_TIME,
     check_identifiable,
     check_recording,
+    column_order,
     torque_agreement,
 )
 from lostmotion.recording import Recording
@@ -153,3 +154,44 @@ def test_check_warns_of_short_recordings_and_constant_channels(
     assert done.exit_code == 0 and {p["severity"] for p in problems} == {"warning"}
     assert "the constant 0.0" in [p["got"] for p in problems]
     assert ("500 rows, 0.5 s" in [p["got"] for p in problems]) is warned
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_swapped_columns_are_told_from_a_wrong_sign(sign: float) -> None:
+    torque = excitation()
+    speed = drive(torque, 0.012, 1, 0.05)
+    follows, followed = column_order(recording(torque, speed))
+    assert follows > 0.8 and -0.3 < followed < 0.0
+    warnings = check_recording(recording(sign * speed, sign * torque))
+    (warning,) = (w for w in warnings if "speed_motor" in w.where)
+    assert "swapped" in warning.remedy and "correlation" in warning.got
+    assert not any("opposite sign" in w.got for w in warnings)
+
+
+@pytest.mark.parametrize("rig", [5, 6])
+def test_swapped_columns_of_the_rig(rig: int) -> None:
+    from lostmotion.rig import record
+
+    right, _ = record(rig)
+    swapped = right.with_signals(
+        "measured", torque_motor=right["speed_motor"], speed_motor=right["torque_motor"]
+    )
+    assert check_recording(right.only("torque_motor", "speed_motor")) == ()
+    assert any("swapped" in w.remedy for w in check_recording(swapped))
+
+
+def test_what_moves_as_one_is_not_called_swapped() -> None:
+    """Of a sine each column follows the other."""
+    torque = np.sin(2.0 * np.pi * TIME)
+    speed = -np.cos(2.0 * np.pi * TIME)
+    for one, two in ((torque, speed), (speed, torque)):
+        assert not any("look swapped" in w.remedy for w in check_recording(recording(one, two)))
+
+
+@pytest.mark.parametrize(("step", "warned"), [(1e-3, False), (0.01, False), (0.05, True), (1.0, True)])
+def test_time_in_ms_is_named(step: float, warned: bool) -> None:
+    torque = excitation()
+    read = Recording(step * np.arange(8000), {"torque_motor": torque, "speed_motor": drive(torque)})
+    said = [w for w in check_recording(read) if w.where.endswith(", time")]
+    assert bool(said) == warned
+    assert all('unit = "ms"' in w.remedy and "sample time" in w.got for w in said)
