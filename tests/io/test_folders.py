@@ -189,6 +189,28 @@ def test_a_full_disk_is_said_and_loses_nothing(out: Path) -> None:
     assert content(out) == FIRST and alone(out)
 
 
+def test_a_full_disk_is_said_of_the_place_that_the_user_named(
+    out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the package's own writers meet it, in the folder that is not yet in place."""
+
+    def full(self: Path, content: bytes) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device", str(self))
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    for name in ("results.json", "c/law.json"):
+        with pytest.raises(InvalidInput, match="No space left") as caught, output_folder(out) as folder:
+            save_json(folder / name, "results", {})
+        assert caught.value.problem.where == str(out / name)
+    with pytest.raises(InvalidInput) as caught, output_folder(out):
+        pass  # the marker
+    assert caught.value.problem.where == str(out / MARKER)
+    with pytest.raises(InvalidInput) as caught, output_folder(out):
+        raise InvalidInput("kp", "-1", "a positive number", "Check it.")
+    assert caught.value.problem.where == "kp"
+    assert content(out) == FIRST and alone(out)
+
+
 @pytest.mark.parametrize("failing", [1, 2])
 @pytest.mark.parametrize("error", [OSError(errno.EACCES, "Permission denied"), KeyboardInterrupt()])
 def test_a_rename_that_fails_or_is_interrupted_puts_the_old_output_back(

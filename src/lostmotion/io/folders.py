@@ -70,6 +70,13 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
         if error.errno in _NO_ROOM:
             raise _cannot_write(path, error) from error
         raise
+    except InvalidInput as error:
+        p = error.problem
+        if not Path(p.where).is_relative_to(new):
+            raise
+        # The user knows the folder by the name that it was going to have.
+        place = path / Path(p.where).relative_to(new)
+        raise InvalidInput(str(place), p.got, p.expected, p.remedy) from error
     finally:
         shutil.rmtree(new, ignore_errors=True)
 
