@@ -138,6 +138,12 @@ def test_connect_in_series_equals_one_after_the_other():
     assert law.states == ("two.x", "one.x")
 
 
+def test_a_joined_law_is_named_after_its_parts():
+    one, two = (DiscreteSystem(inputs=("u",), outputs=(f"y{n}",), D=[[1.0]], dt=1.0, name=n) for n in "ab")
+    assert connect([one, two], inputs=("u",), outputs=("ya",)).name == "a_and_b"
+    assert connect([one, two], inputs=("u",), outputs=("ya",), name="mine").name == "mine"
+
+
 def test_connect_closes_a_loop_through_a_state():
     plant = first_order("plant", ("torque",), ("speed",), pole=1.0)
     law = connect([plant, gain(-0.5, "speed", "torque")], outputs=("speed",))

@@ -204,6 +204,34 @@ def test_lost_samples_are_predicted_through_and_flagged():
     assert_same_over_the_recording(law, loop)
 
 
+def test_laws_of_one_name_have_faults_of_their_own():
+    """One of two alike reads a sensor that loses samples."""
+    sound = observers.super_twisting(MODEL, dt=DT)
+    names = {name: f"{name}_2" for name in ("speed_motor", *sound.outputs)}
+    loop = lm.simulate(
+        PLANT,
+        dt=DT,
+        law=[sound, sound.renamed(names), controller()],
+        speed_reference=reference(1000),
+        sensors={
+            "speed_motor": Sensor("speed_motor"),
+            "speed_motor_2": Sensor("speed_motor", dropout=0.05),
+        },
+        seed=3,
+    )
+    assert "input_fault_super_twisting" not in loop
+    assert not np.any(loop["input_fault_super_twisting_1"])
+    lost = np.isnan(loop["speed_motor_2_measured"])
+    assert np.count_nonzero(lost) > 20 and np.all(loop["input_fault_super_twisting_2"][lost] == 1.0)
+
+
+def test_numbered_names_avoid_those_that_are_taken():
+    from lostmotion.simulation.mixed_loop import _distinct
+
+    assert _distinct(["a", "b"]) == ["a", "b"]
+    assert _distinct(["a", "a_1", "a", "b"]) == ["a_2", "a_1", "a_3", "b"]
+
+
 @pytest.mark.parametrize(
     ("change", "where"),
     [

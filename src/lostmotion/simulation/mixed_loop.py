@@ -229,13 +229,25 @@ class MixedLoop:
             for i, name in enumerate(self.laws[law].inputs):
                 if name in self.sensors:
                     made[f"{name}_measured"] = measured[:, laws.input_start[law] + i]
+        names = _distinct([part.name for part in self.laws])
         for number, part in enumerate(self.laws):
             if isinstance(part, Stepper) or part.checks:
-                made[f"input_fault_{part.name}"] = (faults[:, number] != 0).astype(float)
+                made[f"input_fault_{names[number]}"] = (faults[:, number] != 0).astype(float)
         states = tuple(
             laws.state[a:b].copy() for a, b in zip(laws.state_start[:-1], laws.state_start[1:], strict=True)
         )
         return run.recording(made, torque, energy, **({"law": states} if states else {}))
+
+
+def _distinct(names: Sequence[str]) -> list[str]:
+    """Names of which several laws have one get a number each, from 1 on in their order."""
+    made: list[str] = []
+    for i, name in enumerate(names):
+        number, new = names[:i].count(name) + 1, name
+        while names.count(name) > 1 and (new in names or new in made):
+            new, number = f"{name}_{number}", number + 1
+        made.append(new)
+    return made
 
 
 def _starts(parts: Sequence[Any]) -> NDArray[np.int64]:

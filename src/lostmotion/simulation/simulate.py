@@ -48,7 +48,8 @@ def simulate(
         the given `signals`, the outputs of the other laws, and the plant's signals. Its output ``torque_motor`` (or
         another torque's name) drives the plant, unless that torque is given: then it only watches. As an *input*
         a torque is what acts on the plant in this sample, after limits and delay, as it is recorded. All outputs are
-        recorded, and ``input_fault_<name>`` of a law that checks its inputs.
+        recorded, and ``input_fault_<name>`` of a law that checks its inputs; where laws share a name, ``<name>_1``,
+        ``<name>_2`` … in their order.
     state : sequence or mapping, optional
         Start: ``twist, speed_motor, speed_load`` for two masses (n − 1 twists, then n speeds, for a chain), or the
         ``final_state`` of an earlier recording, to go on from (laws start anew). Default: at rest in the middle of

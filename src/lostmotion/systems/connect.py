@@ -14,7 +14,7 @@ def connect(
     systems: Sequence[DiscreteSystem],
     inputs: Sequence[str] = (),
     outputs: Sequence[str] = (),
-    name: str = "law",
+    name: str | None = None,
 ) -> DiscreteSystem:
     """Join systems: every input takes the output of the same name, of whichever system makes it.
 
@@ -26,7 +26,8 @@ def connect(
         External inputs of the joined law: all that no system makes.
     outputs : sequence of str
         Signals, out of the systems' outputs, that the joined law gives.
-    name : str
+    name : str, optional
+        Default: the systems' names, joined by ``_and_``.
 
     Returns
     -------
@@ -61,7 +62,7 @@ def connect(
         F=z[0], G=z[1], H=z[2], C=y[0], D=y[1], J=y[2], A=x[0], B=x[1], E=x[2],
         checks=tuple(systems[s].checks[i] for s, i in join.checks), P=p[0], Q=p[1], R=p[2],
         initial_state=np.concatenate([s.initial_state for s in systems]),
-        name=name,
+        name="_and_".join(system.name for system in systems) if name is None else name,
     )  # fmt: skip
 
 
