@@ -146,6 +146,16 @@ def test_parameters_say_what_is_not_excited_and_what_is_the_truth():
     assert truth.get_xdata()[0] == pytest.approx(100.0 * (6286.0 - 6300.0) / 6300.0)
 
 
+def test_an_axis_that_is_linear_in_its_middle_alone_says_so():
+    axis = identified_parameters().axes[0]
+    assert axis.get_xscale() == "symlog"
+    assert axis.get_xlabel() == (
+        "deviation from the value (%; linear within ±1, shaded, and logarithmic beyond)"
+    )
+    (shade,) = axis.patches
+    assert (shade.get_x(), shade.get_width()) == (-1.0, 2.0)
+
+
 def test_a_long_recording_stays_light_and_keeps_its_peak():
     time = np.arange(100_000) * 1e-4
     values = np.sin(time)

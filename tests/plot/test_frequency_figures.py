@@ -66,6 +66,36 @@ def test_phase_does_not_jump_across_the_panel():
     assert np.isnan(shown).sum() in (1, 2)
 
 
+def test_the_phase_of_a_speed_over_a_torque_is_one_line():
+    """It turns from -90° to +90° at the zero and back at the pole."""
+    s = 2j * np.pi * FREQUENCY
+    zero, pole = ((2.0 * np.pi * f) ** 2 for f in (25.0, 60.0))
+    response = (s**2 + 5.0 * s + zero) / (s * (s**2 + 5.0 * s + pole))
+    lower = bode({"measured": (FREQUENCY, response)}).axes[1]
+    shown = lower.lines[0].get_ydata()
+    np.testing.assert_allclose(shown, np.rad2deg(np.angle(response)), atol=1e-9)
+    low, high = lower.get_ylim()
+    assert low < shown.min() and shown.max() < high and high - low == pytest.approx(380.0)
+    assert [low + 10.0, high - 10.0] == [lower.get_yticks()[0], lower.get_yticks()[-1]] == [-180.0, 180.0]
+
+
+def test_no_phase_is_drawn_where_every_phase_is_possible():
+    """Over noise alone the phase would be a thicket of lines."""
+    rng = np.random.default_rng(1)
+    noise = np.exp(2j * np.pi * rng.random(300))
+    known = FREQUENCY < 20.0
+    response, margin = np.where(known, RESPONSE, noise), np.where(known, 0.1 * np.abs(RESPONSE), 1.1)
+    lower = bode({"measured": (FREQUENCY, response, margin)}).axes[1]
+    np.testing.assert_array_equal(np.isfinite(lower.lines[0].get_ydata()), known)
+
+
+def test_a_phase_that_wraps_by_little_more_than_half_a_turn_is_broken():
+    phase = np.deg2rad([-20.0, -100.0, 150.0, -20.0, -100.0])
+    shown = bode({"rough": (np.arange(1, 6), np.exp(1j * phase))}).axes[1].lines[0].get_ydata()
+    steps = np.abs(np.diff(shown))
+    assert np.nanmax(steps) < 180.0
+
+
 def test_modes_are_scaled_to_one_and_name_the_discs_alone():
     first, second = draw_modes().axes
     np.testing.assert_allclose(second.lines[1].get_ydata(), [1.0, 0.5, -0.25])

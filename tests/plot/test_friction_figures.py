@@ -70,3 +70,9 @@ def test_plateaus_that_were_not_used_are_open() -> None:
 def test_wrong_number_of_axes_is_refused() -> None:
     with pytest.raises(InvalidInput, match="2 axes"):
         plot.friction_fit(TIME, TORQUE, TORQUE, TORQUE, axes=[Figure().subplots()])
+
+
+def test_the_speed_axis_says_where_it_is_linear() -> None:
+    axis = curve().axes[0]
+    assert axis.get_xlabel() == "speed (rad/s; linear within ±1, shaded, and logarithmic beyond)"
+    assert [p.get_width() for p in axis.patches] == [2.0]

@@ -48,3 +48,11 @@ def test_percentages():
     assert numbers.half_width(0.0, -1.0, 1.0) == "–"
     assert numbers.deviation(99.0, 100.0) == "−1.0\u00a0%"
     assert numbers.deviation(1.0, None) == "–"
+
+
+def test_a_deviation_is_no_finer_than_its_interval():
+    assert numbers.deviation(0.4228, 0.3683, 0.24, 0.74) == "+15\u00a0%"
+    assert numbers.deviation(114.8, 100.0, 99.0, 131.0) == "+15\u00a0%"
+    assert numbers.deviation(99.25, 100.0, 97.3, 101.2) == "−0.8\u00a0%"
+    assert numbers.deviation(99.25, 100.0, 99.2499, 99.2501) == "−0.8\u00a0%"
+    assert numbers.deviation(99.25, 100.0, 99.25, 99.25) == "−0.8\u00a0%"

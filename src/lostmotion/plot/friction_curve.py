@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .style import ESTIMATED, panels
+from .style import ESTIMATED, panels, symlog
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,8 +51,8 @@ def friction_curve(
         if (sign * w > 0.0).any():
             line = sign * np.geomspace(0.02 * near, far, 400)
             axis.plot(line, curve(line), label="fitted" if sign > 0.0 else None, **ESTIMATED)
-    axis.set_xscale("symlog", linthresh=max(near, 1e-12))
-    axis.set(xlabel="speed (rad/s)", ylabel="friction torque (Nm)")
+    symlog(axis, max(near, 1e-12), "speed", "rad/s")
+    axis.set_ylabel("friction torque (Nm)")
     axis.legend(frameon=False)
     axis.set_title("Friction over speed", fontweight="bold")
     return figure

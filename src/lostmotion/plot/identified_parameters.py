@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from .style import ESTIMATED, TRUTH, panels
+from .style import ESTIMATED, TRUTH, panels, symlog
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,16 +62,13 @@ def identified_parameters(
 
 
 def _finish(axis: Axes, names: list[str]) -> None:
-    from matplotlib.ticker import FuncFormatter
-
-    axis.set_xscale("symlog", linthresh=1.0)
+    symlog(axis, 1.0, "deviation from the value", "%")
     reach = max(2.0, *(abs(x) for x in axis.get_xlim()))
     axis.set_xlim(-1.3 * reach, 1.3 * reach)
-    axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:+g}".replace("-", "−") if x else "0"))
     axis.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axis.set_ylim(len(names) - 0.4, -0.6)
     axis.axvline(0.0, color="#999999", linewidth=0.8)
-    axis.set(xlabel="deviation from the value (%)", title="Parameters with 95 % intervals")
+    axis.set_title("Parameters with 95 % intervals")
     handles, labels = axis.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     if unique:

@@ -109,6 +109,16 @@ def title_and_legend(figure: Figure, axes: Sequence[Axes], title: str) -> None:
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=4, frameon=False)
 
 
+def symlog(axis: Axes, linear: float, label: str, unit: str) -> None:
+    """An x axis that is linear within ±`linear` and logarithmic beyond: its label says so, and the middle is shaded."""
+    from matplotlib.ticker import FuncFormatter
+
+    axis.set_xscale("symlog", linthresh=linear)
+    axis.axvspan(-linear, linear, color="#f3f3f3", zorder=0)
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:+g}".replace("-", "−") if x else "0"))
+    axis.set_xlabel(f"{label} ({unit}; linear within ±{linear:.2g}, shaded, and logarithmic beyond)")
+
+
 def thin_min_max(time: ArrayLike, values: ArrayLike, bins: int) -> tuple[Floats, Floats]:
     """At most two points for each of the bins, its smallest and largest value in their order of time.
 

@@ -50,14 +50,19 @@ def given(value: Any, unit: str) -> str:
     return _with_unit(text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text, shown)
 
 
+def _places(half: float) -> int:
+    """Decimals down to the first digit of a half width, one more if that is 1 or 2."""
+    size = math.log10(half)
+    return max(0, -math.floor(size) + (size % 1.0 < math.log10(3.0)))
+
+
 def with_interval(value: Any, low: Any, high: Any, unit: str) -> tuple[str, str]:
     """("12.13 mrad", "12.05 … 12.21"): down to the half width's first digit, one more if it is 1 or 2."""
     if not (is_number(value) and is_number(low) and is_number(high)):
         return given(value, unit), NONE
     factor, shown = _prefix(value, unit)
     half, largest = 0.5 * abs(high - low) * factor, max(abs(low), abs(high)) * factor
-    size = math.log10(max(half, 1e-6 * largest)) if largest else 0.0
-    places = max(0, -math.floor(size) + (size % 1.0 < math.log10(3.0))) if largest else 0
+    places = _places(max(half, 1e-6 * largest)) if largest else 0
     middle, left, right = (_fixed(v * factor, places) for v in (value, low, high))
     return _with_unit(middle, shown), f"{left} … {right}"
 
@@ -85,11 +90,15 @@ def half_width(value: Any, low: Any, high: Any) -> str:
     return f"±\u00a0{percent(0.5 * (high - low) / abs(value))}"
 
 
-def deviation(value: Any, reference: Any) -> str:
-    """How far a value is from a reference, in per cent of the reference, signed."""
+def deviation(value: Any, reference: Any, low: Any = None, high: Any = None) -> str:
+    """How far a value is from a reference, in per cent of the reference, signed; as fine as its interval, or 0.1 %."""
     if not (is_number(value) and is_number(reference)) or reference == 0:
         return NONE
-    return _with_unit(f"{100.0 * (value - reference) / abs(reference):+.1f}".replace("-", "−"), "%")
+    percents = 100.0 / abs(reference)
+    places = 1
+    if is_number(low) and is_number(high) and high > low:
+        places = min(places, _places(0.5 * (high - low) * percents))
+    return _with_unit(f"{percents * (value - reference):+.{places}f}".replace("-", "−"), "%")
 
 
 def _prefix(value: Any, unit: str) -> tuple[float, str]:

@@ -116,7 +116,7 @@ def _parameter(name: str, entry: Mapping[str, Any], true: Any) -> dict[str, Any]
         "half": half_width(value, low, high).removeprefix("±\u00a0"),
         "source": entry.get("source") or ("identified" if known else "not excited"),
         "truth": given(true, unit),
-        "deviation": deviation(value, true),
+        "deviation": deviation(value, true, low, high),
         "inside": _inside(true, low, high),
     }
 
@@ -139,9 +139,9 @@ def _fit_value(value: Any) -> dict[str, str]:
         shown, bounds = with_interval(value.get("value"), value.get("low"), value.get("high"), unit)
         return {"value": skip_reason(value) or shown, "interval": bounds}
     if isinstance(value, (list, tuple)):
-        return {"value": ", ".join(digits(v, 4) if is_number(v) else str(v) for v in value), "interval": NONE}
+        return {"value": ", ".join(digits(v) if is_number(v) else str(v) for v in value), "interval": NONE}
     if is_number(value):
-        return {"value": str(value) if isinstance(value, int) else digits(value, 4), "interval": NONE}
+        return {"value": str(value) if isinstance(value, int) else digits(value), "interval": NONE}
     return {"value": NONE if value is None else str(value), "interval": NONE}
 
 
