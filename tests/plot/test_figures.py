@@ -62,15 +62,18 @@ def recording_overview() -> Figure:
 def stiffness_fit() -> Figure:
     frequency = np.linspace(1.0, 50.0, 40)
     response = 110.0 * np.exp(-1j * 0.002 * frequency)
-    arguments = {"fitted": response, "used": frequency < 30.0, "stiffness": 110.0, "interval": (109.0, 111.0)}
+    arguments = {
+        "fitted": response,
+        "used": frequency < 30.0,
+        "title": "Shaft stiffness",
+        "interval": (109.0, 111.0),
+    }
     return plot.stiffness_fit(frequency, response, np.full(40, 0.98), **arguments)
 
 
 def ring_down_fit() -> Figure:
     wave = np.exp(-3.0 * TIME) * np.cos(180.0 * TIME)
-    return plot.ring_down_fit(
-        [(TIME, wave, wave), (TIME + 3.0, wave, wave)], frequency=28.6, damping_ratio=0.017
-    )
+    return plot.ring_down_fit([(TIME, wave, wave), (TIME + 3.0, wave, wave)])
 
 
 #: figure → number of lines in each panel

@@ -56,3 +56,4 @@ def test_a_deviation_is_no_finer_than_its_interval():
     assert numbers.deviation(99.25, 100.0, 97.3, 101.2) == "−0.8\u00a0%"
     assert numbers.deviation(99.25, 100.0, 99.2499, 99.2501) == "−0.8\u00a0%"
     assert numbers.deviation(99.25, 100.0, 99.25, 99.25) == "−0.8\u00a0%"
+    assert numbers.deviation(99.7, 100.0, 91.0, 109.0) == "0\u00a0%"

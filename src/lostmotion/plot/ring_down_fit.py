@@ -19,8 +19,7 @@ def ring_down_fit(
     windows: Sequence[tuple[ArrayLike, ArrayLike, ArrayLike]],
     *,
     signal: str = "torque_shaft",
-    frequency: float | None = None,
-    damping_ratio: float | None = None,
+    title: str = "Ring-down",
     columns: int = 2,
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
@@ -31,8 +30,7 @@ def ring_down_fit(
     windows : sequence of (time, measured, fitted), (n,) arrays each, s and SI
     signal : str
         The signal's name; it gives label and unit.
-    frequency : float, optional, Hz
-    damping_ratio : float, optional
+    title : str
     columns : int
     axes : sequence of Axes, optional
         One for each window.
@@ -52,7 +50,5 @@ def ring_down_fit(
         axis.set(xlabel="time (s)", ylabel=axis_label(signal))
         axis.margins(x=0.0)
     grid[0].legend(frameon=False)
-    parts = [] if frequency is None else [f"{frequency:.2f} Hz"]
-    parts += [] if damping_ratio is None else [f"damping ratio {damping_ratio:.3g}"]
-    figure.suptitle("Ring-down" + (": " + ", ".join(parts) if parts else ""), fontweight="bold")
+    figure.suptitle(title, fontweight="bold")
     return figure

@@ -22,7 +22,6 @@ def stiffness_fit(
     *,
     fitted: ArrayLike | None = None,
     used: ArrayLike | None = None,
-    stiffness: float | None = None,
     interval: tuple[float, float] | None = None,
     title: str = "Shaft stiffness",
     axes: Sequence[Axes] | None = None,
@@ -39,7 +38,6 @@ def stiffness_fit(
         The fit at the same frequencies.
     used : (m,) bool array, optional
         The frequencies that the fit used; default: all.
-    stiffness : float, optional, Nm/rad
     interval : (low, high), optional, Nm/rad
         95 % interval.
     title : str
@@ -67,8 +65,7 @@ def stiffness_fit(
     trust.plot(hertz, np.asarray(coherence, dtype=float), color=ESTIMATED["color"], linewidth=1.2)
     _focus(size, np.abs(measured[use]))
     _focus(phase, np.degrees(np.angle(measured[use])))
-    found = "" if stiffness is None else f": {stiffness:.4g} Nm/rad"
-    size.set(ylabel="torque / twist (Nm/rad)", title=f"{title}{found}")
+    size.set(ylabel="torque / twist (Nm/rad)", title=title)
     phase.set(ylabel="phase (°)")
     trust.set(ylabel="coherence (–)", xlabel="frequency (Hz)", ylim=(0.0, 1.05))
     figure.legend(*size.get_legend_handles_labels(), frameon=False, ncols=2, loc="outside lower center")

@@ -98,7 +98,8 @@ def deviation(value: Any, reference: Any, low: Any = None, high: Any = None) -> 
     places = 1
     if is_number(low) and is_number(high) and high > low:
         places = min(places, _places(0.5 * (high - low) * percents))
-    return _with_unit(f"{percents * (value - reference):+.{places}f}".replace("-", "−"), "%")
+    text = f"{percents * (value - reference):+.{places}f}".replace("-", "−")
+    return _with_unit(text if text.strip("+−0.") else text[1:], "%")
 
 
 def _prefix(value: Any, unit: str) -> tuple[float, str]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .. import plot
+from ..identification.ring_down import RingDown
 from ..recording import Recording
 from ..report import ReportFigure
+from ..report.numbers import with_interval
 from .material import STEP_TIME, Material
 from .parameters import Found
 from .validation import PULSE_END, Validation
@@ -77,7 +79,8 @@ def _shaft(found: Found) -> list[ReportFigure]:
                 "Measured shaft torque against the integral of the measured speed difference.",
                 plot.stiffness_fit(
                     shaft.frequency, shaft.response, shaft.coherence, fitted=shaft.fitted(shaft.frequency),
-                    used=shaft.used, stiffness=shaft.stiffness, interval=shaft.interval,
+                    used=shaft.used, interval=shaft.interval,
+                    title=f"Shaft stiffness: {_shown(shaft.stiffness, shaft.interval, 'Nm/rad')}",
                 ),
                 "fits",
             )
@@ -88,13 +91,23 @@ def _shaft(found: Found) -> list[ReportFigure]:
                 "Ring-down",
                 "Measured shaft torque after each step and the fitted damped oscillation.",
                 plot.ring_down_fit(
-                    ringing.windows, signal=ringing.signal, frequency=ringing.frequency,
-                    damping_ratio=ringing.damping_ratio,
+                    ringing.windows, signal=ringing.signal, title=ring_down_title(ringing),
                 ),
                 "fits",
             )
         )  # fmt: skip
     return made
+
+
+def ring_down_title(ringing: RingDown) -> str:
+    """Frequency and damping ratio with the digits that their intervals bear out."""
+    frequency = _shown(ringing.frequency, ringing.intervals["frequency"], "Hz")
+    return f"Ring-down: {frequency}, damping ratio {_shown(ringing.damping_ratio, ringing.intervals['damping_ratio'])}"
+
+
+def _shown(value: float | None, interval: tuple[float, float] | None, unit: str = "") -> str:
+    low, high = interval or (None, None)
+    return with_interval(value, low, high, unit)[0]
 
 
 def _observers(material: Material, validation: Validation) -> list[ReportFigure]:
