@@ -274,13 +274,22 @@ def simulate(
     _finished([], out.with_suffix(""), out.suffix, ".png")
 
 
+def _list_names(wanted: bool) -> None:
+    if wanted:
+        from .compare import CASES, CONTESTANTS
+
+        for what, entries in (("Cases", CASES), ("Observers", CONTESTANTS)):
+            typer.echo("\n  ".join([f"{what}:", *(entry.name for entry in entries)]))
+        raise typer.Exit
+
+
 @compare_app.command(epilog=EXIT_CODES)
 def observers(
     out: Annotated[
         Path | None,
         typer.Option(
             help="Folder of the leaderboard; finished parts are kept. "
-            "Default: leaderboard, with --quick leaderboard-quick."
+            "Default: leaderboard, with --quick leaderboard-quick, with --case or --observer leaderboard-part."
         ),
     ] = None,
     quick: Annotated[
@@ -291,21 +300,33 @@ def observers(
         ),
     ] = False,
     seeds: Annotated[int | None, typer.Option(min=1, help="Number of rigs; default 20, quick 2.")] = None,
-    case: Annotated[list[str] | None, typer.Option(help="A case by its name; repeat it for more.")] = None,
-    observer: Annotated[
-        list[str] | None, typer.Option(help="An observer by its name; repeat it for more.")
+    case: Annotated[
+        list[str] | None, typer.Option(help="A case by its name (see --list); repeat it for more.")
     ] = None,
+    observer: Annotated[
+        list[str] | None, typer.Option(help="An observer by its name (see --list); repeat it for more.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a larger table in the folder; its scores are kept.")
+    ] = False,
+    names: Annotated[
+        bool,
+        typer.Option(
+            "--list", is_eager=True, callback=_list_names, help="List cases and observers, and stop."
+        ),
+    ] = False,
 ) -> None:
     """All observers over the same recordings of the virtual rig, as a leaderboard."""
-    from .compare import compare_observers
     from .terminal import StageLines
 
-    out = out or Path("leaderboard-quick" if quick else "leaderboard")
-    kept = f"finished parts stand in {out / 'scores'}, the same command goes on"
-    with _interruptible(kept), StageLines(every=0.1) as lines:
+    part = bool(case or observer)
+    out = out or Path("leaderboard-part" if part else "leaderboard-quick" if quick else "leaderboard")
+    with _interruptible("finished parts", out / "scores", "*.json"), StageLines(every=0.1) as lines:
+        from .compare import compare_observers
+
         lines("compare", 0.0)
         board = compare_observers(
-            out, quick=quick, seeds=seeds, cases=case or None, observers=observer or None,
+            out, quick=quick, seeds=seeds, cases=case or None, observers=observer or None, force=force,
             progress=lambda fraction, text: lines("compare", fraction, text),
         )  # fmt: skip
         lines("compare", 1.0)
@@ -326,8 +347,7 @@ def _simulate_variants(
     from .commands.simulate_variants import chunk_folder, simulate_variants
     from .terminal import Countdown
 
-    kept = f"finished chunks stand in {chunk_folder(out)}, the same command goes on"
-    with _interruptible(kept), Countdown("variants") as bar:
+    with _interruptible("finished chunks", chunk_folder(out), "*.npz"), Countdown("variants") as bar:
         made = simulate_variants(drivetrain, out, count, spread, torque, duration, dt, seed, bar)
     for index, message in made.failures.items():
         typer.secho(f"variant {index} failed: {message}", fg="yellow", err=True)
@@ -348,11 +368,17 @@ def _finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
 
 
 @contextmanager
-def _interruptible(kept: str = "an earlier output is as it was") -> Iterator[None]:
-    """Ctrl-C becomes a message and an exit code (typer itself would end without a word)."""
+def _interruptible(parts: str = "", folder: Path | None = None, files: str = "*") -> Iterator[None]:
+    """Ctrl-C becomes a message and an exit code (typer itself would end without a word).
+
+    ``parts`` are what the command goes on from: ``files`` in the folder, where there are any by then.
+    """
     try:
         yield
     except KeyboardInterrupt:
+        kept = "an earlier output is as it was"
+        if folder is not None and any(folder.rglob(files)):
+            kept = f"{parts} stand in {folder}, the same command goes on"
         typer.secho(f"Interrupted; {kept}.", fg="yellow", err=True)
         raise typer.Exit(INTERRUPTED) from None
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from numbers import Integral, Real
 from pathlib import Path
 
@@ -14,7 +15,9 @@ from .cases import CASES, Case
 from .contestants import CONTESTANTS, REFERENCE, Contestant
 from .jobs import Job, run_jobs
 from .leaderboard import Leaderboard
+from .names import known_names
 from .score_cache import ScoreCache, Scores
+from .whole_table import keep_whole_table
 
 Progress = Callable[[float, str], None]
 
@@ -32,6 +35,7 @@ def compare_observers(
     observers: Sequence[str] | None = None,
     duration: float | None = None,
     workers: int | None = None,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Leaderboard:
     """Compare all observers on the same recordings of the virtual rig.
@@ -40,17 +44,21 @@ def compare_observers(
     ----------
     out : folder, optional
         Gets leaderboard.json, .csv, .md and .svg, and ``scores/`` with one file per duration, case and seed. A later
-        call with the same folder computes only what is missing there or was made by other code.
+        call with the same folder computes only what is missing there or was made by other code. A table of all
+        observers and cases that lies there is not replaced by a smaller one.
     quick : bool
         Fewer cases, two seeds, shorter recordings, no slow observers.
     seeds : int or sequence of int, optional
         Number of rigs (1, 2, …), or their seeds. Default 20, quick 2.
     cases, observers : sequence of str, optional
-        Names out of ``CASES`` and ``CONTESTANTS``; default all (quick: the quick ones). Observer 1 always takes part.
+        Names out of ``CASES`` and ``CONTESTANTS``, in ASCII and small letters too ("inertia_load -20 %", "hinfinity");
+        default all (quick: the quick ones). Observer 1 always takes part.
     duration : float, s, optional
         Length of each recording; default 3 s, quick 1.5 s.
     workers : int, optional
         Processes; default one for each core; 1: none but this one.
+    force : bool
+        Replace the folder's table, whatever it holds; its scores stay.
     progress : callable (fraction, text), optional
 
     Returns
@@ -60,8 +68,8 @@ def compare_observers(
     Raises
     ------
     InvalidInput
-        For unknown names, seeds or workers that are no whole numbers, a duration that is too short to judge, and a
-        folder that cannot be written.
+        For unknown names, seeds or workers that are no whole numbers, a duration that is too short to judge, a
+        folder that cannot be written, and one that holds a larger table.
     """
     count, default = QUICK if quick else FULL
     length = _duration(default if duration is None else duration)
@@ -70,6 +78,11 @@ def compare_observers(
     chosen_cases = _chosen_cases(cases, quick)
     entries = _chosen_contestants(observers, quick)
     folder = None if out is None else Path(out)
+    names = {entry.name: entry.kind for entry in entries}
+    settings = {"duration": length, "quick": quick, "part": cases is not None or observers is not None}
+    board = Leaderboard(names, chosen_cases, chosen_seeds, {}, settings)
+    if folder is not None and not force:
+        keep_whole_table(folder, board)
     cache = ScoreCache(folder, length)
     jobs = list(_jobs(chosen_cases, chosen_seeds, entries, cache, length))
     report = progress or (lambda fraction, text: None)
@@ -77,17 +90,11 @@ def compare_observers(
         for done, (case, seed, found) in enumerate(results, start=1):
             cache.add(case, seed, found)
             report(done / len(jobs), f"{case}, rig {seed}")
-    names = {entry.name: entry.kind for entry in entries}
-    board = Leaderboard(
-        observers=names,
-        cases=chosen_cases,
-        seeds=chosen_seeds,
-        scores={
-            case.name: {s: _only(cache.scores(case.name, s), names) for s in chosen_seeds}
-            for case in chosen_cases
-        },
-        settings={"duration": length, "quick": quick},
-    )
+    scores = {
+        case.name: {s: _only(cache.scores(case.name, s), names) for s in chosen_seeds}
+        for case in chosen_cases
+    }
+    board = replace(board, scores=scores)
     if folder is not None:
         board.write(folder)
         _draw(board, folder)
@@ -158,21 +165,12 @@ def _seeds(given: int | Sequence[int]) -> tuple[int, ...]:
 def _chosen_cases(names: Sequence[str] | None, quick: bool) -> tuple[Case, ...]:
     if names is None:
         return tuple(case for case in CASES if case.quick or not quick)
-    _check_known("cases", names, [case.name for case in CASES])
-    return tuple(case for case in CASES if case.name in names)
+    chosen = known_names("cases", names, [case.name for case in CASES])
+    return tuple(case for case in CASES if case.name in chosen)
 
 
 def _chosen_contestants(names: Sequence[str] | None, quick: bool) -> tuple[Contestant, ...]:
     if names is None:
         return tuple(entry for entry in CONTESTANTS if not (quick and entry.slow))
-    _check_known("observers", names, [entry.name for entry in CONTESTANTS])
-    return tuple(entry for entry in CONTESTANTS if entry.name in {*names, REFERENCE})
-
-
-def _check_known(what: str, names: Sequence[str], known: Sequence[str]) -> None:
-    given = None if isinstance(names, str) or not isinstance(names, Collection) else list(names)
-    if not given or any(name not in known for name in given):
-        unknown = [name for name in given if name not in known] if given else names
-        raise InvalidInput(
-            f"compare_observers.{what}", repr(unknown), f"a list of names out of {sorted(known)}", "Check."
-        )
+    chosen = known_names("observers", names, [entry.name for entry in CONTESTANTS])
+    return tuple(entry for entry in CONTESTANTS if entry.name in {*chosen, REFERENCE})

@@ -35,7 +35,7 @@ class Leaderboard:
     seeds : tuple of int
     scores : mapping case → seed → observer → score
     settings : mapping
-        Duration and what else was chosen.
+        Duration, whether quick, and whether the table is a part: cases or observers were chosen.
     """
 
     observers: Mapping[str, str]

@@ -15,7 +15,10 @@ Scores = dict[str, Score]
 
 #: Sources that no score depends on: the layers above, and what makes tables of the scores.
 ABOVE = ("cli", "run", "commands", "terminal", "stages", "report", "plot", "export", "io")
-TABLES = ("compare/compare_observers", "compare/leaderboard", "compare/score_cache", "compare/statistics")
+TABLES = tuple(
+    f"compare/{name}"
+    for name in ("compare_observers", "leaderboard", "names", "score_cache", "statistics", "whole_table")
+)
 
 
 @functools.cache

@@ -1,0 +1,52 @@
+"""The table of all observers and cases in a folder: hours of work, which no part of it replaces unasked."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ..errors import InvalidInput
+from .cases import CASES
+from .contestants import CONTESTANTS
+from .leaderboard import Leaderboard
+
+
+def keep_whole_table(folder: Path, new: Leaderboard) -> None:
+    """Refuse a folder whose table is whole and would lose observers, cases, rigs or length to the new one.
+
+    Whole is a table of all observers and cases of a comparison, quick or not. A part of one may be replaced: its scores
+    stay. What the package no longer has counts for nothing.
+
+    Parameters
+    ----------
+    folder : Path
+    new : Leaderboard
+        Its scores may still be missing.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    try:
+        old = json.loads((folder / "leaderboard.json").read_text(encoding="utf-8"))
+        settings = old["settings"]
+        observers, cases = ({row["name"] for row in old[what]} for what in ("observers", "cases"))
+        longer = settings["duration"] > new.settings["duration"]
+        lost = {
+            "observers": len(observers & {entry.name for entry in CONTESTANTS} - set(new.observers)),
+            "cases": len(cases & {case.name for case in CASES} - {case.name for case in new.cases}),
+            "rigs": len(set(old["seeds"]) - set(new.seeds)),
+        }
+    except (OSError, ValueError, KeyError, TypeError):
+        return  # no table, or none of this package
+    if settings.get("part"):
+        return
+    words = [f"{count} of its {what}" for what, count in lost.items() if count]
+    words += ["its longer recordings"] if longer else []
+    if words:
+        raise InvalidInput(
+            str(folder / "leaderboard.json"),
+            f"a table that would lose {', '.join(words)}",
+            "a folder without a larger table",
+            "Choose another folder (--out), or replace the table with --force.",
+        )
