@@ -101,7 +101,7 @@ def _fast(d: Drivetrain, s: Sensing) -> Runs:
 
 
 def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain, Sensing], Runs]:
-    """A filter that takes the noise of its sensors from the data sheets."""
+    """A stepper that takes the noise of its sensors from the data sheets."""
 
     def made(d: Drivetrain, s: Sensing) -> Runs:
         noise = {"speed_motor": s.speed_noise, "torque_shaft": s.torque_noise}
@@ -109,11 +109,6 @@ def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain,
         return make(d, dt=s.dt, count_averaged=s.averaged, sensor_noise=told, **options)
 
     return made
-
-
-def _speed_only(make: Callable[..., Runs]) -> Callable[[Drivetrain, Sensing], Runs]:
-    """An observer that knows the motor speed's noise alone."""
-    return lambda d, s: make(d, dt=s.dt, count_averaged=s.averaged, sensor_noise=s.speed_noise)
 
 
 #: Row that all others are compared with.
@@ -160,7 +155,7 @@ CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("unscented Kalman", "stepper", _stepper(unscented_kalman)),
     Contestant("interacting models", "stepper", _stepper(interacting_models)),
     Contestant("moving horizon", "stepper", _stepper(moving_horizon), slow=True),
-    Contestant("sliding mode", "stepper", _speed_only(sliding_mode)),
-    Contestant("super-twisting", "stepper", _speed_only(super_twisting)),
-    Contestant("radial basis", "stepper", _speed_only(radial_basis)),
+    Contestant("sliding mode", "stepper", _stepper(sliding_mode)),
+    Contestant("super-twisting", "stepper", _stepper(super_twisting)),
+    Contestant("radial basis", "stepper", _stepper(radial_basis)),
 )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, InputCheck
+from .arguments import mapping, positive
 
 Array = NDArray[np.float64]
 
@@ -31,12 +32,14 @@ def limits_of(
     measured: tuple[str, ...], default: Mapping[str, float], given: Mapping[str, float] | None
 ) -> dict[str, float]:
     """The limit of each measured signal: the default, or what the user gave."""
-    given = given or {}
+    given = mapping("largest_innovation", given)
     if not set(given) <= set(measured):
         raise InvalidInput(
-            "largest_innovation", f"{dict(given)}", f"limits of signals out of {measured}", "Check the names."
+            "largest_innovation", f"{given}", f"limits of signals out of {measured}", "Check the names."
         )
-    return {name: given.get(name, default[name]) for name in measured}
+    return {
+        name: positive(f"largest_innovation[{name!r}]", given.get(name, default[name])) for name in measured
+    }
 
 
 def with_checks(

@@ -13,6 +13,7 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
 from ..systems import DiscreteSystem
+from .arguments import flag, sensors, two_masses
 from .kalman import (
     MEASUREMENT_COVARIANCE,
     PROCESS_COVARIANCE,
@@ -23,6 +24,7 @@ from .kalman import (
     predictor_gain,
     sampled_model,
 )
+from .model import SENSORS
 
 Array = NDArray[np.float64]
 
@@ -114,9 +116,10 @@ def covariances(
     """
     from scipy.optimize import minimize
 
-    measured = tuple(measured)
+    drivetrain, measured = two_masses(drivetrain), sensors(measured, SENSORS)
     if count_averaged is None:
         count_averaged = bool(recording.meta.get("count_averaged", False)) and "speed_motor" in measured
+    flag("count_averaged", count_averaged)
     problem = _Problem(recording, drivetrain, measured, tuple(searched), count_averaged)
     start = problem.start()
     limit = np.log(FARTHEST)

@@ -13,6 +13,7 @@ from ..errors import InvalidInput
 from ..recording import Recording
 from ..systems import DiscreteSystem
 from ..systems.inputs import input_columns
+from .arguments import mapping, number
 from .tuning import MODE_SHARE, mode_numbers
 
 Array = NDArray[np.float64]
@@ -79,6 +80,9 @@ def deviations(
     from ..kernels.error_spread import output_spread, spread_by_modes
     from ..kernels.law import law_run
 
+    if not isinstance(observer, DiscreteSystem):
+        expected, remedy = "a fixed-gain observer", "A filter gives its deviations beside its estimates."
+        raise InvalidInput("deviations.observer", repr(observer), expected, remedy)
     if not (isinstance(samples, int) and samples >= 2):
         raise InvalidInput("deviations.samples", repr(samples), "a whole number, at least 2", "Give more.")
     sensors = tuple(name for name in observer.inputs if name != "torque_motor")
@@ -110,10 +114,11 @@ def _densities(
     where: str, names: tuple[str, ...], noisy: tuple[str, ...], given: Mapping[str, float]
 ) -> Array:
     """In the order of ``names``; only those in ``noisy`` may have one."""
+    given = mapping(f"deviations.{where}", given)
     unknown = sorted(set(given) - set(noisy))
     if unknown:
         raise InvalidInput(f"deviations.{where}", f"{unknown}", f"names out of {noisy}", "Check the names.")
-    values = np.array([float(given.get(name, 0.0)) for name in names])
+    values = np.array([number(f"deviations.{where}[{name!r}]", given.get(name, 0.0)) for name in names])
     if not np.all(np.isfinite(values) & (values >= 0.0)):
         raise InvalidInput(f"deviations.{where}", f"{given}", "zero or positive numbers", "Give variances.")
     return values

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
+from .arguments import flag, number, sample_time, two_masses
 from .checks import with_checks
 
 Array = NDArray[np.float64]
@@ -74,6 +75,8 @@ def disturbance(
     Ohnishi, Shibata & Murakami 1996, IEEE/ASME Trans. Mechatronics 1, 56–67; in momentum form De Luca & Mattone 2003,
     Proc. IEEE ICRA, 599–604.
     """
+    drivetrain, dt = two_masses(drivetrain), sample_time(dt)
+    bandwidth = number("disturbance.bandwidth", bandwidth)
     if not (math.isfinite(bandwidth) and bandwidth > 0.0):
         raise InvalidInput(
             "disturbance.bandwidth", repr(bandwidth), "a positive rate in 1/s", "Check the unit."
@@ -84,7 +87,7 @@ def disturbance(
     states = ["momentum_motor", "torque_shaft", "torque_shaft_rate"]
     phi, gamma = zero_order_hold(a, [[1.0], [0.0], [0.0]], dt)
     c = np.array([[1.0 / inertia, 0.0, 0.0]])
-    if count_averaged:
+    if flag("count_averaged", count_averaged):
         phi = np.pad(np.vstack([phi, c]), ((0, 0), (0, 1)))
         gamma = np.vstack([gamma, [[0.0]]])
         c = np.array([[0.5 / inertia, 0.0, 0.0, 0.5]])

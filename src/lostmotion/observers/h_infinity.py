@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem
+from .arguments import mapping, number
 from .kalman import SampledModel, covariances_of, predictor_gain, sampled_model
 
 Array = NDArray[np.float64]
@@ -77,11 +78,12 @@ def h_infinity(
     observer for a two-mass system with backlash); discrete equations: Simon 2006, Optimal State Estimation,
     section 11.3.
     """
+    margin = number("h_infinity.margin", margin)
     if not (math.isfinite(margin) and margin > 1.0):
         raise InvalidInput("h_infinity.margin", repr(margin), "a number above 1", "Choose 1.1 to 10.")
     design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)
-    w = _weight_rows(design, WEIGHTS if weights is None else weights)
+    w = _weight_rows(design, WEIGHTS if weights is None else mapping("h_infinity.weights", weights))
     level = margin * _smallest_level(design, q, r, w)
     gain = _gain(design, q, r, w, level)
     if gain is None:
@@ -89,13 +91,18 @@ def h_infinity(
             "h_infinity", f"no gain at level {level:g}", "a solvable Riccati equation", "Raise the margin."
         )
     return design.assembly.system(
-        design.measured, gain, design.c, name="h_infinity", limits=largest_innovation or {}
+        design.measured,
+        gain,
+        design.c,
+        name="h_infinity",
+        limits=mapping("largest_innovation", largest_innovation),
     )
 
 
 def _weight_rows(design: SampledModel, weights: Mapping[str, float]) -> Array:
     unknown = sorted(set(weights) - set(design.model.states))
-    bad = [name for name, value in weights.items() if not (math.isfinite(value) and value > 0.0)]
+    values = {name: number(f"h_infinity.weights[{name!r}]", value) for name, value in weights.items()}
+    bad = [name for name, value in values.items() if not (math.isfinite(value) and value > 0.0)]
     if unknown or bad or not weights:
         raise InvalidInput(
             "h_infinity.weights", f"{dict(weights)}", f"positive weights of {design.model.states}", "Check."

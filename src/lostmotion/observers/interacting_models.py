@@ -10,6 +10,7 @@ import numpy as np
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
+from .arguments import mapping
 from .extended_kalman import tracking_parameters
 from .tuning import Tuning, measured_sensors
 
@@ -93,7 +94,7 @@ def interacting_models(
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.GAP_PROCESS + 1)
-    tuning["drift"] = {**DRIFT, **(tuning.get("drift") or {})}
+    tuning["drift"] = {**DRIFT, **mapping("drift", tuning.get("drift"))}
     p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning)
     p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + 1e-8
     for place in (at.START, at.START_VARIANCE, at.PROCESS):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
+from .arguments import flag, mapping, sample_time
 from .assembly import Assembly
 from .model import ObserverModel, covariance, in_the_gap, observer_model
 
@@ -145,9 +146,11 @@ def kalman(
     design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)
     gain = predictor_gain(design, design.model.A, q, r)
-    if contact_scheduling:
+    if flag("contact_scheduling", contact_scheduling):
         design.assembly.close_in_gap(_gain_in_the_gap(design, q, r))
-    return design.assembly.system(design.measured, gain, design.c, limits=largest_innovation or {})
+    return design.assembly.system(
+        design.measured, gain, design.c, limits=mapping("largest_innovation", largest_innovation)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,9 +195,9 @@ def sampled_model(
     load_torque: bool = False,
 ) -> SampledModel:
     """The model of a fixed-gain observer; parameters as in ``kalman``."""
-    measured = tuple(measured)
-    model = observer_model(drivetrain, measured, load_torque)
-    if count_averaged and "speed_motor" not in measured:
+    model = observer_model(drivetrain, measured, flag("load_torque", load_torque))
+    measured, dt = tuple(measured), sample_time(dt)
+    if flag("count_averaged", count_averaged) and "speed_motor" not in measured:
         raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
     c = np.array([model.measurement_row(signal) for signal in measured])
     phi, gamma = zero_order_hold(model.A, np.hstack([model.B, model.E_gap, model.E_motor, model.E_load]), dt)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
+from .arguments import mapping, number, sensors, two_masses
 
 #: Signals that an observer can measure.
 SENSORS = ("speed_motor", "speed_load", "twist", "torque_shaft", "angle_motor")
@@ -63,10 +64,7 @@ def observer_model(
     ``torque_load`` (positive in the direction of positive speed, constant but for process noise) if an unknown
     ``load_torque`` is to be estimated.
     """
-    if not measured or len(set(measured)) < len(measured) or not set(measured) <= set(SENSORS):
-        raise InvalidInput(
-            "measured", repr(tuple(measured)), f"names out of {SENSORS}, each once", "Check the names."
-        )
+    drivetrain, measured = two_masses(drivetrain), sensors(measured, SENSORS)
     a, b = drivetrain.linear()
     states = ["twist", "speed_motor", "speed_load"]
     if drivetrain.lag > 0.0:
@@ -108,11 +106,11 @@ def covariance(
     positive: bool,
 ) -> NDArray[np.float64]:
     """Diagonal covariance over ``names``: the defaults, changed by what the user gave."""
-    given = dict(given or {})
+    given = mapping(where, given)
     unknown = sorted(set(given) - set(names))
     if unknown:
         raise InvalidInput(where, f"{unknown}", f"names out of {tuple(names)}", "Check the names.")
-    values = np.array([float(given.get(name, default[name])) for name in names])
+    values = np.array([number(f"{where}[{name!r}]", given.get(name, default[name])) for name in names])
     if not np.all(np.isfinite(values)) or np.any(values < 0.0) or (positive and np.any(values == 0.0)):
         raise InvalidInput(
             where,

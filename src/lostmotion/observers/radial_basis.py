@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..drivetrain import Drivetrain
@@ -25,7 +27,7 @@ def radial_basis(
     learning_time: float = 3.0,
     speed_range: float = 30.0,
     twist_range: float | None = None,
-    sensor_noise: float | None = None,
+    sensor_noise: float | Mapping[str, float] | None = None,
     count_averaged: bool = False,
 ) -> Stepper:
     """Observer 1 with two networks: one adds to the friction over the load speed, one to the gap curve over the twist.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, InputCheck, zero_order_hold
+from .arguments import number, positive, sample_time
 from .checks import limits_of
 
 #: Standard deviation of one sample of the torque sensor, Nm (chosen).
@@ -82,8 +83,8 @@ def shaft_torque(
 
     numbers = {"stiffness": stiffness, "torque_noise": torque_noise, "jerk": jerk}
     for name, value in numbers.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise InvalidInput(f"shaft_torque.{name}", repr(value), "a positive number", "Check the unit.")
+        positive(f"shaft_torque.{name}", value)
+    dt, torque_delay = sample_time(dt), number("shaft_torque.torque_delay", torque_delay)
     if not abs(torque_delay) <= 5.0 * dt:
         raise InvalidInput(
             "shaft_torque.torque_delay", f"{torque_delay} s", "within five samples", "Shift the torque first."

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
@@ -25,7 +26,7 @@ def sliding_mode(
     layer: float | None = None,
     bandwidth: float | None = None,
     damping_ratio: float | None = None,
-    sensor_noise: float | None = None,
+    sensor_noise: float | Mapping[str, float] | None = None,
     count_averaged: bool = False,
 ) -> Stepper:
     """Sliding-mode observer from motor torque and motor speed.
@@ -48,8 +49,9 @@ def sliding_mode(
         followed as fast as its noise allows (``speed_only.follow_share``).
     bandwidth, damping_ratio : float, 1/s and –, optional
         How errors of twist and load speed die out in contact; default √(k/J_l) and 0.7, less for a coarse encoder.
-    sensor_noise : float, rad/s, optional
-        Standard deviation of one sample of the motor speed; default as in ``extended_kalman``.
+    sensor_noise : float, rad/s, or mapping, optional
+        Standard deviation of one sample of the motor speed, or ``{"speed_motor": …}`` as in ``extended_kalman``, with
+        the same default.
     count_averaged : bool
         The measured motor speed is a difference of counts over dt: the innovation is that of the angle, over dt.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -30,18 +31,24 @@ DAMPING_RATIO, SLOWER = 0.7, 0.33
 
 
 def speed_only_parameters(
-    drivetrain: Drivetrain, dt: float, sensor_noise: float | None, count_averaged: bool, own: int
+    drivetrain: Drivetrain,
+    dt: float,
+    sensor_noise: float | Mapping[str, float] | None,
+    count_averaged: bool,
+    own: int,
 ) -> Array:
     """The parameters that ``kernels.steppers_speed_only`` reads, and room for ``own`` more."""
     from ..kernels import steppers_model as at
     from ..kernels import steppers_speed_only as kernel
 
+    if not isinstance(sensor_noise, Mapping | None):
+        sensor_noise = {"speed_motor": sensor_noise}
     p = np.zeros(kernel.FREE + own)
     p[: at.OWN] = model_parameters(
         drivetrain,
         ("speed_motor",),
         dt,
-        None if sensor_noise is None else {"speed_motor": sensor_noise},
+        sensor_noise,
         count_averaged,
     )
     p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
@@ -29,7 +30,7 @@ def super_twisting(
     unknown_torque: float = 20.0,
     bandwidth: float | None = None,
     damping_ratio: float | None = None,
-    sensor_noise: float | None = None,
+    sensor_noise: float | Mapping[str, float] | None = None,
     count_averaged: bool = False,
 ) -> Stepper:
     """Super-twisting observer from motor torque and motor speed.

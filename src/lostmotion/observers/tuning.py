@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import zero_order_hold
+from .arguments import flag, mapping, positive, sample_time, sensors, two_masses
 from .model import observer_model
 
 Array = NDArray[np.float64]
@@ -94,36 +95,18 @@ PIECE = 0.16
 
 def measured_sensors(measured: Sequence[str]) -> tuple[str, ...]:
     """The sensors of a stepper, checked."""
-    measured = tuple(measured)
-    if not measured or len(set(measured)) < len(measured) or not set(measured) <= set(STEPPER_SENSORS):
-        raise InvalidInput(
-            "measured", repr(measured), f"names out of {STEPPER_SENSORS}, each once", "Check the names."
-        )
-    return measured
-
-
-def positive(where: str, value: float, zero: bool = False) -> float:
-    """A finite number above zero (or zero, where that is allowed)."""
-    value = float(value)
-    if not math.isfinite(value) or value < 0.0 or (value == 0.0 and not zero):
-        raise InvalidInput(
-            where, repr(value), "zero or more" if zero else "a positive number", "Check the unit."
-        )
-    return value
+    return sensors(measured, STEPPER_SENSORS)
 
 
 def chosen(
     where: str, default: Mapping[str, float], given: Mapping[str, float] | None, zero: bool
 ) -> dict[str, float]:
     """The defaults, changed by what the user gave."""
-    if not isinstance(given, Mapping | None):
-        raise InvalidInput(
-            where, repr(given), f"a mapping, names out of {tuple(default)}", "Give {name: value}."
-        )
-    unknown = sorted(set(given or {}) - set(default))
+    given = mapping(where, given)
+    unknown = sorted(set(given) - set(default))
     if unknown:
         raise InvalidInput(where, f"{unknown}", f"names out of {tuple(default)}", "Check the names.")
-    return {name: positive(f"{where}[{name!r}]", v, zero) for name, v in {**default, **(given or {})}.items()}
+    return {name: positive(f"{where}[{name!r}]", v, zero) for name, v in {**default, **given}.items()}
 
 
 def checked_names(tuning: Tuning) -> Tuning:
@@ -177,8 +160,8 @@ def model_parameters(
     """The part of the parameter array that ``kernels.steppers_model`` reads; the rest is zero."""
     from ..kernels import steppers_model as at
 
-    positive("dt", dt)
-    if count_averaged and "speed_motor" not in measured:
+    drivetrain, dt = two_masses(drivetrain), sample_time(dt)
+    if flag("count_averaged", count_averaged) and "speed_motor" not in measured:
         raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
     shaft, friction = drivetrain.shaft, drivetrain.frictions[1]
     split = pieces(drivetrain, dt)
