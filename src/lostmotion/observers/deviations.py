@@ -76,6 +76,11 @@ def deviations(
     ------
     InvalidInput
         For unknown names, negative numbers, and an observer whose error does not settle.
+
+    Notes
+    -----
+    A nonlinear error's covariance by samples: Evensen 1994, J. Geophysical Research 99, 10143–10162; the settled one by
+    doubling: Smith 1968, SIAM J. Applied Mathematics 16, 198–201.
     """
     from ..kernels.error_spread import output_spread, spread_by_modes
     from ..kernels.law import law_run

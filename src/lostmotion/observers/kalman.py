@@ -62,6 +62,15 @@ def kalman_gain(
     (n_states, n_measured) array
         Rows: twist, speed_motor, speed_load (torque_actuator, angle_motor); columns in the order of
         ``measured``.
+
+    Raises
+    ------
+    InvalidInput
+        For unknown or doubled names, negative covariances, and sensors that cannot see the whole state.
+
+    Notes
+    -----
+    Fietzek & Rinderknecht, eq. 6 to 8; the filter: Kalman & Bucy 1961, J. Basic Engineering 83, 95–108.
     """
     from scipy.linalg import solve_continuous_are
 
@@ -142,6 +151,12 @@ def kalman(
     ------
     InvalidInput
         For unknown or doubled names, negative covariances, and sensors that cannot see the whole state.
+
+    Notes
+    -----
+    Fietzek & Rinderknecht, section III: Observer 1 measures the motor speed, Observer 2 the shaft torque too. Theirs is
+    continuous; the discrete gain: Kalman 1960, J. Basic Engineering 82, 35–45. Load torque as a state, gain by contact
+    and checks are additions; their defaults are chosen.
     """
     design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)

@@ -78,6 +78,11 @@ def shaft_torque(
     ------
     InvalidInput
         For numbers that are not positive and finite.
+
+    Notes
+    -----
+    Kalman filter of a target whose acceleration is a random walk (Bar-Shalom, Li & Kirubarajan 2001, Estimation with
+    Applications to Tracking and Navigation, chapter 6), measured through a spring. Defaults chosen.
     """
     from scipy.linalg import block_diag, solve_discrete_are
 
