@@ -117,7 +117,7 @@ class Memory:
         missing, lost, armed = (
             not abs(given) <= 1e30,
             not abs(predicted) <= 1e30,
-            self.doubt < self.check.hold,
+            0 <= self.doubt < self.check.hold,
         )
         replacement = kept if self.check.keep or lost else predicted
         if missing or lost:
@@ -127,11 +127,14 @@ class Memory:
             return (replacement, True) if missing else (given, False)
         jump, frozen = self._judged(given, given - predicted, armed)
         if armed and (jump or frozen):
-            self._doubted()
+            self._doubted(frozen)
+            return replacement, True
+        if self.doubt < 0 and frozen:
+            self.doubt = self.doubt - 1 if 1 - self.doubt <= 3 * self.check.hold else 2 * self.check.hold
             return replacement, True
         if armed:
             self.doubt = 0
-        elif jump:
+        elif jump or self.doubt < 0:
             self.doubt = 2 * self.check.hold
         elif not frozen:
             self.doubt = self.doubt - 1 if self.doubt > self.check.hold + 1 else 0
@@ -174,8 +177,9 @@ class Memory:
         often = self.check.alone and given != 0.0 and self.count > max(5.0, 3.0 * self.longest_run)
         return self.bad or often or (self.count >= 5 and 0.0 < needed < moved)
 
-    def _doubted(self) -> None:
-        self.doubt = self.doubt + 1 if self.doubt + 1 < self.check.hold else 2 * self.check.hold
+    def _doubted(self, frozen: bool = False) -> None:
+        over = -1 if frozen else 2 * self.check.hold
+        self.doubt = self.doubt + 1 if self.doubt + 1 < self.check.hold else over
 
 
 def c_run(

@@ -38,10 +38,16 @@ def test_a_jump_is_replaced_by_the_prediction_until_the_hold_time_is_over(curve)
     assert found["estimate"][-1] == 3.55
 
 
-def test_a_jump_that_stays_exactly_where_it_is_is_taken_too_but_flagged():
-    found = run(tracker(), [*SETTLED, 7.0, 7.0, 7.0, 7.0, 7.0, 7.1])
-    assert found["input_fault"].tolist() == [0.0] * 5 + [1.0] * 5 + [0.0]
-    assert found["estimate"].tolist() == [0.0] * 9 + [3.5, 5.25]
+def test_a_jump_that_stays_exactly_where_it_is_is_refused_four_times_as_long_then_taken_but_flagged():
+    found = run(tracker(), [*SETTLED, *[7.0] * 14, 7.1])
+    assert found["input_fault"].tolist() == [0.0] * 5 + [1.0] * 14 + [0.0]
+    assert found["estimate"].tolist() == [0.0] * 18 + [3.5, 5.25]
+
+
+def test_what_follows_a_long_frozen_stretch_is_taken_at_once():
+    found = run(tracker(), [*SETTLED, *[7.0] * 6, 9.0, 8.0])
+    assert found["input_fault"].tolist() == [0.0] * 5 + [1.0] * 6 + [0.0] * 2
+    assert found["estimate"].tolist() == [0.0] * 12 + [4.5]
 
 
 #: Errors that drift: from −0.4 to 0.4 in steps of 0.1, as wrong parameters make them.

@@ -18,10 +18,13 @@ WIDEN, RAISE, CLOSER = 8.0, 0.125, 0.5
 #: times that if it did not come more often than the longest run of late, or USUAL times; and by less the longer it
 #: lasts, down to 1/LONG. Alone: what came more often than SAME times, and RUNS times the longest run (all chosen).
 SAME, MOVED, EARLY, USUAL, LONG, RUNS = 5.0, 0.75, 3.0, 8.0, 10.0, 3.0
+#: A frozen sample is refused for so many times the hold time longer (chosen: 120 ms in all; filters do for 100).
+LASTS = 3.0
 
 #: Numbers that a check carries from sample to sample: the value before, how often it came in a row (negative if it was
-#: bad, 0 if there is none), the error before it came first, the error of the sample before, bad samples in a row, and
-#: of late the largest error, the largest change of it, and the longest run of one value.
+#: bad, 0 if there is none), the error before it came first, the error of the sample before, bad samples in a row
+#: (negative: of a frozen signal, beyond the hold time), and of late the largest error, the largest change of it, and
+#: the longest run of one value.
 REMEMBERED = 8
 
 #: What is to be done with a checked sample.
@@ -35,7 +38,7 @@ def check(memory, given, predicted, limit, hold, forget, alone):
     """What to do with a sample of a checked input; changes what is remembered."""
     missing = not -INPUT_BOUND <= given <= INPUT_BOUND
     doubt = memory[4]
-    armed = doubt < hold
+    armed = 0.0 <= doubt < hold
     frozen = False
     jump = False
     if missing or not -INPUT_BOUND <= predicted <= INPUT_BOUND:
@@ -82,10 +85,14 @@ def check(memory, given, predicted, limit, hold, forget, alone):
         memory[3] = error
     if armed:
         if missing or frozen or jump:
-            memory[4] = doubt + 1.0 if doubt + 1.0 < hold else 2.0 * hold
+            over = -1.0 if frozen else 2.0 * hold
+            memory[4] = doubt + 1.0 if doubt + 1.0 < hold else over
             return REPLACED
         memory[4] = 0.0
-    elif jump:
+    elif doubt < 0.0 and frozen:
+        memory[4] = doubt - 1.0 if 1.0 - doubt <= LASTS * hold else 2.0 * hold
+        return REPLACED
+    elif jump or (doubt < 0.0 and not missing):
         memory[4] = 2.0 * hold
     elif not (missing or frozen):
         memory[4] = doubt - 1.0 if doubt > hold + 1.0 else 0.0

@@ -31,8 +31,9 @@ class InputCheck:
 
     A bad sample is replaced by the prediction, so that the law sees no error and predicts through. What happens often
     is no fault: errors, changes and runs of believed samples count fully and fade (``forget``); the first sample of
-    every jump counts an eighth. No wrong law is ever locked out: after ``hold`` bad samples in a row, and at the
-    start, every finite sample is taken, until ``hold`` samples in a row were no jump.
+    every jump counts an eighth. No wrong law is ever locked out: after ``hold`` bad samples in a row (three times
+    more while the signal is frozen), and at the start, every finite sample is taken, until ``hold`` samples in a row
+    were no jump.
 
     Parameters
     ----------
