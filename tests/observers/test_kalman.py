@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from lostmotion.drivetrain import Drivetrain, Friction
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import kalman, kalman_gain
+from lostmotion.observers import h_infinity, kalman, kalman_gain, radial_basis
 from lostmotion.simulation import simulate
 from lostmotion.systems import connect
 
@@ -285,3 +285,13 @@ def test_a_lag_far_below_the_sample_time_is_none(lag: float) -> None:
     lagging = kalman(TABLE_1.with_parameters(lag=lag), dt=1e-4).run(data)
     for name in ("speed_load_estimated", "twist_estimated"):
         assert np.max(np.abs(lagging[name] - plain[name])) < 0.01 * np.ptp(plain[name]), name
+
+
+@pytest.mark.parametrize("make", [kalman, h_infinity, radial_basis])
+def test_a_sample_too_long_for_the_shaft_is_refused(make):
+    """Beyond, the gap term that is held over a sample swings up; without a gap nothing is held."""
+    stiff = TABLE_1.with_parameters(stiffness=(1.6 / 1e-3) ** 2 / (1.0 / 0.0182 + 1.0 / 0.111))
+    with pytest.raises(InvalidInput, match=r"turns by 1\.6 rad.*extended_kalman"):
+        make(stiff, dt=1e-3)
+    make(stiff.with_parameters(backlash=0.0), dt=1e-3)
+    make(stiff, dt=9e-4)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from lostmotion.compare import CASES
 from lostmotion.compare.experiment import Experiment, experiment
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import extended_kalman, interacting_models, moving_horizon, unscented_kalman
+from lostmotion.observers.scale import PAPER
 from lostmotion.recording import Recording
+from lostmotion.signals import excitation
+from lostmotion.simulation import Sensor, measure, simulate
 
 FILTERS = (extended_kalman, unscented_kalman, interacting_models)
 BOTH = ("torque_shaft", "speed_motor")
@@ -52,6 +56,23 @@ def test_a_coarser_encoder_than_told_shows_itself(make, bits):
     told = run(make, data, sensor_noise={"speed_motor": data.sensing.speed_noise})
     assert error(found, data, "speed_load") < 1.3 * error(told, data, "speed_load")
     assert found["input_fault"].mean() < 0.01
+
+
+@pytest.mark.parametrize("resolution", [0.0, 0.2])
+@pytest.mark.parametrize("make", [*FILTERS, moving_horizon])
+def test_a_torque_that_is_exactly_zero_in_the_gap_is_no_frozen_one(make, resolution):
+    """A sensor without noise, or with coarse steps, repeats its zero while the twist moves: 5 % when it was refused."""
+    work = excitation(1.5, 1e-4, seed=22, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    exact = simulate(PAPER, dt=1e-4, torque_motor=work)
+    sensors = {
+        "torque_shaft": Sensor("torque_shaft", resolution=resolution),
+        "speed_motor": Sensor("speed_motor"),
+    }
+    shown = {"torque_motor": work, **measure(sensors, exact.signals, 1e-4, 1)}
+    found = make(PAPER, dt=1e-4, measured=BOTH).run(shown)
+    wrong = found["speed_load_estimated"] - exact["speed_load"]
+    assert (wrong**2).mean() ** 0.5 < 1e-3 * np.ptp(exact["speed_load"])
+    assert found["input_fault"].mean() < 0.005
 
 
 def test_the_order_of_the_sensors_does_not_matter_much():

@@ -154,7 +154,7 @@ def step(p, s, inputs, faults, outputs):
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
     if faults & 1:
         for m in range(MODELS):
-            s[m * ONE + N + N + 1] += (MISSING_TORQUE * p[DT]) ** 2
+            s[m * ONE + N + N + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2
     if s[STARTED] == 0.0:
         restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
     for i in range(int(p[N_SENSORS])):

@@ -49,6 +49,7 @@ from .steppers_model import (
     scalar_update,
     sensor_believed,
     sensor_variance,
+    wound,
     write_estimates,
 )  # fmt: skip
 
@@ -107,15 +108,16 @@ def sensor(p, s, i, value, missing, h, gain, innovation, variance):
     column = 1 if kind == SPEED_MOTOR else 2 if kind == SPEED_LOAD else 0
     for m in range(MODELS):
         moved += s[CHANCE + m] * s[m * ONE + column]
-    moved -= s[BEFORE + column]
     if kind > TWIST:
-        moved *= p[STIFFNESS]
+        moved = p[STIFFNESS] * wound(moved, s[BEFORE], p[HALF])
+    else:
+        moved -= s[BEFORE + column]
     verdict = sensor_believed(
         p, s, SENSOR_MEMORY + MEMORY * i, i, value, missing, moved, innovation[best], variance[best]
     )  # fmt: skip
     if verdict in (FROZEN, JUMP):
         for m in range(MODELS):
-            doubt(s, m * ONE + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
+            doubt(p, s, m * ONE + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
     if verdict == START_AGAIN:
         restart(p, s, value if kind <= SPEED_LOAD else s[ONE + 1], LOAD_TORQUE)
     if verdict == USE:

@@ -39,7 +39,8 @@ COULOMB_BOUND = 110  # Nm: largest Coulomb level that is believed
 FROZEN_HOLD = 111  # samples
 INERTIA_MOTOR, INERTIA_LOAD = 112, 113
 MODE_SHARE, MODE_RATE = 114, 115  # see ``by_modes``
-OWN = 116  # first place that an observer may use for itself
+MISSING_TORQUE, WORST = 116, 117  # see ``observers.tuning``
+OWN = 118  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
@@ -54,16 +55,11 @@ USE, MISSING, START_AGAIN, FROZEN, JUMP = 0, 1, 2, 3, 4
 #: An estimate beyond this is lost (SI units; chosen far above any drivetrain), and the observer starts again.
 LOST = 1e8
 
-#: What a missing motor torque may do to its speed, rad/s² (chosen: 20 Nm on the paper's rig): the speed then follows
-#: its sensor.
-MISSING_TORQUE = 1500.0
-
 #: Place of ``angle_counted`` among the states.
 ANGLE = 4
 
-#: Rate at which standard deviations grow while samples are refused as jumps, 1/s, and the speed's largest one, rad/s
-#: (chosen: a jump of 8 rad/s is refused for 20 ms).
-DOUBT, WORST = 60.0, 10.0
+#: Rate at which standard deviations grow while samples are refused as jumps, 1/s (chosen).
+DOUBT = 60.0
 
 #: A value stands still if the model has moved by less than so many of its smallest steps (chosen: ``tuning.FREEZE``
 #: deviations of a count); smaller changes than this share of a value are its rounding.
@@ -159,6 +155,12 @@ def by_modes(share, rate, state, at, torque):
     state[at] += rate * away
     state[at + 1] += rate * (away * away - state[at + 1])
     return share * share * state[at + 1]
+
+
+@njit(cache=True, inline="always")
+def wound(now, before, half):
+    """Change of the elastic twist: within the gap none."""
+    return now - clip(now, -half, half) - before + clip(before, -half, half)
 
 
 @njit(cache=True, inline="always")
@@ -280,13 +282,13 @@ def next_count(p, i, s, mean, covariance, n, value, error, used):
 
 
 @njit(cache=True)
-def doubt(s, at, n, first, growth):
-    """Standard deviations of the first states of the (n, n) covariance at s[at …] grow by a factor, up to WORST.
+def doubt(p, s, at, n, first, growth):
+    """Standard deviations of the first states of the (n, n) covariance at s[at …] grow by a factor, up to ``p[WORST]``.
 
     So an estimate that was surer than it should be, after a drop-out say, believes its sensor again within
     milliseconds.
     """
-    if s[at + n + 1] > WORST * WORST:
+    if s[at + n + 1] > p[WORST] * p[WORST]:
         return
     for i in range(first):
         for j in range(n):

@@ -283,7 +283,7 @@ def _append(p, s, inputs, torque, faults, h, scratch):
             if verdict == FROZEN:
                 _disbelieve(s, i, min(int(s[SENSOR_MEMORY + MEMORY * i + 1]) - 1, count))
         if verdict == JUMP:
-            doubt(s, ARRIVAL + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
+            doubt(p, s, ARRIVAL + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
         if verdict == START_AGAIN:
             restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
             again = True

@@ -188,7 +188,7 @@ def step(p, s, inputs, faults, outputs):
     values = np.empty(WEIGHTS_COUNT + GAP_CENTRES)
     out, before = np.empty(WEIGHTS_COUNT), np.empty(WEIGHTS_COUNT)
     torque, innovation, faults = innovation_of(p, s, inputs, faults)
-    if faults & 2 == 0:
+    if faults & 3 == 0:  # nothing is learned from a torque or a speed that is not known
         _learn(p, s, innovation)
     for i in range(WEIGHTS_COUNT):
         out[i], before[i] = _reach(p, s, i), s[RESPONSE + 4 * i + 1]

@@ -49,6 +49,7 @@ from .steppers_model import (
     sensor_believed,
     sensor_variance,
     torque_believed,
+    wound,
     write_estimates,
 )  # fmt: skip
 
@@ -171,8 +172,9 @@ def moved(p, s, kind):
         return s[1] - s[BEFORE + 1]
     if kind == SPEED_LOAD:
         return s[2] - s[BEFORE + 2]
-    twist = s[0] - s[BEFORE]
-    return twist if kind == TWIST else p[STIFFNESS] * twist
+    if kind == TWIST:
+        return s[0] - s[BEFORE]
+    return p[STIFFNESS] * wound(s[0], s[BEFORE], 0.5 * s[BACKLASH])
 
 
 @njit(cache=True)
@@ -224,7 +226,7 @@ def correct_all(p, s, inputs, torque_faults, work):
         else:
             faults |= 2 << i
         if verdict in (FROZEN, JUMP):
-            doubt(s, COVARIANCE, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
+            doubt(p, s, COVARIANCE, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
         if verdict == START_AGAIN:
             restart(p, s, inputs[1 + i] if kind <= SPEED_LOAD else s[1], LOAD_TORQUE)
         if kind == SPEED_MOTOR and p[AVERAGED]:
@@ -237,7 +239,7 @@ def begin(p, s, inputs, faults):
     """The torque to use and the faults; a first sample starts the filter."""
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
     if faults & 1:
-        s[COVARIANCE + N + 1] += (MISSING_TORQUE * p[DT]) ** 2
+        s[COVARIANCE + N + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2
     if s[STARTED] == 0.0:
         restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
     return torque, faults

@@ -131,7 +131,7 @@ class Assembly:
         if self.slack_gain is not None:
             law = with_gates(law, measured, residual, gain - self.slack_gain, self.model)
         if limits is not None:
-            law = with_checks(law, measured, residual, limits)
+            law = with_checks(law, measured, residual, self.model.drivetrain, limits)
             if "speed_motor" in measured:
                 law = with_torque_check(law, self.model.drivetrain.inertia_motor, self.model.drivetrain.lag)
         return with_innovation(law, measured, residual) if innovation else law

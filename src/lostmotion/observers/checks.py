@@ -10,15 +10,18 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, InputCheck
 from .arguments import mapping, positive
+from .scale import scale_of, sized
 
 Array = NDArray[np.float64]
 
 #: Largest difference between measured and expected value that is believed, in SI units. Chosen on the virtual rig,
 #: where it stays below 3.8 rad/s with any parameter off by 20 % or 3 Nm on the load; the others accordingly, by 6300
-#: Nm/rad and the closed gap's 640 1/s. Where healthy samples are further off, the check learns it.
+#: Nm/rad and the closed gap's 640 1/s. A drivetrain of another size gets them by ``scale.scale_of``. Where healthy
+#: samples are further off, the check learns it.
 LARGEST_INNOVATION: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 4.0, "speed_load": 4.0, "twist": 0.006, "torque_shaft": 40.0, "angle_motor": 0.006}
 )
@@ -46,15 +49,17 @@ def with_checks(
     law: DiscreteSystem,
     measured: tuple[str, ...],
     rows: tuple[Array, Array],
+    drivetrain: Drivetrain,
     limits: Mapping[str, float] | None = None,
     keep: bool = False,
     alone: bool = False,
 ) -> DiscreteSystem:
     """The law with a check on each measured input, expected as rows[0] x + rows[1] w over its first states and curves.
 
-    ``limits`` replaces entries of ``LARGEST_INNOVATION``; ``keep`` and ``alone`` as in ``InputCheck``.
+    ``limits`` replaces entries of ``LARGEST_INNOVATION``, which are sized for the drivetrain; ``keep`` and ``alone`` as
+    in ``InputCheck``.
     """
-    limits = limits_of(measured, LARGEST_INNOVATION, limits)
+    limits = limits_of(measured, sized(LARGEST_INNOVATION, scale_of(drivetrain)), limits)
     p, r = np.zeros((len(measured), len(law.states))), np.zeros((len(measured), len(law.curves)))
     p[:, : rows[0].shape[1]], r[:, : rows[1].shape[1]] = rows
     checks = tuple(InputCheck.over_time(name, limits[name], law.dt, keep, alone) for name in measured)

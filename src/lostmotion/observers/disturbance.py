@@ -13,6 +13,7 @@ from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
 from .arguments import flag, number, sample_time, two_masses
 from .checks import with_checks
+from .scale import scale_of
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ def disturbance(
     drivetrain: Drivetrain,
     *,
     dt: float,
-    bandwidth: float = BANDWIDTH,
+    bandwidth: float | None = None,
     count_averaged: bool = False,
     largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
@@ -54,7 +55,7 @@ def disturbance(
     dt : float, s
         Sample time.
     bandwidth : float, 1/s
-        How fast the estimate follows.
+        How fast the estimate follows; default ``BANDWIDTH`` on the paper's rig, for others with its mode's frequency.
     count_averaged : bool
         The measured motor speed is a mean over the last sample.
     largest_innovation : mapping of measured signal → float, optional
@@ -76,6 +77,7 @@ def disturbance(
     Proc. IEEE ICRA, 599–604.
     """
     drivetrain, dt = two_masses(drivetrain), sample_time(dt)
+    bandwidth = BANDWIDTH * scale_of(drivetrain).rate if bandwidth is None else bandwidth
     bandwidth = number("disturbance.bandwidth", bandwidth)
     if not (math.isfinite(bandwidth) and bandwidth > 0.0):
         raise InvalidInput(
@@ -109,7 +111,7 @@ def disturbance(
     # The shaft torque as a straight line is a prediction for a sample or two, and 20 ms later far off; it also follows
     # a frozen motor within a millisecond, so that repetition must tell it.
     return with_checks(
-        law, ("speed_motor",), (c, np.zeros((1, 0))), largest_innovation, keep=True, alone=True
+        law, ("speed_motor",), (c, np.zeros((1, 0))), drivetrain, largest_innovation, keep=True, alone=True
     )
 
 

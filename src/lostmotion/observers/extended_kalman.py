@@ -10,6 +10,7 @@ import numpy as np
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
+from .scale import scale_of
 from .tuning import (
     MODE_SHARE,
     Array,
@@ -79,6 +80,10 @@ UNCERTAINTY: Mapping[str, float] = MappingProxyType(
 #: under control.
 UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.05, "load": 0.02})
 
+#: Standard deviations at the start: of the twist beside the gap, rad, and of both speeds, rad/s; and what the twist
+#: wanders in a piece of a sample, rad, so that no variance vanishes (all chosen).
+START_TWIST, START_SPEED, SMALLEST_WANDER = 1e-4, 0.5, 1e-7
+
 #: The Coulomb level stays within this many start deviations above its start value (chosen). An estimate that is far too
 #: high would hold the load for ever and never learn otherwise.
 COULOMB_REACH = 4.0
@@ -142,8 +147,12 @@ def tracking_parameters(
     dt: float,
     unknown_torque: Mapping[str, float],
     tuning: Tuning,
+    wandering: Mapping[str, float] = DRIFT,
 ) -> Array:
-    """The parameter array of a filter with wandering parameters; ``unknown_torque`` is its default."""
+    """The parameter array of a filter with wandering parameters.
+
+    ``unknown_torque`` and ``wandering``, the drift, are its defaults for a drivetrain of the paper's size.
+    """
     from ..kernels import steppers_model as at
 
     tuning = checked_names(tuning)
@@ -151,8 +160,17 @@ def tracking_parameters(
         drivetrain, measured, dt, tuning.get("sensor_noise"), tuning.get("count_averaged", False)
     )
     p[at.MODE_SHARE], p[at.MODE_RATE] = mode_numbers("mode_share", tuning.get("mode_share", MODE_SHARE), dt)
-    torque = chosen("unknown_torque", unknown_torque, tuning.get("unknown_torque"), zero=True)
-    _fill_variances(p, drivetrain, torque, tuning.get("drift"), tuning.get("uncertainty"))
+    size = scale_of(drivetrain).torque
+    default = {name: value * size for name, value in unknown_torque.items()}
+    torque = chosen("unknown_torque", default, tuning.get("unknown_torque"), zero=True)
+    wander, known = (
+        chosen(where, {**usual, "torque_load": usual["torque_load"] * size}, given, zero=True)
+        for where, usual, given in (
+            ("drift", {**DRIFT, **wandering}, tuning.get("drift")),
+            ("uncertainty", UNCERTAINTY, tuning.get("uncertainty")),
+        )
+    )
+    _fill_variances(p, drivetrain, torque, wander, known)
     return p
 
 
@@ -160,14 +178,12 @@ def _fill_variances(
     p: Array,
     drivetrain: Drivetrain,
     torque: Mapping[str, float],
-    drift: Mapping[str, float] | None,
-    uncertainty: Mapping[str, float] | None,
+    wander: Mapping[str, float],
+    known: Mapping[str, float],
 ) -> None:
     """Start values, their variances and the process variances of all states, written into ``p``."""
     from ..kernels import steppers_model as at
 
-    wander = chosen("drift", DRIFT, drift, zero=True)
-    known = chosen("uncertainty", UNCERTAINTY, uncertainty, zero=True)
     backlash, coulomb = drivetrain.backlash, drivetrain.coulomb
     units = np.array([1.0, backlash, coulomb, 1.0, 1.0, 1.0])
     names = ("torque_load", "backlash", "coulomb", "stiffness", "inertia_motor", "inertia_load")
@@ -176,11 +192,14 @@ def _fill_variances(
     p[at.START + 5 : at.START + 11] = 0.0, backlash, coulomb, 1.0, 1.0, 1.0
     # At the start the twist lies anywhere in the gap, the load turns about as fast as the motor; the actuator follows
     # its set-point, and without variance it costs the unscented filter no points.
-    p[at.START_VARIANCE : at.START_VARIANCE + 4] = (0.5 * backlash) ** 2 + 1e-8, 0.25, 0.25, 0.0
+    scale = scale_of(drivetrain)
+    speed = (START_SPEED * scale.speed) ** 2
+    twist = (0.5 * backlash) ** 2 + (START_TWIST * scale.angle) ** 2
+    p[at.START_VARIANCE : at.START_VARIANCE + 4] = twist, speed, speed, 0.0
     if p[at.AVERAGED]:
         motor = list(p[at.KIND : at.KIND + int(p[at.N_SENSORS])]).index(0.0)
         p[at.START_VARIANCE + at.ANGLE] = p[at.VARIANCE + motor]
     p[at.COULOMB_BOUND] = (1.0 + COULOMB_REACH * known["coulomb"]) * coulomb
     p[at.START_VARIANCE + 5 : at.START_VARIANCE + 11] = (units * [known[n] for n in names]) ** 2
-    p[at.PROCESS : at.PROCESS + 5] = 1e-14, q_motor, q_load, 0.0, 0.0
+    p[at.PROCESS : at.PROCESS + 5] = (SMALLEST_WANDER * scale.angle) ** 2, q_motor, q_load, 0.0, 0.0
     p[at.PROCESS + 5 : at.PROCESS + 11] = (units * [wander[n] for n in names]) ** 2 * dt

@@ -19,15 +19,16 @@ from numpy.typing import NDArray
 from ..curves import PiecewiseLinear
 from ..systems import DiscreteSystem
 from .model import ObserverModel
+from .scale import scale_of, sized
 
 Array = NDArray[np.float64]
 
-#: Largest innovation that a gate lets through, per signal in SI units (chosen: larger than any healthy one).
+#: Largest innovation that a gate lets through, per signal in SI units (chosen: larger than any healthy one), and the
+#: shaft torque from which on it does, Nm (chosen). A drivetrain of another size gets them by ``scale.scale_of``.
 LARGEST_INNOVATION = {
     "speed_motor": 100.0, "speed_load": 100.0, "twist": 0.1, "torque_shaft": 1000.0, "angle_motor": 1.0
 }  # fmt: skip
 
-#: The gate is open to its largest value from this shaft torque on (chosen), Nm.
 OPEN_AT = 1.0
 
 POSITIVE_PART = PiecewiseLinear(((0.0, 0.0),), 0.0, 1.0)
@@ -45,7 +46,9 @@ def with_gates(
     ``gain`` is (m, n_measured) over the first m states.
     """
     shaft = model.drivetrain.shaft
-    half, width = 0.5 * shaft.backlash, OPEN_AT / shaft.stiffness
+    scale = scale_of(model.drivetrain)
+    half, width = 0.5 * shaft.backlash, OPEN_AT * scale.torque / shaft.stiffness
+    largest = sized(LARGEST_INNOVATION, scale)
     n_w, n_x, n_u = len(law.curves), len(law.states), len(law.inputs)
     n_gates = 3 * len(measured)
     f, g = np.zeros((n_gates, n_x)), np.zeros((n_gates, n_u))
@@ -55,7 +58,7 @@ def with_gates(
     contact = model.contact_argument()
     for i, signal in enumerate(measured):
         opening, above, below = 3 * i, 3 * i + 1, 3 * i + 2
-        most = LARGEST_INNOVATION[signal]
+        most = largest[signal]
         points = ((-half - width, most), (-half, 0.0), (half, 0.0), (half + width, most))
         curves += [PiecewiseLinear(points), POSITIVE_PART, POSITIVE_PART]
         f[opening, : contact.size] = contact

@@ -13,10 +13,12 @@ from ..errors import InvalidInput
 from ..systems import DiscreteSystem
 from .arguments import mapping, number
 from .kalman import SampledModel, covariances_of, predictor_gain, sampled_model
+from .scale import scale_of, sized
 
 Array = NDArray[np.float64]
 
-#: Weight of each error in the bound, 1/unit: how much of it counts as one (chosen: 1 rad/s, 10 mrad).
+#: Weight of each error in the bound, 1/unit: how much of it counts as one (chosen: 1 rad/s, 10 mrad on the paper's rig;
+#: for others by ``scale.scale_of``).
 WEIGHTS: Mapping[str, float] = {"speed_load": 1.0, "twist": 100.0}
 
 #: Attenuation level as a multiple of the smallest that is possible; 1 would make the gain infinite, ∞ gives the Kalman
@@ -83,7 +85,9 @@ def h_infinity(
         raise InvalidInput("h_infinity.margin", repr(margin), "a number above 1", "Choose 1.1 to 10.")
     design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)
-    w = _weight_rows(design, WEIGHTS if weights is None else mapping("h_infinity.weights", weights))
+    w = _weight_rows(
+        design, _weights(drivetrain) if weights is None else mapping("h_infinity.weights", weights)
+    )
     level = margin * _smallest_level(design, q, r, w)
     gain = _gain(design, q, r, w, level)
     if gain is None:
@@ -97,6 +101,11 @@ def h_infinity(
         name="h_infinity",
         limits=mapping("largest_innovation", largest_innovation),
     )
+
+
+def _weights(drivetrain: Drivetrain) -> dict[str, float]:
+    unit = {name: 1.0 / size for name, size in sized({n: 1.0 for n in WEIGHTS}, scale_of(drivetrain)).items()}
+    return {name: value * unit[name] for name, value in WEIGHTS.items()}
 
 
 def _weight_rows(design: SampledModel, weights: Mapping[str, float]) -> Array:
@@ -133,9 +142,9 @@ def _gain(design: SampledModel, q: Array, r: Array, w: Array, level: float) -> A
 
 
 def _smallest_level(design: SampledModel, q: Array, r: Array, w: Array) -> float:
-    """The smallest level with a gain, by bisection of its logarithm; starts at 1, the scale of the weights."""
+    """The smallest level with a gain, by bisection of its logarithm; starts at the scale of the weights."""
     predictor_gain(design, design.model.A, q, r)  # tells at once if the sensors cannot see the state
-    high = low = 1.0
+    high = low = float(np.min(w[w > 0.0]))
     while _gain(design, q, r, w, high) is None:
         low, high = high, 8.0 * high
     while low == high or _gain(design, q, r, w, low) is not None:

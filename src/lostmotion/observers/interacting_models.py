@@ -10,8 +10,8 @@ import numpy as np
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
-from .arguments import mapping
-from .extended_kalman import tracking_parameters
+from .extended_kalman import START_TWIST, tracking_parameters
+from .scale import scale_of
 from .tuning import Tuning, measured_sensors
 
 OUTPUTS = (
@@ -94,14 +94,14 @@ def interacting_models(
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.GAP_PROCESS + 1)
-    tuning["drift"] = {**DRIFT, **mapping("drift", tuning.get("drift"))}
-    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning)
-    p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + 1e-8
+    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning, DRIFT)
+    angle = scale_of(drivetrain).angle
+    p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + (START_TWIST * angle) ** 2
     for place in (at.START, at.START_VARIANCE, at.PROCESS):
         p[place + kernel.COULOMB] = p[place + 7]  # the backlash is no state here
     piece = dt / p[at.PIECES]
-    p[at.PROCESS] = CONTACT_WANDER**2 * piece
-    p[kernel.GAP_PROCESS] = GAP_WANDER**2 * piece
+    p[at.PROCESS] = (CONTACT_WANDER * angle) ** 2 * piece
+    p[kernel.GAP_PROCESS] = (GAP_WANDER * angle) ** 2 * piece
     p[kernel.HALF], p[kernel.ANEW] = 0.5 * drivetrain.backlash, ANEW * piece
     p[kernel.SHARE] = min(1.0, dt / ALIKE)
     return Stepper(

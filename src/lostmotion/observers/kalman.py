@@ -15,12 +15,13 @@ from ..systems import DiscreteSystem, zero_order_hold
 from .arguments import flag, mapping, sample_time
 from .assembly import Assembly
 from .model import ObserverModel, covariance, in_the_gap, observer_model
+from .scale import mode_rate, scale_of
 
 Array = NDArray[np.float64]
 
 #: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. Chosen: the actuator's
 #: torque counts as known, the angle follows from the speed alone, and an unknown load torque is followed at about
-#: 20 1/s, the rate of the observer's own slow pole.
+#: 20 1/s, the rate of the observer's own slow pole (that on the paper's rig; it goes with the inertia squared).
 PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {
         "twist": 1.0, "speed_motor": 1000.0, "speed_load": 1000.0, "torque_actuator": 0.0, "angle_motor": 0.0,
@@ -29,13 +30,18 @@ PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
 )  # fmt: skip
 
 #: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8.
-#: Chosen: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s.
+#: Chosen: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s. The torque's is that of the paper's
+#: rig; it goes with the square of torque over speed (``scale.scale_of``).
 MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 1.0, "speed_load": 1.0, "torque_shaft": 10.0, "twist": 1e-6, "angle_motor": 1e-6}
 )
 
 #: An error that decays slower than this rate (1/s) counts as one that the sensors cannot see (chosen).
 SLOWEST_RATE = 1e-6
+
+#: A fixed gain holds its gap term over a sample: from 1.6 rad of the closed shaft's mode on it swings up by itself,
+#: measured with motor speed alone and gap.
+LARGEST_TURN = 1.5
 
 #: Decay given to every state of the slack drivetrain, 1/s, see ``_gain_in_the_gap`` (chosen).
 GAP_DECAY = 0.1
@@ -150,7 +156,8 @@ def kalman(
     Raises
     ------
     InvalidInput
-        For unknown or doubled names, negative covariances, and sensors that cannot see the whole state.
+        For unknown or doubled names, negative covariances, sensors that cannot see the whole state, and a sample in
+        which the closed shaft's mode turns by more than ``LARGEST_TURN``.
 
     Notes
     -----
@@ -214,6 +221,7 @@ def sampled_model(
     measured, dt = tuple(measured), sample_time(dt)
     if flag("count_averaged", count_averaged) and "speed_motor" not in measured:
         raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
+    _check_turn(drivetrain, dt)
     c = np.array([model.measurement_row(signal) for signal in measured])
     phi, gamma = zero_order_hold(model.A, np.hstack([model.B, model.E_gap, model.E_motor, model.E_load]), dt)
     assembly = Assembly(model, phi, gamma, dt)
@@ -222,6 +230,17 @@ def sampled_model(
         c[measured.index("speed_motor"), [1, -1]] = 0.5
         assembly.add_state("speed_motor_previous", model.row(speed_motor=1.0))
     return SampledModel(model, measured, dt, c, assembly)
+
+
+def _check_turn(drivetrain: Drivetrain, dt: float) -> None:
+    turn = mode_rate(drivetrain) * dt
+    if drivetrain.backlash > 0.0 and turn > LARGEST_TURN:
+        raise InvalidInput(
+            "dt",
+            f"{dt:g} s, in which the closed shaft's mode turns by {turn:.2g} rad",
+            f"at most {LARGEST_TURN:g} rad ({LARGEST_TURN / mode_rate(drivetrain):.2g} s) for a fixed gain",
+            "Sample faster, check the stiffness, or take extended_kalman, which predicts a sample in pieces.",
+        )
 
 
 def covariances_of(
@@ -268,8 +287,15 @@ def _covariances(
     process: Mapping[str, float] | None,
     measurement: Mapping[str, float] | None,
 ) -> tuple[Array, Array]:
-    q = covariance("process_covariance", model.states, PROCESS_COVARIANCE, process, positive=False)
-    r = covariance("measurement_covariance", measured, MEASUREMENT_COVARIANCE, measurement, positive=True)
+    scale = scale_of(model.drivetrain)
+    sized = {"torque_load": PROCESS_COVARIANCE["torque_load"] * scale.inertia**2}
+    q = covariance(
+        "process_covariance", model.states, {**PROCESS_COVARIANCE, **sized}, process, positive=False
+    )
+    sized = {"torque_shaft": MEASUREMENT_COVARIANCE["torque_shaft"] * scale.impedance**2}
+    r = covariance(
+        "measurement_covariance", measured, {**MEASUREMENT_COVARIANCE, **sized}, measurement, positive=True
+    )
     return q, r
 
 

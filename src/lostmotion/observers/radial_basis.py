@@ -9,23 +9,27 @@ import numpy as np
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
 from .kalman import kalman
+from .scale import scale_of
 from .speed_only import ESTIMATES, speed_only_parameters
 from .tuning import Array, positive
 
 OUTPUTS = (*ESTIMATES, "backlash_estimated")
 
 #: Standard deviation of the innovation that the learning expects, rad/s (chosen: Observer 1's on the virtual rig).
-INNOVATION = 0.1
+INNOVATION = 0.16
+
+#: Nm, rad, rad/s and rad, as the arguments, on the paper's rig (chosen); the two angles at least so large.
+FRICTION_ERROR, GAP_ERROR, SPEED_RANGE, TWIST_RANGE = 1.4, 1e-3, 30.0, 8e-3
 
 
 def radial_basis(
     drivetrain: Drivetrain,
     *,
     dt: float,
-    friction_error: float = 1.0,
+    friction_error: float | None = None,
     gap_error: float | None = None,
     learning_time: float = 3.0,
-    speed_range: float = 30.0,
+    speed_range: float | None = None,
     twist_range: float | None = None,
     sensor_noise: float | Mapping[str, float] | None = None,
     count_averaged: bool = False,
@@ -42,13 +46,14 @@ def radial_basis(
     drivetrain : Drivetrain
         Two masses; its friction and backlash are the start, what they miss is learned.
     dt : float, s
-    friction_error, gap_error : float, Nm and rad
-        How far the start may be off; default of ``gap_error``: half of the backlash (at least 1 mrad).
+    friction_error, gap_error : float, Nm and rad, optional
+        How far the start may be off; defaults ``FRICTION_ERROR``, by ``scale.scale_of`` for a drivetrain of another
+        size, and half of the backlash.
     learning_time : float, s
         Time in which an error of that size is learned where the drivetrain dwells.
     speed_range, twist_range : float, rad/s and rad
-        The networks cover ± these (default of the twist: 1.5 backlashes, at least 8 mrad), denser at low speeds;
-        beyond, the curves go on as constants.
+        The networks cover ± these (defaults ``SPEED_RANGE``, by ``scale.scale_of``, and 1.5 backlashes), denser at
+        low speeds; beyond, the curves go on as constants.
     sensor_noise, count_averaged
         As in ``sliding_mode``.
 
@@ -72,16 +77,18 @@ def radial_basis(
 
     own = kernel.END_BASIS - kernel.FREE + kernel.N_GAP
     p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, own)
-    reach = (
-        max(1.5 * drivetrain.backlash, 0.008) if twist_range is None else positive("twist_range", twist_range)
-    )
-    gap = max(0.5 * drivetrain.backlash, 1e-3) if gap_error is None else positive("gap_error", gap_error)
-    friction = positive("friction_error", friction_error)
+    scale, backlash = scale_of(drivetrain), drivetrain.backlash
+    twist_range = max(1.5 * backlash, TWIST_RANGE * scale.angle) if twist_range is None else twist_range
+    gap_error = max(0.5 * backlash, GAP_ERROR * scale.angle) if gap_error is None else gap_error
+    friction_error = FRICTION_ERROR * scale.torque if friction_error is None else friction_error
+    speed_range = SPEED_RANGE * scale.speed if speed_range is None else speed_range
+    gap, friction = positive("gap_error", gap_error), positive("friction_error", friction_error)
     share = dt / positive("learning_time", learning_time)
     p[kernel.GAIN : kernel.GAIN + 5] = _gain(drivetrain, dt, count_averaged)
-    p[kernel.TWIST_RANGE], p[kernel.SPEED_RANGE] = reach, positive("speed_range", speed_range)
+    p[kernel.TWIST_RANGE] = positive("twist_range", twist_range)
+    p[kernel.SPEED_RANGE] = positive("speed_range", speed_range)
     p[kernel.STEP_GAP], p[kernel.STEP_FRICTION] = gap**2 * share, friction**2 * share
-    p[kernel.INNOVATION] = INNOVATION**2
+    p[kernel.INNOVATION] = (INNOVATION * scale.speed) ** 2
     p[kernel.BOUND_GAP], p[kernel.BOUND_FRICTION] = 5.0 * gap, 5.0 * friction
     ends = np.empty(kernel.GAP_CENTRES)
     kernel.basis(1.0, kernel.GAP_CENTRES, ends)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
+from .scale import scale_of
 from .speed_only import (
     ESTIMATES,
     FASTEST,
@@ -17,12 +18,15 @@ from .speed_only import (
 )
 from .tuning import positive
 
+#: Nm, as the argument, on the paper's rig (chosen).
+UNKNOWN_TORQUE = 10.0
+
 
 def sliding_mode(
     drivetrain: Drivetrain,
     *,
     dt: float,
-    unknown_torque: float = 10.0,
+    unknown_torque: float | None = None,
     layer: float | None = None,
     bandwidth: float | None = None,
     damping_ratio: float | None = None,
@@ -42,8 +46,9 @@ def sliding_mode(
     drivetrain : Drivetrain
         Two masses.
     dt : float, s
-    unknown_torque : float, Nm
-        Largest torque on the motor that the model may miss and the correction still overcomes.
+    unknown_torque : float, Nm, optional
+        Largest torque on the motor that the model may miss and the correction still overcomes; default
+        ``UNKNOWN_TORQUE`` on the paper's rig, for others by ``scale.scale_of``.
     layer : float, rad/s, optional
         Innovation at which the whole correction acts, linear below; default: so that below it the motor speed is
         followed as fast as its noise allows (``speed_only.follow_share``).
@@ -73,6 +78,8 @@ def sliding_mode(
     from ..kernels import steppers_sliding_mode as kernel
 
     p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 5)
+    if unknown_torque is None:
+        unknown_torque = UNKNOWN_TORQUE * scale_of(drivetrain).torque
     reach = positive("unknown_torque", unknown_torque) / drivetrain.inertia_motor * dt
     share = follow_share(drivetrain, p)
     if layer is not None:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..drivetrain import Drivetrain
+from .scale import scale_of
 from .tuning import FREEZE, UNKNOWN_TORQUE, Array, model_parameters, positive
 
 #: The outputs that every observer has.
@@ -52,8 +53,9 @@ def speed_only_parameters(
         count_averaged,
     )
     p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb
-    p[kernel.EXPECTED] = (LARGEST_INNOVATION + OF_NOISE * p[at.STILL] / FREEZE) / p[at.GATE]
-    p[kernel.GROWTH] = INNOVATION_RATE * dt / p[at.GATE]
+    scale = scale_of(drivetrain)
+    p[kernel.EXPECTED] = (LARGEST_INNOVATION * scale.speed + OF_NOISE * p[at.STILL] / FREEZE) / p[at.GATE]
+    p[kernel.GROWTH] = INNOVATION_RATE * scale.speed * scale.rate * dt / p[at.GATE]
     p[kernel.NOISE], p[kernel.COARSER] = p[at.STILL] / FREEZE, OF_NOISE / p[at.GATE]
     return p
 
@@ -92,7 +94,7 @@ def follow_share(drivetrain: Drivetrain, p: Array) -> float:
     """
     from ..kernels import steppers_model as at
 
-    acceleration = (UNKNOWN_TORQUE["motor"] / drivetrain.inertia_motor) ** 2
+    acceleration = (UNKNOWN_TORQUE["motor"] * scale_of(drivetrain).torque / drivetrain.inertia_motor) ** 2
     power = 0.25 if p[at.AVERAGED] else 0.5
     rate = (acceleration / (p[at.VARIANCE] * p[at.DT])) ** power
     return min(1.0 - math.exp(-rate * p[at.DT]), FASTEST)

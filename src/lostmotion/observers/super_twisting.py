@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
+from .scale import scale_of
 from .speed_only import (
     ESTIMATES,
     default_poles,
@@ -19,6 +20,9 @@ from .tuning import positive
 #: Largest share of the motor's error that a sample takes away (chosen).
 FASTEST = 0.4
 
+#: Nm/s and Nm, as the arguments, on the paper's rig (chosen).
+TORQUE_RATE, UNKNOWN_TORQUE = 3000.0, 20.0
+
 OUTPUTS = (*ESTIMATES, "torque_unknown_estimated")
 
 
@@ -26,8 +30,8 @@ def super_twisting(
     drivetrain: Drivetrain,
     *,
     dt: float,
-    torque_rate: float = 3000.0,
-    unknown_torque: float = 20.0,
+    torque_rate: float | None = None,
+    unknown_torque: float | None = None,
     bandwidth: float | None = None,
     damping_ratio: float | None = None,
     sensor_noise: float | Mapping[str, float] | None = None,
@@ -48,10 +52,11 @@ def super_twisting(
     drivetrain : Drivetrain
         Two masses.
     dt : float, s
-    torque_rate : float, Nm/s
+    torque_rate : float, Nm/s, optional
         How fast the torque that the model misses may change.
-    unknown_torque : float, Nm
-        How large it may be.
+    unknown_torque : float, Nm, optional
+        How large it may be. Defaults ``TORQUE_RATE`` and ``UNKNOWN_TORQUE`` on the paper's rig, for others by
+        ``scale.scale_of``.
     bandwidth, damping_ratio, sensor_noise, count_averaged
         As in ``sliding_mode``.
 
@@ -76,6 +81,9 @@ def super_twisting(
 
     p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 8)
     jm = drivetrain.inertia_motor
+    scale = scale_of(drivetrain)
+    torque_rate = TORQUE_RATE * scale.torque * scale.rate if torque_rate is None else torque_rate
+    unknown_torque = UNKNOWN_TORQUE * scale.torque if unknown_torque is None else unknown_torque
     bound = positive("torque_rate", torque_rate) / jm
     p[kernel.ROOT], p[kernel.INTEGRAL] = 1.5 * math.sqrt(bound) * dt, 1.1 * bound * dt**2
     p[kernel.BOUND] = positive("unknown_torque", unknown_torque) / jm * dt

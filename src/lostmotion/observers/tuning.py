@@ -15,6 +15,7 @@ from ..errors import InvalidInput
 from ..systems import zero_order_hold
 from .arguments import flag, mapping, positive, sample_time, sensors, two_masses
 from .model import observer_model
+from .scale import mode_rate, scale_of, sized
 
 Array = NDArray[np.float64]
 
@@ -40,6 +41,8 @@ class Tuning(TypedDict, total=False):
     count_averaged : bool
         The measured motor speed is a difference of counts over dt: the sum of its samples, an angle, is filtered, in
         which a count has one error instead of two. Default False.
+
+    Defaults in Nm, rad and rad/s are those of the paper's rig; another drivetrain gets them by ``scale.scale_of``.
     """
 
     sensor_noise: Mapping[str, float] | None
@@ -88,6 +91,12 @@ MISMATCH: Mapping[str, float] = MappingProxyType(
 )
 #: After this time of rejected samples the signal is right and the estimate wrong, s (chosen): jumps, the same value.
 HOLD, FROZEN_HOLD = 0.03, 0.1
+#: What a missing motor torque may do to its speed, rad/s² (chosen: 20 Nm on the paper's rig): the speed then follows
+#: its sensor.
+MISSING_TORQUE = 1500.0
+#: Largest standard deviation of the speed while samples are refused as jumps, rad/s (chosen: a jump of 8 rad/s is
+#: refused for 20 ms).
+WORST = 10.0
 #: A sample is predicted in pieces in which the shaft's closed mode turns by at most this angle, rad (chosen: the gap
 #: term is held over a piece; 0.25 ms on the paper's rig).
 PIECE = 0.16
@@ -131,8 +140,7 @@ def mode_numbers(where: str, share: float, dt: float) -> tuple[float, float]:
 
 def pieces(drivetrain: Drivetrain, dt: float) -> int:
     """Into how many equal pieces a sample is split."""
-    mode = math.sqrt(drivetrain.stiffness * (1.0 / drivetrain.inertia_motor + 1.0 / drivetrain.inertia_load))
-    return max(1, math.ceil(mode * dt / PIECE))
+    return max(1, math.ceil(mode_rate(drivetrain) * dt / PIECE))
 
 
 def step_matrix(drivetrain: Drivetrain, dt: float) -> Array:
@@ -169,6 +177,7 @@ def model_parameters(
     lead = 0.0 if shaft.contact == "dead_zone" else shaft.damping / shaft.stiffness
     level = drivetrain.coulomb
     limit = drivetrain.actuator.torque_limit
+    scale = scale_of(drivetrain)
     p = np.zeros(at.OWN)
     p[at.STEP_MATRIX : at.STEP_MATRIX + 40] = rows.ravel()
     p[at.LEAD_MIDDLE], p[at.LEAD], p[at.PIECES] = lead + 0.5 * dt / split, lead, split
@@ -182,7 +191,9 @@ def model_parameters(
     p[at.TORQUE_BOUND] = 2.0 * limit if math.isfinite(limit) else 1e30
     p[at.GATE], p[at.HOLD], p[at.DT] = GATE, max(1.0, round(HOLD / dt)), dt
     p[at.N_SENSORS], p[at.FROZEN_HOLD] = len(measured), max(3.0, round(FROZEN_HOLD / dt))
-    _fill_sensors(p, measured, dt, shaft.stiffness, sensor_noise, count_averaged)
+    p[at.MISSING_TORQUE] = MISSING_TORQUE * scale.speed * scale.rate
+    p[at.WORST] = WORST * scale.speed
+    _fill_sensors(p, measured, dt, drivetrain, sensor_noise, count_averaged)
     return p
 
 
@@ -190,14 +201,18 @@ def _fill_sensors(
     p: Array,
     measured: tuple[str, ...],
     dt: float,
-    stiffness: float,
+    drivetrain: Drivetrain,
     sensor_noise: Mapping[str, float] | None,
     count_averaged: bool,
 ) -> None:
     """What each sensor shows and how well; a speed from counts is judged by the angle turned, which has one error."""
     from ..kernels import steppers_model as at
 
-    usual = {**SENSOR_NOISE, "speed_motor": speed_of_counts(dt)} if count_averaged else SENSOR_NOISE
+    scale, stiffness = scale_of(drivetrain), drivetrain.stiffness
+    usual = {**SENSOR_NOISE, "torque_shaft": SENSOR_NOISE["torque_shaft"] * scale.torque}
+    if count_averaged:
+        usual["speed_motor"] = speed_of_counts(dt)
+    mismatch = sized(MISMATCH, scale)
     noise = chosen("sensor_noise", usual, sensor_noise, zero=False)
     others = sorted(set(sensor_noise or {}) - set(measured))
     if others:
@@ -206,13 +221,15 @@ def _fill_sensors(
         )
     for i, name in enumerate(measured):
         counted = count_averaged and name == "speed_motor"
-        scale = dt if counted else 1.0
-        p[at.KIND + i], p[at.SCALE + i] = STEPPER_SENSORS.index(name), scale
-        error = (noise[name] * scale) ** 2
-        p[at.VARIANCE + i] = 0.5 * error + MODES**2 if counted else error
+        unit = dt if counted else 1.0
+        p[at.KIND + i], p[at.SCALE + i] = STEPPER_SENSORS.index(name), unit
+        error = (noise[name] * unit) ** 2
+        p[at.VARIANCE + i] = 0.5 * error + (MODES * scale.angle) ** 2 if counted else error
         if name in ("torque_shaft", "twist"):
-            p[at.VARIANCE + i] += (TWIST_MODES * (stiffness if name == "torque_shaft" else 1.0)) ** 2
-        p[at.MISMATCH + i], p[at.STILL + i] = MISMATCH[name] * scale, FREEZE * noise[name]
+            p[at.VARIANCE + i] += (
+                TWIST_MODES * scale.angle * (stiffness if name == "torque_shaft" else 1.0)
+            ) ** 2
+        p[at.MISMATCH + i], p[at.STILL + i] = mismatch[name] * unit, FREEZE * noise[name]
 
 
 def process_of_torque(drivetrain: Drivetrain, torque: Mapping[str, float], dt: float) -> tuple[float, float]:
