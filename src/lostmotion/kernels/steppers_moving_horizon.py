@@ -27,6 +27,7 @@ from .steppers_model import (
     KIND,
     LEAD_MIDDLE,
     MEMORY,
+    MISSING_TORQUE,
     N_SENSORS,
     OWN,
     PIECES,
@@ -78,9 +79,9 @@ NODES, PASSES = OWN, OWN + 1
 COUNT = SIZE
 ARRIVAL = SIZE + 1
 FIRST_NODE = ARRIVAL + N + N * N
-# A node: trajectory, torque, measurements, 1 where one is believed.
-NODE_TORQUE, NODE_VALUE, NODE_BELIEVED = N, N + 1, N + 5
-NODE = N + 9
+# A node: trajectory, torque, measurements, 1 where one is believed, 1 if the torque was missing.
+NODE_TORQUE, NODE_VALUE, NODE_BELIEVED, NODE_GUESSED = N, N + 1, N + 5, N + 9
+NODE = N + 10
 
 
 @njit(INIT, cache=True)
@@ -179,6 +180,13 @@ def _advance_estimate(p, w, s, at, torque, slope, f, work, two):
 
 
 @njit(cache=True)
+def _doubt_torque(p, w, s, at):
+    """A torque that was missing may have moved the motor: its speed then follows its sensor, as in ``begin``."""
+    if s[at + NODE_GUESSED] != 0.0:
+        w[COVARIANCE + N + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2
+
+
+@njit(cache=True)
 def _use(p, w, s, at, i, h, gain):
     """Sensor i of the node at ``at`` into w; returns innovation over variance (0: not believed), variance."""
     if s[at + NODE_BELIEVED + i] == 0.0:
@@ -226,6 +234,7 @@ def _solve(p, s, count, w, f, work, two):
         w[j] = s[ARRIVAL + j]
     for n in range(count):
         at = FIRST_NODE + n * NODE
+        _doubt_torque(p, w, s, at)
         for j in range(N + N * N):
             known[n, j] = w[j]
         for i in range(sensors):
@@ -242,6 +251,7 @@ def _forget_oldest(p, s, w, slope, f, work, two):
     """The arrival estimate one sample on, and every node one place down."""
     for j in range(N + N * N):
         w[j] = s[ARRIVAL + j]
+    _doubt_torque(p, w, s, FIRST_NODE)
     for i in range(int(p[N_SENSORS])):
         _use(p, w, s, FIRST_NODE, i, work[0], work[1])
     _advance_estimate(p, w, s, FIRST_NODE, s[FIRST_NODE + NODE_TORQUE], slope, f, work, two)
@@ -267,6 +277,7 @@ def _append(p, s, inputs, torque, faults, h, scratch):
     for j in range(N):
         s[at + j] = s[j]
     s[at + NODE_TORQUE] = torque
+    s[at + NODE_GUESSED] = float(faults & 1)
     given = faults
     for i in range(int(p[N_SENSORS])):
         kind = int(p[KIND + i])
