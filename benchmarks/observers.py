@@ -285,13 +285,11 @@ def main() -> None:
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
     if {"leaderboard", "targets"} & set(arguments.only):
-        names = (
-            None
-            if "leaderboard" in arguments.only
-            else [e.name for e in CONTESTANTS if e.kind == "fixed gain"]
-        )
-        board = compare_observers(out, seeds=seeds, duration=DURATION, observers=names)
-        if "leaderboard" in arguments.only:
+        whole = "leaderboard" in arguments.only
+        names = None if whole else [e.name for e in CONTESTANTS if e.kind == "fixed gain"]
+        folder = out if whole or out is None else out / "targets"
+        board = compare_observers(folder, seeds=seeds, duration=DURATION, observers=names)
+        if whole:
             print(board.to_markdown())
         if "targets" in arguments.only:
             print_targets(board)
