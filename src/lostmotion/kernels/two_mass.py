@@ -22,6 +22,17 @@ def four_rows(at, table, x0, x1, x2, v):
     return add(fused(load(at, table), x0, rest), late)
 
 
+@njit(inline="always", **COMPILED)
+def _finish(places, address_s, digits, radix, start, k, events, count):
+    """The rest of sample k by `finish_sample`; returns status, where it goes on (0 if it ended), events, the mode."""
+    status, reached, count = finish_sample(
+        places, address_s, address(digits), start, k, address(events), events.shape[0], count, 4, 6, 2, 3
+    )
+    if status == DONE:
+        reached = 0.0
+    return status, reached, count, mode_number(radix, digits, 2)
+
+
 @njit(**COMPILED)
 def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, cursor):
     """`run_open_loop` for four states, one input, two elements, with the state in registers (half the time)."""
@@ -60,27 +71,12 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
         if not begun and no_crossing(at, address_s, change, 4, 6, 2, 3):
             x = add(x, load(change, 0))
         else:
-            status, start, count = finish_sample(
-                places,
-                address_s,
-                address(digits),
-                start,
-                k,
-                address(events),
-                events.shape[0],
-                count,
-                4,
-                6,
-                2,
-                3,
-            )
-            mode = mode_number(radix, digits, 2)
+            status, start, count, mode = _finish(places, address_s, digits, radix, start, k, events, count)
             m = row[mode]
             at = base + 8 * m * size
-            if status != DONE:
-                begun = True
+            begun = status != DONE
+            if begun:
                 break
-            start, begun = 0.0, False
             x = load(address_s, 0)
         k += 1
     cursor[0], cursor[1], cursor[2], cursor[3] = k, start, count, begun
@@ -130,27 +126,12 @@ def run_closed_loop_two_mass(tb, s, digits, loop, work, states, modes, events, c
         if not begun and no_crossing(at, address_s, change, 4, 6, 2, 3):
             x = add(x, load(change, 0))
         else:
-            status, start, count = finish_sample(
-                places,
-                address_s,
-                address(digits),
-                start,
-                k,
-                address(events),
-                events.shape[0],
-                count,
-                4,
-                6,
-                2,
-                3,
-            )
-            mode = mode_number(radix, digits, 2)
+            status, start, count, mode = _finish(places, address_s, digits, radix, start, k, events, count)
             m = row[mode]
             at = base + 8 * m * size
-            if status != DONE:
-                begun = True
+            begun = status != DONE
+            if begun:
                 break
-            start, begun = 0.0, False
             x = load(address_s, 0)
         k += 1
     cursor[0], cursor[1], cursor[2], cursor[3], cursor[4] = k, start, count, begun, last
