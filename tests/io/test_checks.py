@@ -16,9 +16,8 @@ from lostmotion.io.checks import (
     IDENTIFIABLE_TIME,
     check_identifiable,
     check_recording,
-    column_order,
-    torque_agreement,
 )
+from lostmotion.io.torque_and_speed import column_order, torque_agreement
 from lostmotion.recording import Recording
 
 DT = 1e-3

@@ -10,8 +10,9 @@ import numpy as np
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import Stepper
+from .arguments import positive
 from .extended_kalman import TRACKING_OUTPUTS, UNKNOWN_TORQUE, tracking_parameters
-from .tuning import Tuning, measured_sensors, positive
+from .tuning import Tuning, measured_sensors
 
 #: Most samples of a horizon, and Gauss–Newton passes for each new sample (chosen: 200 µs per sample).
 MAX_NODES, PASSES = 60, 2

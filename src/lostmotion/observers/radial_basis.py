@@ -8,10 +8,11 @@ import numpy as np
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
+from .arguments import positive
 from .kalman import kalman
 from .scale import scale_of
 from .speed_only import ESTIMATES, speed_only_parameters
-from .tuning import Array, positive
+from .tuning import Array
 
 OUTPUTS = (*ESTIMATES, "backlash_estimated")
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
+from .arguments import positive
 from .scale import scale_of
 from .speed_only import (
     ESTIMATES,
@@ -16,7 +17,6 @@ from .speed_only import (
     load_corrections,
     speed_only_parameters,
 )
-from .tuning import positive
 
 #: Nm, as the argument, on the paper's rig (chosen).
 UNKNOWN_TORQUE = 10.0

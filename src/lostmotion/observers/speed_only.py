@@ -8,8 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..drivetrain import Drivetrain
+from .arguments import positive
 from .scale import scale_of
-from .tuning import FREEZE, UNKNOWN_TORQUE, Array, model_parameters, positive
+from .tuning import FREEZE, UNKNOWN_TORQUE, Array, model_parameters
 
 #: The outputs that every observer has.
 ESTIMATES = (

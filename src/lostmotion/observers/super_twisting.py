@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from ..drivetrain import Drivetrain
 from ..systems import Stepper
+from .arguments import positive
 from .scale import scale_of
 from .speed_only import (
     ESTIMATES,
@@ -15,7 +16,6 @@ from .speed_only import (
     load_corrections,
     speed_only_parameters,
 )
-from .tuning import positive
 
 #: Largest share of the motor's error that a sample takes away (chosen).
 FASTEST = 0.4
