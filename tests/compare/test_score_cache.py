@@ -46,7 +46,7 @@ def test_a_score_depends_on(changed, name):
     assert changed(f"{name}.py")
 
 
-@pytest.mark.parametrize("name", ["cli", "plot/leaderboard", "compare/leaderboard"])
+@pytest.mark.parametrize("name", ["cli/main_job", "plot/leaderboard", "compare/leaderboard"])
 def test_no_score_depends_on(changed, name):
     assert not changed(f"{name}.py")
 

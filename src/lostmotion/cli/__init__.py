@@ -1,0 +1,69 @@
+"""The command line: each command is a few lines around a function of the package."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from .. import __version__
+from ..errors import InputProblems, LostMotionError, Problem
+from .leaderboards import observers
+from .main_job import check, init, run
+from .messages import INPUT_ERROR, show
+from .single_steps import excite, frf, identify, simulate
+
+EXIT_CODES = (
+    "Exit codes: 0 done (warnings included), 1 errors in the input or the output's place, 2 wrong usage, "
+    "130 interrupted."
+)
+RUN_EXIT_CODES = f"{EXIT_CODES} With any but 0 nothing was written: an earlier output stays whole."
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"lostmotion {__version__}")
+        raise typer.Exit
+
+
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and stop."),
+    ] = False,
+) -> None:
+    pass
+
+
+app = typer.Typer(
+    help="From a recording to an identified drivetrain with backlash, observer, controller, evidence and C code.",
+    epilog=EXIT_CODES,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.callback()(_options)
+app.command(epilog=RUN_EXIT_CODES)(run)
+for command in (check, init, identify, frf, excite, simulate):
+    app.command(epilog=EXIT_CODES)(command)
+
+compare_app = typer.Typer(help="Leaderboards.", no_args_is_help=True)
+compare_app.command(epilog=EXIT_CODES)(observers)
+app.add_typer(compare_app, name="compare")
+
+
+def main() -> None:
+    """Entry point: every error of the package becomes a message and an exit code."""
+    try:
+        app()
+    except InputProblems as error:
+        show(list(error.problems))
+        sys.exit(INPUT_ERROR)
+    except LostMotionError as error:
+        problem = getattr(error, "problem", None)
+        if isinstance(problem, Problem):
+            show([problem])
+        else:
+            typer.secho(f"error: {error}", fg="red", err=True)
+        sys.exit(INPUT_ERROR)

@@ -1,0 +1,83 @@
+"""The main job as a command, and how its TOML comes about."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import InputProblems, InvalidInput, Problem
+from .messages import INPUT_ERROR, interruptible, show
+
+
+def run(
+    file: Annotated[
+        Path | None, typer.Argument(help="TOML with your recordings; without: the virtual rig.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Output folder.")] = Path("lostmotion-out"),
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of rig and noise; default: the TOML's, else 1.")
+    ] = None,
+    force: Annotated[
+        bool,
+        typer.Option(
+            "--force", help="Write although foreign or changed files lie in the folder; they are kept."
+        ),
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print results.json.")] = False,
+) -> None:
+    """The main job: read, identify, design, validate, export, report."""
+    from ..run import run as do_run
+    from ..run import silent
+    from ..terminal import StageLines, summary
+
+    with interruptible(), StageLines(shown=not (quiet or as_json)) as lines:
+        results = do_run(file, out=out, seed=seed, force=force, progress=lines if lines.shown else silent)
+    if as_json:
+        typer.echo(json.dumps(results, indent=1, allow_nan=False))
+    elif not quiet:
+        summary(results, out)
+
+
+def check(
+    file: Annotated[Path, typer.Argument(help="TOML to check, with all its recordings.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print the problems as JSON.")] = False,
+) -> None:
+    """Read a TOML and its recordings and show every problem; nothing is written."""
+    from ..io import load_recordings, read_configuration
+
+    problems: list[Problem] = []
+    try:
+        loaded = load_recordings(read_configuration(file))
+        problems += [p for _, recording in loaded for p in recording.meta.get("problems", ())]
+    except InputProblems as error:
+        problems += error.problems
+    failed = any(p.severity == "error" for p in problems)
+    if as_json:
+        typer.echo(json.dumps([p.as_dict() for p in problems], indent=1))
+    else:
+        show(problems)
+        if not failed:
+            typer.echo(f"{file}: readable, {len(problems)} warning{'' if len(problems) == 1 else 's'}.")
+    raise typer.Exit(INPUT_ERROR if failed else 0)
+
+
+def init(
+    file: Annotated[Path, typer.Argument(help="TOML to write.")] = Path("my_rig.toml"),
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write a commented TOML to fill in."""
+    from ..io import template
+
+    if file.exists() and not force:
+        raise InvalidInput(str(file), "an existing file", "a new name", "Choose another name, or --force.")
+    try:
+        file.write_text(template(), encoding="utf-8")
+    except OSError as error:
+        raise InvalidInput(
+            str(file), error.strerror or "an error", "a place to write", "Choose another."
+        ) from None
+    typer.echo(f"{file} written: fill it in, then: lostmotion check {file}")

@@ -1,0 +1,41 @@
+"""What every command says in the same way: problems, files written, an interruption."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+
+from ..errors import Problem
+
+INPUT_ERROR, INTERRUPTED = 1, 130
+
+
+def finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
+    """Warnings on standard error, then the files written."""
+    show([Problem(**p) for p in problems])  # type: ignore[arg-type]
+    typer.echo("  written: " + ", ".join(f"{out}{ending}" for ending in endings))
+
+
+@contextmanager
+def interruptible(parts: str = "", folder: Path | None = None, files: str = "*") -> Iterator[None]:
+    """Ctrl-C becomes a message and an exit code (typer itself would end without a word).
+
+    ``parts`` are what the command goes on from: ``files`` in the folder, where there are any by then.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = "an earlier output is as it was"
+        if folder is not None and any(folder.rglob(files)):
+            kept = f"{parts} stand in {folder}, the same command goes on"
+        typer.secho(f"Interrupted; {kept}.", fg="yellow", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def show(problems: list[Problem]) -> None:
+    for p in problems:
+        typer.secho(f"{p.severity}: {p.where}", fg="red" if p.severity == "error" else "yellow", err=True)
+        typer.echo(f"    got       {p.got}\n    expected  {p.expected}\n    remedy    {p.remedy}", err=True)

@@ -1,0 +1,36 @@
+"""What several commands ask for alike, and the checks of options that typer does not know."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+import typer
+
+
+def positive(value: float | None) -> float | None:
+    """An option that must be above zero; NaN is not."""
+    if value is not None and not value > 0.0:
+        raise typer.BadParameter(f"{value} is not above 0.")
+    return value
+
+
+def finite_positive(value: float) -> float:
+    if not 0.0 < value < math.inf:
+        raise typer.BadParameter(f"{value} is not a finite number above 0.")
+    return value
+
+
+def spread_below_one(value: float) -> float:
+    if not 0.0 <= value < 1.0:
+        raise typer.BadParameter(f"{value} is not in the range 0<=x<1; 0.2 is 20 %.")
+    return value
+
+
+SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed; default: the TOML's, else 1.")]
+
+
+def known_method(name: str) -> Any:
+    if name not in ("H1", "H2", "Hv"):
+        raise typer.BadParameter(f"{name!r} is none of H1, H2, Hv", param_hint="--method")
+    return name

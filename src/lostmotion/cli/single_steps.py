@@ -1,0 +1,156 @@
+"""Single steps of the main job as commands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .messages import finished, interruptible
+from .options import SeedOption, finite_positive, known_method, positive, spread_below_one
+
+
+def identify(
+    file: Annotated[
+        Path | None, typer.Argument(help="TOML with recordings; without: the virtual rig.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Name of the files to write, .json and .png.")] = Path(
+        "identified"
+    ),
+    seed: SeedOption = None,
+) -> None:
+    """Identify the drivetrain alone."""
+    from ..commands.identify import identify_file
+    from ..terminal import StageLines, parameters
+
+    with interruptible(), StageLines() as lines:
+        result = identify_file(file, out, seed, lambda fraction, text: lines("identify", fraction, text))
+    parameters(result["parameters"])
+    finished(result["problems"], out, ".json", ".png")
+
+
+def frf(
+    file: Annotated[Path | None, typer.Argument(help="TOML or .npz; without: the virtual rig.")] = None,
+    out: Annotated[Path, typer.Option(help="Name of the files to write, .json and .png.")] = Path("frf"),
+    signal_in: Annotated[str, typer.Option("--input", help="Input signal.")] = "torque_motor",
+    signal_out: Annotated[str, typer.Option("--output", help="Output signal.")] = "speed_motor",
+    method: Annotated[str, typer.Option(help="H1, H2 or Hv.")] = "H1",
+    reference: Annotated[str | None, typer.Option(help="Reference signal of a closed loop.")] = None,
+    low: Annotated[float, typer.Option(help="Lowest frequency, Hz.")] = 1.0,
+    high: Annotated[float, typer.Option(help="Highest frequency, Hz.")] = 200.0,
+    seed: SeedOption = None,
+) -> None:
+    """Frequency response with coherence and the two masses that fit it."""
+    from ..commands.frf import frequency_response_file
+
+    with interruptible():
+        result = frequency_response_file(
+            file, out, seed, signal_in, signal_out, known_method(method), reference, (low, high)
+        )
+    fit = result["two_mass_fit"]
+    if fit is not None:
+        typer.echo(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
+        typer.echo(
+            "  A gap that opens during the test lowers both: docs/frequency-response.md says by how much."
+        )
+    finished(result["problems"], out, ".json", ".png")
+
+
+def excite(
+    file: Annotated[
+        Path | None,
+        typer.Argument(help="TOML of the main job, or drivetrain.toml; without: the virtual rig's."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Name of the files to write: .csv, .json, .png.")] = Path(
+        "designed_torque"
+    ),
+    kind: Annotated[str, typer.Option(help="levels, step, chirp, multisine, prbs or noise.")] = "levels",
+    duration: Annotated[float, typer.Option(callback=finite_positive, help="s")] = 10.0,
+    dt: Annotated[float, typer.Option(callback=finite_positive, help="Sample time of the drive, s.")] = 1e-4,
+    torque_limit: Annotated[
+        float | None,
+        typer.Option(callback=positive, help="Nm; default: the torque_limit of the TOML, else 40."),
+    ] = None,
+    speed_limit: Annotated[float, typer.Option(callback=positive, help="rad/s")] = 50.0,
+    angle_limit: Annotated[float, typer.Option(callback=positive, help="rad")] = float("inf"),
+    encoder_bits: Annotated[int, typer.Option(min=1, max=40, help="Motor encoder, bit per turn.")] = 20,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the signal.")] = 1,
+) -> None:
+    """Design the torque of a test within limits, and say beforehand how well it will tell each parameter."""
+    from ..commands.excite import excitation_file
+
+    with interruptible():
+        result = excitation_file(
+            file, out, kind=kind, duration=duration, dt=dt, torque_limit=torque_limit, speed_limit=speed_limit,
+            angle_limit=angle_limit, encoder_bits=encoder_bits, seed=seed,
+        )  # fmt: skip
+    for name, unit in (("torque", "Nm"), ("speed", "rad/s"), ("angle", "rad")):
+        peak, limit = result["peaks"][name], result["limits"][name]
+        typer.echo(f"  {name:<15} up to {peak:.3g} of {limit:.3g} {unit}")
+    for name, half in result["half_widths"].items():
+        typer.echo(f"  {name:<15} ± {100.0 * half:.2g} % expected")
+    for name in result["not_excited"]:
+        typer.echo(f"  {name:<15} will not be told")
+    finished(result["problems"], out, ".csv", ".json", ".png")
+
+
+def simulate(
+    drivetrain: Annotated[
+        Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML of the main job.")
+    ],
+    out: Annotated[Path, typer.Option(help="CSV to write; a picture, .png, goes beside it.")] = Path(
+        "simulated.csv"
+    ),
+    torque: Annotated[Path | None, typer.Option(help="CSV with time and torque_motor.")] = None,
+    duration: Annotated[
+        float,
+        typer.Option(callback=finite_positive, help="Without a torque: length of the excitation, s."),
+    ] = 10.0,
+    dt: Annotated[
+        float, typer.Option(callback=finite_positive, help="Without a torque: sample time, s.")
+    ] = 1e-4,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Of the variants, and without a torque of the excitation.")
+    ] = 1,
+    variants: Annotated[
+        int | None, typer.Option(min=1, help="Simulate so many variants instead; the CSV has a row for each.")
+    ] = None,
+    spread: Annotated[
+        float,
+        typer.Option(
+            callback=spread_below_one, help="With variants: how far each number may be off, 0.2 for 20 %."
+        ),
+    ] = 0.2,
+) -> None:
+    """Simulate a drivetrain exactly, from event to event; or variants of it, going on after an interruption."""
+    if variants is not None:
+        _simulate_variants(drivetrain, out, variants, spread, torque, duration, dt, seed)
+        return
+    from ..commands.simulate import simulate_file
+
+    with interruptible():
+        recording = simulate_file(drivetrain, out, torque, duration, dt, seed)
+    typer.echo(f"  {len(recording)} samples, {len(recording.events)} events")
+    finished([], out.with_suffix(""), out.suffix, ".png")
+
+
+def _simulate_variants(
+    drivetrain: Path,
+    out: Path,
+    count: int,
+    spread: float,
+    torque: Path | None,
+    duration: float,
+    dt: float,
+    seed: int,
+) -> None:
+    from ..commands.simulate_variants import chunk_folder, simulate_variants
+    from ..terminal import Countdown
+
+    with interruptible("finished chunks", chunk_folder(out), "*.npz"), Countdown("variants") as bar:
+        made = simulate_variants(drivetrain, out, count, spread, torque, duration, dt, seed, bar)
+    for index, message in made.failures.items():
+        typer.secho(f"variant {index} failed: {message}", fg="yellow", err=True)
+    typer.echo(f"  {int(made.done.sum())} of {count} variants")
+    finished([], out.with_suffix(""), out.suffix, *([".png"] if made.done.any() else []))
