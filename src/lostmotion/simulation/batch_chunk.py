@@ -20,7 +20,7 @@ from .simulate import check_lengths, check_sample_time, check_signal, simulate
 
 Array = NDArray[np.float64]
 
-#: In the order of ``kernels.batch``.
+#: In the order of ``kernels.batch_summary``.
 EVENT_KINDS = ("impact", "separation", "stick", "slip")
 #: Times at which a signal is kept for its quantiles (chosen: a picture's width).
 TIMES = 200

@@ -16,7 +16,7 @@ from .packing import numbers_of
 from .simulate import PlantRun, check_lengths, last_set_point, plant_inputs, possible_inputs
 
 if TYPE_CHECKING:
-    from ..kernels.batch import Family, Summary
+    from ..kernels.batch_tables import Family, Summary
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,8 @@ class TorqueRun:
 
     def run(self, variants: Sequence[Drivetrain]) -> tuple[tuple[str, ...], tuple[str, ...], Summary]:
         """Names of the states, names of the signals that these variants have, and their summaries."""
-        from ..kernels.batch import Summary, new_scratch, run_variants
+        from ..kernels.batch import run_variants
+        from ..kernels.batch_tables import Summary, new_scratch
         from ..kernels.modes import new_mode_work
 
         first = variants[0]
@@ -79,7 +80,7 @@ class TorqueRun:
 
     def _family(self, run: PlantRun, wanted: tuple[str, ...]) -> Family:
         """The kernel's view of what the variants share."""
-        from ..kernels.batch import Family
+        from ..kernels.batch_tables import Family
         from ..kernels.modes import ORDER
 
         plant, layout = run.plant, run.plant.layout
