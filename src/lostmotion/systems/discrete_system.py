@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,8 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..curves import PiecewiseLinear
 from ..errors import InvalidInput
 from ..recording import Recording
+from .checks import MAX_INPUTS, check_names, matrix_of, sample_time
 from .input_check import InputCheck
-from .inputs import check_renames, input_columns
+from .inputs import check_renames, input_columns, input_row
+from .law_tables import law_tables
+from .recorded_run import recorded_run
 
 if TYPE_CHECKING:
     from ..kernels.law import LawTables
@@ -41,9 +43,6 @@ _SHAPES = {
 
 #: What a file written before there were checks leaves out.
 _OF_CHECKS = frozenset({"checks", "P", "Q", "R"})
-
-#: The law reports replaced inputs as bits of one number, which a 32-bit target must hold too.
-MAX_INPUTS = 31
 
 
 def _empty() -> NDArray[np.float64]:
@@ -112,21 +111,16 @@ class DiscreteSystem:
         for kind in ("inputs", "outputs", "states", "curves", "checks"):
             object.__setattr__(self, kind, tuple(getattr(self, kind)))
         for kind in ("inputs", "outputs", "states"):
-            _check_names(f"{self.name}.{kind}", getattr(self, kind))
+            check_names(f"{self.name}.{kind}", getattr(self, kind))
         if len(self.inputs) > MAX_INPUTS:
             raise InvalidInput(
                 f"{self.name}.inputs", f"{len(self.inputs)} inputs", f"at most {MAX_INPUTS}", "Split the law."
             )
-        dt = float(self.dt)
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InvalidInput(
-                f"{self.name}.dt", repr(self.dt), "a positive sample time in s", "Check the unit."
-            )
-        object.__setattr__(self, "dt", dt)
+        object.__setattr__(self, "dt", sample_time(f"{self.name}.dt", self.dt))
         for key, (rows, columns) in _SHAPES.items():
             shape = (len(getattr(self, rows)), len(getattr(self, columns)))
-            object.__setattr__(self, key, _matrix(f"{self.name}.{key}", getattr(self, key), shape))
-        start = _matrix(f"{self.name}.initial_state", self.initial_state, (len(self.states),))
+            object.__setattr__(self, key, matrix_of(f"{self.name}.{key}", getattr(self, key), shape))
+        start = matrix_of(f"{self.name}.initial_state", self.initial_state, (len(self.states),))
         object.__setattr__(self, "initial_state", start)
         if np.any(np.triu(self.H)):
             raise InvalidInput(
@@ -169,7 +163,7 @@ class DiscreteSystem:
         if state is not None:
             own = np.array(state, dtype=np.float64)
             size = full.size if own.shape == full.shape else len(self.states)
-            full[:size] = _matrix("state", own, (size,))
+            full[:size] = matrix_of("state", own, (size,))
         return full
 
     def step(self, state: ArrayLike, inputs: ArrayLike) -> tuple[Matrix, Matrix, int]:
@@ -179,11 +173,7 @@ class DiscreteSystem:
         """
         from ..kernels.law import law_run
 
-        new, values = self.init(state), np.array(inputs, dtype=np.float64)
-        if values.shape != (len(self.inputs),):
-            raise InvalidInput(
-                f"{self.name}.step", f"shape {values.shape}", f"{len(self.inputs)} inputs", "Check."
-            )
+        new, values = self.init(state), input_row(self.name, self.inputs, inputs)
         outputs, faults = law_run(self._tables, new, values[np.newaxis])
         return new, outputs[0], int(faults[0])
 
@@ -213,15 +203,7 @@ class DiscreteSystem:
         time, inputs = input_columns(self.name, self.inputs, self.dt, data)
         full = self.init(state)
         outputs, faults = law_run(self._tables, full, inputs)
-        signals = {name: outputs[:, i] for i, name in enumerate(self.outputs)}
-        signals["input_fault"] = (faults != 0).astype(float)
-        return Recording(
-            time=time,
-            signals=signals,
-            origin={**dict.fromkeys(self.outputs, "estimated"), "input_fault": "derived"},
-            final_state={"state": full},
-            meta={"law": self.name},
-        )
+        return recorded_run(self.name, self.outputs, time, outputs, faults, full)
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A: the poles with every curve at a constant value."""
@@ -237,39 +219,7 @@ class DiscreteSystem:
 
     def tables(self) -> LawTables:
         """The law in the form that the kernels run; the first one of a shape compiles its code (some ten ms)."""
-        from ..kernels.law import LawTables
-        from ..kernels.law_code import FLAT, ONE, STEEP, LawShape, step_code
-
-        rows = np.vstack([
-            np.hstack([self.F, self.G, self.H]),
-            np.hstack([self.C, self.D, self.J]),
-            np.hstack([self.A, self.B, self.E]),
-            np.hstack([self.P, self.Q, self.R]),
-        ])  # fmt: skip
-        shape = LawShape(
-            n_states=len(self.states),
-            n_inputs=len(self.inputs),
-            n_curves=len(self.curves),
-            n_outputs=len(self.outputs),
-            n_early=self.early_curves,
-            rows=tuple(tuple(np.flatnonzero(row).tolist()) for row in rows),
-            slopes=tuple(
-                tuple({0.0: FLAT, 1.0: ONE}.get(slope, STEEP) for slope in c.slopes) for c in self.curves
-            ),
-            checks=tuple((self.inputs.index(c.input), c.keep, c.alone, c.missing_only) for c in self.checks),
-        )
-        points = [point for c in self.curves for point in c.points]
-        numbers = [
-            *(z for z, _ in points), *(w for _, w in points), *(slope for c in self.curves for slope in c.slopes),
-            *(number for c in self.checks for number in (c.limit, float(c.hold), c.forget)),
-        ]  # fmt: skip
-        return LawTables(
-            n_states=shape.n_states,
-            n_inputs=shape.n_inputs,
-            n_outputs=shape.n_outputs,
-            code=step_code(shape).address,
-            numbers=np.concatenate([rows[rows != 0.0], numbers]),
-        )
+        return law_tables(self)
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:
         """A copy with inputs and outputs renamed, old name → new name."""
@@ -321,26 +271,3 @@ class DiscreteSystem:
         )
         checks = tuple(InputCheck(**check) for check in data.get("checks", ()))
         return cls(**{**data, "curves": curves, "checks": checks})
-
-
-def _check_names(where: str, names: tuple[str, ...]) -> None:
-    twice = sorted({n for n in names if names.count(n) > 1})
-    if twice or not all(isinstance(n, str) and n for n in names):
-        raise InvalidInput(
-            where, f"{names!r}", "non-empty names without doubles", f"Rename {twice or 'them'}."
-        )
-
-
-def _matrix(where: str, values: ArrayLike, shape: tuple[int, ...]) -> Matrix:
-    """A read-only copy of the given shape; an empty array gives zeros."""
-    array = np.array(values, dtype=float)
-    if array.size == 0:
-        array = np.zeros(shape)
-    if array.shape != shape:
-        raise InvalidInput(
-            where, f"shape {array.shape}", f"shape {shape}", "Count states, inputs, outputs, curves."
-        )
-    if not np.all(np.isfinite(array)):
-        raise InvalidInput(where, "NaN or infinity", "finite numbers", "Check what it was computed from.")
-    array.setflags(write=False)
-    return array

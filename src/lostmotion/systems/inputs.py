@@ -1,4 +1,4 @@
-"""The inputs of a law as columns, from a recording or from arrays."""
+"""The inputs of a law: columns from a recording or from arrays, one sample of them, other names for them."""
 
 from __future__ import annotations
 
@@ -43,6 +43,14 @@ def input_columns(
         raise InvalidInput(f"{name}.run", "a law without inputs", "a Recording", "Give its time axis.")
     time = dt * np.arange(columns[0].size, dtype=np.float64)
     return time, _side_by_side(columns, time.size)
+
+
+def input_row(name: str, inputs: tuple[str, ...], values: ArrayLike) -> Matrix:
+    """A copy (n_inputs,) of the inputs of the law ``name`` in one sample."""
+    row = np.array(values, dtype=np.float64)
+    if row.shape != (len(inputs),):
+        raise InvalidInput(f"{name}.step", f"shape {row.shape}", f"{len(inputs)} inputs", "Check.")
+    return row
 
 
 def _side_by_side(columns: list[Matrix], rows: int) -> Matrix:

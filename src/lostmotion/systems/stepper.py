@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from importlib import import_module
@@ -13,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidInput
 from ..recording import Recording
-from .discrete_system import MAX_INPUTS, _check_names
-from .inputs import check_renames, input_columns
+from .checks import MAX_INPUTS, check_names, sample_time
+from .inputs import check_renames, input_columns, input_row
+from .recorded_run import recorded_run
 
 Array = NDArray[np.float64]
 
@@ -66,17 +66,12 @@ class Stepper:
     def __post_init__(self) -> None:
         for kind in ("inputs", "outputs"):
             object.__setattr__(self, kind, tuple(getattr(self, kind)))
-            _check_names(f"{self.name}.{kind}", getattr(self, kind))
+            check_names(f"{self.name}.{kind}", getattr(self, kind))
         if not 1 <= len(self.inputs) <= MAX_INPUTS:
             raise InvalidInput(
                 f"{self.name}.inputs", f"{len(self.inputs)} inputs", f"1 to {MAX_INPUTS}", "Split the law."
             )
-        dt = float(self.dt)
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise InvalidInput(
-                f"{self.name}.dt", repr(self.dt), "a positive sample time in s", "Check the unit."
-            )
-        object.__setattr__(self, "dt", dt)
+        object.__setattr__(self, "dt", sample_time(f"{self.name}.dt", self.dt))
         parameters = np.array(self.parameters, dtype=np.float64)
         if parameters.ndim != 1 or not np.all(np.isfinite(parameters)):
             raise InvalidInput(
@@ -103,12 +98,7 @@ class Stepper:
         """
         from ..kernels.steppers import checked_step
 
-        new = self._state(state)
-        values = np.array(inputs, dtype=np.float64)
-        if values.shape != (len(self.inputs),):
-            raise InvalidInput(
-                f"{self.name}.step", f"shape {values.shape}", f"{len(self.inputs)} inputs", "Check."
-            )
+        new, values = self._state(state), input_row(self.name, self.inputs, inputs)
         outputs = np.empty(len(self.outputs))
         faults = checked_step(
             self.functions.step, self.parameters.copy(), new, values, np.empty_like(values), outputs
@@ -139,15 +129,7 @@ class Stepper:
         outputs, faults = run_stepper(
             self.functions.step, self.parameters.copy(), full, inputs, len(self.outputs)
         )
-        signals = {name: outputs[:, i] for i, name in enumerate(self.outputs)}
-        signals["input_fault"] = (faults != 0).astype(float)
-        return Recording(
-            time=time,
-            signals=signals,
-            origin={**dict.fromkeys(self.outputs, "estimated"), "input_fault": "derived"},
-            final_state={"state": full},
-            meta={"law": self.name},
-        )
+        return recorded_run(self.name, self.outputs, time, outputs, faults, full)
 
     def renamed(self, names: Mapping[str, str]) -> Stepper:
         """A copy with inputs and outputs renamed, old name → new name."""

@@ -1,0 +1,45 @@
+"""What both kinds of law ask of their names, sample time and numbers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import InvalidInput
+from .inputs import Matrix
+
+#: The law reports replaced inputs as bits of one number, which a 32-bit target must hold too.
+MAX_INPUTS = 31
+
+
+def check_names(where: str, names: tuple[str, ...]) -> None:
+    twice = sorted({n for n in names if names.count(n) > 1})
+    if twice or not all(isinstance(n, str) and n for n in names):
+        raise InvalidInput(
+            where, f"{names!r}", "non-empty names without doubles", f"Rename {twice or 'them'}."
+        )
+
+
+def sample_time(where: str, value: float) -> float:
+    """A positive sample time, s."""
+    dt = float(value)
+    if not (math.isfinite(dt) and dt > 0.0):
+        raise InvalidInput(where, repr(value), "a positive sample time in s", "Check the unit.")
+    return dt
+
+
+def matrix_of(where: str, values: ArrayLike, shape: tuple[int, ...]) -> Matrix:
+    """A read-only copy of the given shape; an empty array gives zeros."""
+    array = np.array(values, dtype=float)
+    if array.size == 0:
+        array = np.zeros(shape)
+    if array.shape != shape:
+        raise InvalidInput(
+            where, f"shape {array.shape}", f"shape {shape}", "Count states, inputs, outputs, curves."
+        )
+    if not np.all(np.isfinite(array)):
+        raise InvalidInput(where, "NaN or infinity", "finite numbers", "Check what it was computed from.")
+    array.setflags(write=False)
+    return array
