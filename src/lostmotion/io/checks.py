@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Problem
+from ..errors import InputProblems, Problem
 from ..recording import Recording
 from .columns import short_list
 from .torque_and_speed import column_order, torque_agreement
@@ -105,6 +105,12 @@ def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Pr
             "written times are rounded, give time = { sample_time = ... }.",
         )
     ]
+
+
+def stop_at_errors(problems: list[Problem]) -> None:
+    """Raises what was found, warnings included, where an error is among it."""
+    if any(problem.severity == "error" for problem in problems):
+        raise InputProblems(problems)
 
 
 def check_recording(recording: Recording) -> tuple[Problem, ...]:
