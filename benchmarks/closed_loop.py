@@ -24,7 +24,7 @@ import numpy as np
 import lostmotion as lm
 from lostmotion.kernels import two_mass as kernels
 from lostmotion.kernels.law import law_run
-from lostmotion.simulation.simulate import PlantRun
+from lostmotion.simulation.plant_run import PlantRun
 from lostmotion.systems import DiscreteSystem
 
 DT, N, SHORT = 1e-4, 20_000, 2_000

@@ -26,7 +26,7 @@ from numba import njit
 import lostmotion as lm
 from lostmotion.kernels.plant import run_open_loop
 from lostmotion.kernels.two_mass import run_open_loop_two_mass
-from lostmotion.simulation.simulate import PlantRun
+from lostmotion.simulation.plant_run import PlantRun
 
 HERE = Path(__file__).parent
 DT = 1e-4

@@ -11,7 +11,7 @@ from plants import TABLE_I, trajectory
 
 import lostmotion as lm
 from lostmotion.drivetrain import CONTACT_LAWS, Drivetrain, Friction, Shaft
-from lostmotion.simulation.simulate import PlantRun
+from lostmotion.simulation.plant_run import PlantRun
 
 DT = 1e-4
 #: A torque beyond the breakaway level by less than the rounding of its own sum does not exceed it.

@@ -16,7 +16,8 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, LostMotionError
 from ..recording import Recording
 from .family import TorqueRun, kinship
-from .simulate import check_lengths, check_sample_time, check_signal, simulate
+from .inputs import check_lengths, check_sample_time, check_signal
+from .simulate import simulate
 
 Array = NDArray[np.float64]
 

@@ -16,10 +16,11 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
 from ..systems import DiscreteSystem, connect
+from .inputs import check_lengths, plant_inputs, possible_inputs
 from .mixed_loop import Law, MixedLoop
 from .moved_end import MovedEnd
+from .plant_run import PlantRun
 from .sensors import Sensor, disturbance
-from .simulate import PlantRun, check_lengths, plant_inputs, possible_inputs
 
 if TYPE_CHECKING:
     from ..kernels.closed_loop import SensorTables

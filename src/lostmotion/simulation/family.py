@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
+from .inputs import check_lengths, last_set_point, plant_inputs, possible_inputs
 from .modes import relaxes
 from .moved_end import started
 from .packing import numbers_of
-from .simulate import PlantRun, check_lengths, last_set_point, plant_inputs, possible_inputs
+from .plant_run import PlantRun
 
 if TYPE_CHECKING:
     from ..kernels.batch_tables import Family, Summary

@@ -13,8 +13,8 @@ from ..errors import InvalidInput
 from ..recording import Recording
 from ..systems import DiscreteSystem, Stepper
 from .moved_end import MovedEnd
+from .plant_run import PlantRun
 from .sensors import Sensor, disturbance
-from .simulate import PlantRun
 
 if TYPE_CHECKING:
     from ..kernels.mixed_loop import Drive, Laws, Readings
