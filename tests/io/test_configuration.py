@@ -188,7 +188,7 @@ def test_problems_point_at_line_and_key(
 
 
 def parameters() -> list[tuple[str, float, float]]:
-    from lostmotion.io.configuration_models import PLAUSIBLE
+    from lostmotion.io.configuration_values import PLAUSIBLE
 
     return [(name, low, high) for name, (low, high) in PLAUSIBLE.items()]
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.stages.excitation_design import HALVINGS, ExcitationDesign, _played, _rigs, design_excitation
+from lostmotion.stages.excitation_design import ExcitationDesign, design_excitation
+from lostmotion.stages.excitation_rehearsal import HALVINGS, played, rehearsal_rigs
 from lostmotion.stages.excitation_shapes import KINDS, Limits
 
 NAMEPLATE = lm.Drivetrain.two_mass(
@@ -46,8 +47,8 @@ def test_every_kind_keeps_its_limits(kind: str) -> None:
     # Where impacts add up the peaks jump with the scale, so that no limit needs to be reached: a hair more leaves one.
     more = (1.0 + 2.5 * 2.0**-HALVINGS / design.scale) * design.recording["torque_motor"]
     nameplate = NAMEPLATE.with_parameters(torque_limit=1e3)
-    rigs = _rigs(nameplate, {}, 2, 20, seed=1)
-    assert _played(more, rigs, Limits(*limits.values()), 2e-4) is None, "the largest amplitude"
+    rigs = rehearsal_rigs(nameplate, {}, 2, 20, seed=1)
+    assert played(more, rigs, Limits(*limits.values()), 2e-4) is None, "the largest amplitude"
     run = lm.simulate(NAMEPLATE, torque_motor=design.recording["torque_motor"], dt=2e-4)
     assert np.max(np.abs(run["speed_load"])) < 1.2 * limits["speed_limit"]
 

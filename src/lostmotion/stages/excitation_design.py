@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .. import rig
 from ..drivetrain import PARAMETER_UNITS, Drivetrain
 from ..errors import InvalidInput, Problem
 from ..identification import Identification, identify
@@ -18,18 +16,8 @@ from ..identification.predictor import NAMES
 from ..identification.starts import DAMPING_RATIO
 from ..io import write_csv
 from ..recording import Recording
-from ..simulation import Sensor
+from .excitation_rehearsal import largest, rehearsal_rigs
 from .excitation_shapes import BAND, KINDS, Limits, shape
-
-Array = NDArray[np.float64]
-
-#: Halvings of the search for the largest amplitude (chosen: 1 % of it).
-HALVINGS = 7
-
-#: How far the plants of the rehearsal are off the nameplate, as a fraction (as the virtual rigs are; others ±10 %), and
-#: what is at its low end on the lightest of them.
-SPREAD = {"inertia_motor": 0.1, "inertia_load": 0.1, "backlash": 0.2, "coulomb": 0.2, "viscous": 0.2}
-LIGHT = ("inertia_motor", "inertia_load", "coulomb", "viscous")
 
 #: Encoders have up to about 32 bit (chosen, with room).
 MOST_BITS = 40
@@ -127,7 +115,7 @@ def design_excitation(
     band : (low, high), Hz, optional
         Default: ``excitation_shapes.BAND`` times the torsional frequency.
     spread : mapping of name → (low, high), optional
-        Ranges of the varied plants, SI. Default: ``SPREAD``.
+        Ranges of the varied plants, SI. Default: ``excitation_rehearsal.SPREAD``.
     plants : int
         Plants of the rehearsal, at least 2.
 
@@ -149,11 +137,11 @@ def design_excitation(
         nameplate = nameplate.with_parameters(
             damping=DAMPING_RATIO * nameplate.stiffness / (np.pi * nameplate.pole_frequency)
         )
-    rigs = _rigs(nameplate, spread or {}, plants, encoder_bits, seed)
+    rigs = rehearsal_rigs(nameplate, spread or {}, plants, encoder_bits, seed)
     pole = nameplate.pole_frequency
     band = (BAND[0] * pole, min(BAND[1] * pole, 0.4 / dt)) if band is None else band
     torque_at = shape(kind, nameplate, limits, band, duration, dt, seed)
-    scale, runs = _largest(torque_at, rigs, limits, dt)
+    scale, runs = largest(torque_at, rigs, limits, dt)
     found = [identify(run.only("torque_motor", "speed_motor"), start=nameplate) for run, _ in runs]
     values = nameplate.parameters()
     half_widths, not_excited = _expected(found, values)
@@ -202,68 +190,6 @@ def _check_sampling(duration: float, dt: float, encoder_bits: int) -> None:
         raise InvalidInput(
             "design_excitation.encoder_bits", f"{encoder_bits}", f"1 to {MOST_BITS}", "See the encoder's data sheet."
         )  # fmt: skip
-
-
-def _rigs(
-    nameplate: Drivetrain,
-    spread: Mapping[str, tuple[float, float]],
-    plants: int,
-    encoder_bits: int,
-    seed: int,
-) -> list[rig.Rig]:
-    """The nameplate's own values first, then the lightest plant, which is the fastest, then varied ones."""
-    values = nameplate.parameters()
-    exact = {name: (value, value) for name, value in values.items()}
-    ranges = {n: ((1.0 - s) * values[n], (1.0 + s) * values[n]) for n, s in SPREAD.items()} | dict(spread)
-    light = ranges | {name: (ranges[name][0],) * 2 for name in LIGHT}
-    rigs = [rig.finer_rig(nameplate, exact, seed)]
-    rigs += [rig.finer_rig(nameplate, light if i == 1 else ranges, 1000 * seed + i) for i in range(1, plants)]
-    encoder = Sensor("angle_motor", 2.0 * np.pi / 2**encoder_bits, difference=True)
-    return [replace(r, sensors={**r.sensors, "speed_motor": encoder}) for r in rigs]
-
-
-def _largest(
-    torque_at: Callable[[float], Array], rigs: list[rig.Rig], limits: Limits, dt: float
-) -> tuple[float, list[tuple[Recording, dict[str, float]]]]:
-    """Largest scale that keeps the limits on every plant, and the recordings with their peaks."""
-    low, high, best = 0.0, 1.0, None
-    for number in range(HALVINGS + 1):
-        # Full scale first; then halving. The peaks need not rise with the scale: what is kept has been tried.
-        scale = 1.0 if number == 0 else 0.5 * (low + high)
-        runs = _played(torque_at(scale), rigs, limits, dt)
-        if runs is None:
-            high = scale
-            continue
-        low, best = scale, runs
-        if number == 0:
-            break
-    if best is None:
-        raise InvalidInput(
-            "design_excitation",
-            f"limits {limits}",
-            "room for a motion",
-            "Raise the speed or the angle limit; or give a narrower spread, above all of the friction.",
-        )
-    return low, best
-
-
-def _played(
-    torque: Array, rigs: list[rig.Rig], limits: Limits, dt: float
-) -> list[tuple[Recording, dict[str, float]]] | None:
-    """Recording and peaks on each plant; None as soon as one leaves the limits."""
-    runs = []
-    for plant in rigs:
-        recording, truth = rig.record(plant, torque_motor=torque, dt=dt)
-        exact = truth.signals
-        peaks = {
-            "torque": float(np.max(np.abs(exact["torque_motor"]))),
-            "speed": max(float(np.max(np.abs(exact[f"speed_{end}"]))) for end in ("motor", "load")),
-            "angle": max(float(np.max(np.abs(exact[f"angle_{end}"]))) for end in ("motor", "load")),
-        }
-        if any(peaks[name] > (1.0 + 1e-12) * limit for name, limit in vars(limits).items()):
-            return None
-        runs.append((recording, peaks))
-    return runs
 
 
 def _expected(
