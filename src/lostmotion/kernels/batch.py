@@ -16,14 +16,7 @@ from .batch_summary import clear, count_events, fill_values, join, keep, signal_
 from .batch_tables import BLOCK
 from .mode_rows import ANGLE, ELEMENT, GAP, SHAFT_NUMBERS, start_digits
 from .modes import build_mode
-from .plant import (
-    CHATTERING,
-    DONE,
-    MAX_EVENTS_PER_SAMPLE,
-    NEED_EVENT_SPACE,
-    NEED_MODE,
-    run_open_loop,
-)
+from .plant import CHATTERING, DONE, MAX_EVENTS_PER_SAMPLE, NEED_EVENT_SPACE, NEED_MODE, run_open_loop
 from .plant_tables import PlantTables, padded
 from .two_mass import run_open_loop_two_mass
 from .vectors import address
@@ -114,43 +107,19 @@ def run_variants(
                 given = scratch.inputs[:count]
                 if usual:
                     status = run_open_loop_two_mass(
-                        tables,
-                        s,
-                        digits,
-                        given,
-                        scratch.work,
-                        scratch.states,
-                        scratch.modes,
-                        scratch.events,
-                        cursor,
-                    )
+                        tables, s, digits, given, scratch.work, scratch.states, scratch.modes, scratch.events, cursor
+                    )  # fmt: skip
                 else:
                     status = run_open_loop(
-                        tables,
-                        s,
-                        digits,
-                        given,
-                        scratch.work,
-                        scratch.states,
-                        scratch.modes,
-                        scratch.events,
-                        cursor,
-                    )
+                        tables, s, digits, given, scratch.work, scratch.states, scratch.modes, scratch.events, cursor
+                    )  # fmt: skip
                 if status == NEED_MODE:
                     if built * size == flat.size:
                         flat = np.concatenate((flat, np.zeros_like(flat)))
                         rows = np.concatenate((rows, np.zeros_like(rows)))
                     build_mode(
-                        chain,
-                        p,
-                        digits,
-                        flat,
-                        built * size,
-                        mode_rows,
-                        mode_bounds,
-                        mode_weights,
-                        mode_scratch,
-                    )
+                        chain, p, digits, flat, built * size, mode_rows, mode_bounds, mode_weights, mode_scratch
+                    )  # fmt: skip
                     signal_rows(family.signal, family.state, mode_rows[: n - 1], states, rows[built])
                     mode = 0
                     for e in range(radix.size):

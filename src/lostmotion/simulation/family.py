@@ -82,7 +82,7 @@ class TorqueRun:
     def _family(self, run: PlantRun, wanted: tuple[str, ...]) -> Family:
         """The kernel's view of what the variants share."""
         from ..kernels.batch_tables import Family
-        from ..kernels.modes import ORDER
+        from ..kernels.mode_series import ORDER
 
         plant, layout = run.plant, run.plant.layout
         names, width = plant.signal_names(), plant.signal_weights.shape[1]

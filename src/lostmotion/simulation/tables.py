@@ -124,7 +124,8 @@ class Plant:
     """All that the kernels need to know of a drivetrain at one sample time; grows as modes are entered."""
 
     def __init__(self, drivetrain: Drivetrain, dt: float, inputs: tuple[str, ...]) -> None:
-        from ..kernels.modes import ORDER, new_mode_work
+        from ..kernels.mode_series import ORDER
+        from ..kernels.modes import new_mode_work
         from ..kernels.plant_tables import block_size
 
         self.drivetrain = drivetrain
@@ -211,7 +212,7 @@ class Plant:
 
     def tables(self) -> Any:
         """The kernel's view of the modes built so far."""
-        from ..kernels.modes import ORDER
+        from ..kernels.mode_series import ORDER
         from ..kernels.plant_tables import PlantTables
 
         return PlantTables(
