@@ -93,8 +93,8 @@ FAULTS: dict[str, tuple[float, Callable[[np.ndarray], Any]]] = {
     "+5, 2 ms": (0.002, lambda y: y + 5.0),
 }
 DROPPED = "5 % dropped"
-#: The same of the motor's torque.
-NO_TORQUE = "torque_motor NaN, 20 ms"
+#: The same of the motor's torque, and of all inputs at once.
+NO_TORQUE, NOTHING, SOME = "torque_motor NaN, 20 ms", "all inputs NaN, 20 ms", "all inputs, 5 % dropped"
 
 
 def broken(values: np.ndarray, fault: str, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -117,21 +117,28 @@ def broken(values: np.ndarray, fault: str, dt: float) -> tuple[np.ndarray, np.nd
 def after_faults(
     law: Any, recording: lm.Recording, load: np.ndarray, signal: str
 ) -> list[tuple[float, float]]:
-    """For each fault of the signal, and for a missing torque: the load's speed's error over the normal one; flagged."""
+    """For each fault of the signal, of the torque and of all inputs: the load's speed's error over the normal one.
+
+    Beside it the share of the bad samples that is flagged.
+    """
     estimates = law.run(recording.only(*law.inputs))
     if "input_fault" not in estimates:
         return []
     normal = np.sqrt(np.mean((estimates["speed_load_estimated"] - load)[round(0.3 / recording.dt) :] ** 2))
     cells = []
-    trials = [(signal, fault) for fault in (*FAULTS, DROPPED)]
-    if "torque_motor" in law.inputs:
-        trials.append(("torque_motor", next(iter(FAULTS))))
-    for name, fault in trials:
-        shown, bad, after = broken(recording[name], fault, recording.dt)
-        found = law.run(recording.with_signals("measured", **{name: shown}).only(*law.inputs))
+    missing = next(iter(FAULTS))
+    trials: list[tuple[tuple[str, ...], str]] = [((signal,), fault) for fault in (*FAULTS, DROPPED)]
+    trials += [(("torque_motor",), missing), (law.inputs, missing), (law.inputs, DROPPED)]
+    for names, fault in trials:
+        if not set(names) <= set(law.inputs):
+            cells.append((np.nan, np.nan))
+            continue
+        shown = {name: broken(recording[name], fault, recording.dt)[0] for name in names}
+        _, bad, after = broken(recording[names[0]], fault, recording.dt)
+        found = law.run(recording.with_signals("measured", **shown).only(*law.inputs))
         error = np.sqrt(np.mean((found["speed_load_estimated"] - load)[after] ** 2))
         cells.append((float(error / normal), float(np.mean(found["input_fault"][bad]))))
-    return cells if "torque_motor" in law.inputs else [*cells, (np.nan, np.nan)]
+    return cells
 
 
 def closed_shaft(seed: int) -> tuple[lm.Recording, np.ndarray]:
@@ -171,7 +178,13 @@ def print_faults(results: list[dict[str, list[tuple[float, float]]]]) -> None:
         cells = (f"{m[0]:.1f} ({w:.1f}), {100 * m[1]:.0f} %" for m, w in zip(middle, worst, strict=True))
         rows.append([name, *("–" if "nan" in text else text for text in cells)])
     print(
-        table(["error after / normal error: median (worst rig), flagged", *FAULTS, DROPPED, NO_TORQUE], rows)
+        table(
+            [
+                "error after / normal error: median (worst rig), flagged",
+                *(*FAULTS, DROPPED, NO_TORQUE, NOTHING, SOME),
+            ],
+            rows,
+        )
     )
 
 

@@ -28,6 +28,7 @@ from .steppers_model import (
     clip,
 )  # fmt: skip
 from .steppers_speed_only import (
+    BLIND,
     COULOMB,
     FREE,
     FRICTION,
@@ -45,11 +46,12 @@ from .steppers_speed_only import (
 GAP_CENTRES, N_GAP, N_FRICTION = 17, 8, 13
 WEIGHTS_COUNT = N_GAP + N_FRICTION
 
-# Own parameters: gain of the observer (5), range of the twist and of the load speed, step of both learnings, variance
-# of the innovation, largest weights, then the gap's basis at the end of its range.
-GAIN, TWIST_RANGE, SPEED_RANGE, STEP_GAP, STEP_FRICTION, INNOVATION, BOUND_GAP, BOUND_FRICTION, END_BASIS = (
-    FREE, FREE + 5, FREE + 6, FREE + 7, FREE + 8, FREE + 9, FREE + 10, FREE + 11, FREE + 12,
-)  # fmt: skip
+# Own parameters: gain of the observer (5), that soon after all inputs were missing (5), range of the twist and of the
+# load speed, step of both learnings, variance of the innovation, largest weights, then the gap's basis at the end of
+# its range.
+GAIN, FAST_GAIN, TWIST_RANGE, SPEED_RANGE = FREE, FREE + 5, FREE + 10, FREE + 11
+STEP_GAP, STEP_FRICTION, INNOVATION = FREE + 12, FREE + 13, FREE + 14
+BOUND_GAP, BOUND_FRICTION, END_BASIS = FREE + 15, FREE + 16, FREE + 17
 
 # Places in the state: weights, then the filtered responses (twist, speed_motor, speed_load, speed_motor_previous).
 WEIGHTS = SIZE
@@ -146,13 +148,13 @@ def _respond(p, s, inside, slips, values):
 
 
 @njit(cache=True)
-def _correct_responses(p, s, out, before):
+def _correct_responses(p, s, gain, out, before):
     """What the observer's gain takes from the responses of a sample: ``out`` is each one's part of the innovation."""
     for i in range(WEIGHTS_COUNT):
         at = RESPONSE + 4 * i
         for j in range(3):
-            s[at + j] -= p[GAIN + j] * out[i]
-        s[at + 3] = before[i] - p[GAIN + 4] * out[i]
+            s[at + j] -= p[gain + j] * out[i]
+        s[at + 3] = before[i] - p[gain + 4] * out[i]
 
 
 @njit(cache=True)
@@ -188,7 +190,9 @@ def step(p, s, inputs, faults, outputs):
     values = np.empty(WEIGHTS_COUNT + GAP_CENTRES)
     out, before = np.empty(WEIGHTS_COUNT), np.empty(WEIGHTS_COUNT)
     torque, innovation, faults = innovation_of(p, s, inputs, faults)
-    if faults & 3 == 0:  # nothing is learned from a torque or a speed that is not known
+    gain = FAST_GAIN if s[BLIND] > 0.0 else GAIN
+    # Nothing is learned from a torque or a speed that is not known, nor soon after both.
+    if faults & 3 == 0 and s[BLIND] == 0.0:
         _learn(p, s, innovation)
     for i in range(WEIGHTS_COUNT):
         out[i], before[i] = _reach(p, s, i), s[RESPONSE + 4 * i + 1]
@@ -197,10 +201,10 @@ def step(p, s, inputs, faults, outputs):
     inside = clip((1.0 if abs(z) < p[HALF] else 0.0) + slope, 0.0, 1.0)
     _write(p, s, clip(s[0], -p[HALF], p[HALF]) + learned, inside, friction, outputs)
     _predict(p, s, torque, values)
-    _correct_responses(p, s, out, before)
+    _correct_responses(p, s, gain, out, before)
     for i in range(4):
-        s[i] += p[GAIN + i] * innovation
-    s[ANGLE] += 0.5 * p[DT] * (p[GAIN + 1] + p[GAIN + 4]) * innovation
+        s[i] += p[gain + i] * innovation
+    s[ANGLE] += 0.5 * p[DT] * (p[gain + 1] + p[gain + 4]) * innovation
     if not (abs(s[0]) < LOST and abs(s[1]) < LOST and abs(s[2]) < LOST and abs(s[3]) < LOST):
         restart(p, s, 0.0)
         s[STARTED] = 0.0
