@@ -12,6 +12,7 @@ from .steppers import INIT, STEP
 from .steppers_interacting_mixing import PART, mix
 from .steppers_interacting_sensors import sensor, write
 from .steppers_interacting_state import (
+    BLIND,
     CHANCE,
     COULOMB,
     FRICTION,
@@ -32,10 +33,8 @@ from .steppers_model import (
     ANGLE,
     AVERAGED,
     COULOMB_MOTOR,
-    DT,
     KIND,
     LEAD_MIDDLE,
-    MISSING_TORQUE,
     N_SENSORS,
     PIECES,
     PROCESS,
@@ -45,6 +44,8 @@ from .steppers_model import (
     REST_MOTOR,
     SPEED_MOTOR,
     advance,
+    blind_samples,
+    doubt_torque,
     torque_believed,
 )  # fmt: skip
 
@@ -152,9 +153,9 @@ def step(p, s, inputs, faults, outputs):
     mixed, parts = np.empty((MODELS, ONE)), np.empty((MODELS, PART))
     f, work = np.empty((MOVING, N)), np.empty((MOVING, N))
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
-    if faults & 1:
-        for m in range(MODELS):
-            s[m * ONE + N + N + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2
+    s[BLIND] = blind_samples(p, s[BLIND], faults)
+    for m in range(MODELS):
+        doubt_torque(p, s, m * ONE + N, N, faults & 1 != 0, s[BLIND])
     if s[STARTED] == 0.0:
         restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
     for i in range(int(p[N_SENSORS])):

@@ -28,7 +28,8 @@ FRICTION = STARTED + 2
 BEFORE = STARTED + 3
 SENSOR_MEMORY = STARTED + 6
 TORQUE_SPREAD = SENSOR_MEMORY + 4 * MEMORY  # see ``steppers_model.by_modes``
-SIZE = TORQUE_SPREAD + 2
+BLIND = TORQUE_SPREAD + 2  # see ``steppers_model.blind_samples``
+SIZE = BLIND + 1
 
 
 @njit(cache=True)

@@ -39,8 +39,8 @@ COULOMB_BOUND = 110  # Nm: largest Coulomb level that is believed
 FROZEN_HOLD = 111  # samples
 INERTIA_MOTOR, INERTIA_LOAD = 112, 113
 MODE_SHARE, MODE_RATE = 114, 115  # see ``by_modes``
-MISSING_TORQUE, WORST = 116, 117  # see ``observers.tuning``
-OWN = 118  # first place that an observer may use for itself
+MISSING_TORQUE, WORST, BLIND_TWIST = 116, 117, 118  # see ``observers.tuning``
+OWN = 119  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.
 SPEED_MOTOR, SPEED_LOAD, TWIST, TORQUE_SHAFT = 0, 1, 2, 3
@@ -184,6 +184,28 @@ def torque_believed(p, state, at, inputs, faults):
     else:
         faults |= 1
     return state[at], faults
+
+
+@njit(cache=True, inline="always")
+def blind_samples(p, blind, faults):
+    """For how many samples neither a motor torque nor any sensor was there, at most ``HOLD``; then back as fast."""
+    if faults & 1 and faults >> 1 == (1 << int(p[N_SENSORS])) - 1:
+        return min(blind + 1.0, p[HOLD])
+    return max(blind - 1.0, 0.0)
+
+
+@njit(cache=True, inline="always")
+def doubt_torque(p, s, at, n, missing, blind):
+    """What a motor torque that is missing may do to the (n, n) covariance at s[at …] within a sample.
+
+    The motor's speed then follows its sensor. While there is none either, the torque stays as wrong as it is: what
+    that does grows with time, not with its root. After it nobody knows on which side of the gap the joint is, and a
+    filter that linearises the gap once takes each place for it too soon: so the twist wanders for as long again.
+    """
+    if missing:
+        s[at + n + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2 * (1.0 + blind)
+    elif blind > 0.0:
+        s[at] += (p[BLIND_TWIST] * p[DT]) ** 2 * blind
 
 
 @njit(cache=True, inline="always")

@@ -27,7 +27,6 @@ from .steppers_model import (
     KIND,
     LEAD_MIDDLE,
     MEMORY,
-    MISSING_TORQUE,
     N_SENSORS,
     OWN,
     PIECES,
@@ -38,6 +37,7 @@ from .steppers_model import (
     USE,
     advance,
     doubt,
+    doubt_torque,
     mean_gap,
     next_count,
     sensor_believed,
@@ -46,6 +46,7 @@ from .steppers_model import (
 from .steppers_tracking import (
     BACKLASH,
     BEFORE,
+    BLIND,
     COULOMB,
     COVARIANCE,
     EASE_LOAD,
@@ -79,9 +80,9 @@ NODES, PASSES = OWN, OWN + 1
 COUNT = SIZE
 ARRIVAL = SIZE + 1
 FIRST_NODE = ARRIVAL + N + N * N
-# A node: trajectory, torque, measurements, 1 where one is believed, 1 if the torque was missing.
-NODE_TORQUE, NODE_VALUE, NODE_BELIEVED, NODE_GUESSED = N, N + 1, N + 5, N + 9
-NODE = N + 10
+# A node: trajectory, torque, measurements, 1 where one is believed, 1 if the torque was missing, ``blind_samples``.
+NODE_TORQUE, NODE_VALUE, NODE_BELIEVED, NODE_GUESSED, NODE_BLIND = N, N + 1, N + 5, N + 9, N + 10
+NODE = N + 11
 
 
 @njit(INIT, cache=True)
@@ -181,9 +182,8 @@ def _advance_estimate(p, w, s, at, torque, slope, f, work, two):
 
 @njit(cache=True)
 def _doubt_torque(p, w, s, at):
-    """A torque that was missing may have moved the motor: its speed then follows its sensor, as in ``begin``."""
-    if s[at + NODE_GUESSED] != 0.0:
-        w[COVARIANCE + N + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2
+    """The covariance of the estimate w at the node, where the torque or all may have been missing."""
+    doubt_torque(p, w, COVARIANCE, N, s[at + NODE_GUESSED] != 0.0, s[at + NODE_BLIND])
 
 
 @njit(cache=True)
@@ -277,7 +277,7 @@ def _append(p, s, inputs, torque, faults, h, scratch):
     for j in range(N):
         s[at + j] = s[j]
     s[at + NODE_TORQUE] = torque
-    s[at + NODE_GUESSED] = float(faults & 1)
+    s[at + NODE_GUESSED], s[at + NODE_BLIND] = float(faults & 1), s[BLIND]
     given = faults
     for i in range(int(p[N_SENSORS])):
         kind = int(p[KIND + i])

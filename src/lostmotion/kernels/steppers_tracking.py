@@ -26,7 +26,6 @@ from .steppers_model import (
     LEAD,
     LOST,
     MEMORY,
-    MISSING_TORQUE,
     MODE_RATE,
     MODE_SHARE,
     N_SENSORS,
@@ -40,9 +39,11 @@ from .steppers_model import (
     TORQUE_SHAFT,
     TWIST,
     USE,
+    blind_samples,
     by_modes,
     clip,
     doubt,
+    doubt_torque,
     mean_gap,
     next_count,
     scalar_update,
@@ -70,7 +71,8 @@ FRICTION = STARTED + 2
 BEFORE = STARTED + 3  # the four moving states before the last prediction: what the model alone has moved
 SENSOR_MEMORY = STARTED + 7
 TORQUE_SPREAD = SENSOR_MEMORY + 4 * MEMORY  # see ``by_modes``
-SIZE = TORQUE_SPREAD + 2
+BLIND = TORQUE_SPREAD + 2  # see ``steppers_model.blind_samples``
+SIZE = BLIND + 1
 
 
 @njit(cache=True)
@@ -238,8 +240,8 @@ def correct_all(p, s, inputs, torque_faults, work):
 def begin(p, s, inputs, faults):
     """The torque to use and the faults; a first sample starts the filter."""
     torque, faults = torque_believed(p, s, TORQUE, inputs, faults)
-    if faults & 1:
-        s[COVARIANCE + N + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2
+    s[BLIND] = blind_samples(p, s[BLIND], faults)
+    doubt_torque(p, s, COVARIANCE, N, faults & 1 != 0, s[BLIND])
     if s[STARTED] == 0.0:
         restart(p, s, inputs[1] if int(p[KIND]) == SPEED_MOTOR and faults & 2 == 0 else 0.0, N)
     return torque, faults

@@ -94,6 +94,9 @@ HOLD, FROZEN_HOLD = 0.03, 0.1
 #: What a missing motor torque may do to its speed, rad/s² (chosen: 20 Nm on the paper's rig): the speed then follows
 #: its sensor.
 MISSING_TORQUE = 1500.0
+#: After all inputs were missing the twist wanders for as long again: its variance grows by the square of this, rad/s,
+#: per time and per time that they were missing (chosen on rigs 1 to 4: by 11 mrad, about the gap, after 20 ms).
+BLIND_TWIST = 0.8
 #: Largest standard deviation of the speed while samples are refused as jumps, rad/s (chosen: a jump of 8 rad/s is
 #: refused for 20 ms).
 WORST = 10.0
@@ -192,7 +195,7 @@ def model_parameters(
     p[at.GATE], p[at.HOLD], p[at.DT] = GATE, max(1.0, round(HOLD / dt)), dt
     p[at.N_SENSORS], p[at.FROZEN_HOLD] = len(measured), max(3.0, round(FROZEN_HOLD / dt))
     p[at.MISSING_TORQUE] = MISSING_TORQUE * scale.speed * scale.rate
-    p[at.WORST] = WORST * scale.speed
+    p[at.WORST], p[at.BLIND_TWIST] = WORST * scale.speed, BLIND_TWIST * scale.speed
     _fill_sensors(p, measured, dt, drivetrain, sensor_noise, count_averaged)
     return p
 
