@@ -203,7 +203,7 @@ def doubt_torque(p, s, at, n, missing, blind):
     filter that linearises the gap once takes each place for it too soon: so the twist wanders for as long again.
     """
     if missing:
-        s[at + n + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2 * (1.0 + blind)
+        s[at + n + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2 * max(blind, 1.0)
     elif blind > 0.0:
         s[at] += (p[BLIND_TWIST] * p[DT]) ** 2 * blind
 

@@ -18,6 +18,7 @@ from .steppers_model import (
     ANGLE,
     AVERAGED,
     DT,
+    HOLD,
     LEAD_MIDDLE,
     LOST,
     PIECES,
@@ -34,6 +35,7 @@ from .steppers_speed_only import (
     FRICTION,
     HALF,
     MOVED,
+    SHORT,
     SIZE,
     STARTED,
     innovation_of,
@@ -190,9 +192,10 @@ def step(p, s, inputs, faults, outputs):
     values = np.empty(WEIGHTS_COUNT + GAP_CENTRES)
     out, before = np.empty(WEIGHTS_COUNT), np.empty(WEIGHTS_COUNT)
     torque, innovation, faults = innovation_of(p, s, inputs, faults)
-    gain = FAST_GAIN if s[BLIND] > 0.0 else GAIN
+    blind = s[BLIND] > SHORT * p[HOLD]
+    gain = FAST_GAIN if blind else GAIN
     # Nothing is learned from a torque or a speed that is not known, nor soon after both.
-    if faults & 3 == 0 and s[BLIND] == 0.0:
+    if faults & 3 == 0 and not blind:
         _learn(p, s, innovation)
     for i in range(WEIGHTS_COUNT):
         out[i], before[i] = _reach(p, s, i), s[RESPONSE + 4 * i + 1]
