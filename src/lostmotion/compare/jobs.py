@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from multiprocessing import active_children
+from multiprocessing.process import BaseProcess
 
 from .cases import CASES
 from .contestants import CONTESTANTS
@@ -26,9 +28,11 @@ def run_jobs(jobs: Sequence[Job], workers: int) -> Generator[Result, None, None]
         return
     others = set(active_children())
     with ProcessPoolExecutor(min(workers, len(jobs)), initializer=_leave_interrupts_to_the_parent) as pool:
-        futures = [pool.submit(run_job, job) for job in jobs]
-        processes = set(active_children()) - others
+        processes: set[BaseProcess] = set()
         try:
+            with _interrupts_wait():
+                futures = [pool.submit(run_job, job) for job in jobs]
+                processes = set(active_children()) - others
             for future in as_completed(futures):
                 yield future.result()
         except BaseException:
@@ -36,6 +40,19 @@ def run_jobs(jobs: Sequence[Job], workers: int) -> Generator[Result, None, None]
             for process in processes:
                 process.terminate()
             raise
+
+
+@contextmanager
+def _interrupts_wait() -> Iterator[None]:
+    """Ctrl-C comes when the block is left: within a fork Python's own hooks would swallow it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _leave_interrupts_to_the_parent() -> None:
