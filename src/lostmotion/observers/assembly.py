@@ -133,7 +133,7 @@ class Assembly:
         if limits is not None:
             law = with_checks(law, measured, residual, self.model.drivetrain, limits)
             if "speed_motor" in measured:
-                law = with_torque_check(law, self.model.drivetrain.inertia_motor, self.model.drivetrain.lag)
+                law = with_torque_check(law, self.model.drivetrain)
         return with_innovation(law, measured, residual) if innovation else law
 
     def _measurement(

@@ -26,8 +26,9 @@ LARGEST_INNOVATION: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 4.0, "speed_load": 4.0, "twist": 0.006, "torque_shaft": 40.0, "angle_motor": 0.006}
 )
 
-#: Rate at which the motor follows its measured speed while its torque is missing, 1/s, and the most per sample (chosen
-#: on rigs 1 to 4: slower loses the angle, faster takes an encoder's steps for torque; more per sample swings).
+#: Rate at which the motor follows its measured speed while its torque is missing, 1/s on the paper's rig (it goes with
+#: the closed shaft's mode), and the most per sample (chosen on rigs 1 to 4: slower loses the angle, faster takes an
+#: encoder's steps for torque; more per sample swings).
 FOLLOWING, FASTEST = 1500.0, 0.55
 
 
@@ -66,7 +67,7 @@ def with_checks(
     return replace(law, checks=checks, P=p, R=r)
 
 
-def with_torque_check(law: DiscreteSystem, inertia: float, lag: float) -> DiscreteSystem:
+def with_torque_check(law: DiscreteSystem, drivetrain: Drivetrain) -> DiscreteSystem:
     """The law that while torque_motor is missing takes the one with which its motor follows the measured speed.
 
     That is the torque's mean of late, and more the further the motor is behind: proportional and integral action::
@@ -77,7 +78,8 @@ def with_torque_check(law: DiscreteSystem, inertia: float, lag: float) -> Discre
     smoothed. Through a lag, T is the torque that the actuator reaches by the end of the sample. The gains a and b put
     the poles of the motor alone at the rate ``FOLLOWING``, damped by 0.7. T̄ is one more state, ``torque_motor_mean``.
     """
-    rate = min(FOLLOWING * law.dt, FASTEST)
+    inertia, lag = drivetrain.inertia_motor, drivetrain.lag
+    rate = min(FOLLOWING * scale_of(drivetrain).rate * law.dt, FASTEST)
     pole = np.exp(rate * complex(-1.0, 1.0) / math.sqrt(2.0))
     change = 2.0 - 2.0 * float(pole.real)
     per_speed, share = change * inertia / law.dt, float(abs(1.0 - pole) ** 2) / change
