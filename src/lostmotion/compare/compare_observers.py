@@ -47,12 +47,12 @@ def compare_observers(
         call with the same folder computes only what is missing there or was made by other code. A table of all
         observers and cases that lies there is not replaced by a smaller one.
     quick : bool
-        Fewer cases, two seeds, shorter recordings, no slow observers.
+        Fewer cases, two seeds, shorter recordings.
     seeds : int or sequence of int, optional
         Number of rigs (1, 2, …), or their seeds. Default 20, quick 2.
     cases, observers : sequence of str, optional
         Names out of ``CASES`` and ``CONTESTANTS``, in ASCII and small letters too ("inertia_load -20 %", "hinfinity");
-        default all (quick: the quick ones). Observer 1 always takes part.
+        default all (quick: the quick cases). Observer 1 always takes part.
     duration : float, s, optional
         Length of each recording; default 3 s, quick 1.5 s.
     workers : int, optional
@@ -76,7 +76,7 @@ def compare_observers(
     processes = _processes(workers)
     chosen_seeds = _seeds(count if seeds is None else seeds)
     chosen_cases = _chosen_cases(cases, quick)
-    entries = _chosen_contestants(observers, quick)
+    entries = _chosen_contestants(observers)
     folder = None if out is None else Path(out)
     names = {entry.name: entry.kind for entry in entries}
     settings = {"duration": length, "quick": quick, "part": cases is not None or observers is not None}
@@ -169,8 +169,8 @@ def _chosen_cases(names: Sequence[str] | None, quick: bool) -> tuple[Case, ...]:
     return tuple(case for case in CASES if case.name in chosen)
 
 
-def _chosen_contestants(names: Sequence[str] | None, quick: bool) -> tuple[Contestant, ...]:
+def _chosen_contestants(names: Sequence[str] | None) -> tuple[Contestant, ...]:
     if names is None:
-        return tuple(entry for entry in CONTESTANTS if not (quick and entry.slow))
+        return CONTESTANTS
     chosen = known_names("observers", names, [entry.name for entry in CONTESTANTS])
     return tuple(entry for entry in CONTESTANTS if entry.name in {*chosen, REFERENCE})

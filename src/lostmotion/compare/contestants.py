@@ -61,14 +61,11 @@ class Contestant:
     kind : str
         "naive", "fixed gain" or "stepper".
     make : callable (drivetrain, sensing) → observer
-    slow : bool
-        Far above 2 µs per sample: left out of the quick comparison.
     """
 
     name: str
     kind: str
     make: Callable[[Drivetrain, Sensing], Runs]
-    slow: bool = False
 
 
 class MotorSpeed:
@@ -154,7 +151,7 @@ CONTESTANTS: tuple[Contestant, ...] = (
     ),
     Contestant("unscented Kalman", "stepper", _stepper(unscented_kalman)),
     Contestant("interacting models", "stepper", _stepper(interacting_models)),
-    Contestant("moving horizon", "stepper", _stepper(moving_horizon), slow=True),
+    Contestant("moving horizon", "stepper", _stepper(moving_horizon)),
     Contestant("sliding mode", "stepper", _stepper(sliding_mode)),
     Contestant("super-twisting", "stepper", _stepper(super_twisting)),
     Contestant("radial basis", "stepper", _stepper(radial_basis)),

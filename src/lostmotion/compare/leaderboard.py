@@ -212,9 +212,15 @@ class Leaderboard:
             lines.append(f"Fewer than {FEWEST_SEEDS} rigs prove no win and no loss.")
         return lines
 
+    def _head(self, group: str) -> str:
+        """What a column of that group is called: a case that stands alone by its own name."""
+        cases = [case.name for case in self.cases if case.group == group]
+        return cases[0] if len(cases) == 1 else group
+
     def _group_table(self) -> str:
         groups = self.groups()
-        lines = ["| load speed, RMSE in % of range, worst of the group | " + " | ".join(groups) + " |"]
+        heads = [self._head(group) for group in groups]
+        lines = ["| load speed, RMSE in % of range, worst of the group | " + " | ".join(heads) + " |"]
         lines.append("|---" * (len(groups) + 1) + "|")
         for name in self.ranking():
             cells = [_percent(self.worst_of_group(name, group, RANKED_BY)) for group in groups]

@@ -50,11 +50,17 @@ def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: A
     figure, axis = _axes(axes, len(names), len(groups))
     _draw(axis, values)
     axis.set_yticks(range(len(names)), [_label(row) for row in board["observers"]])
-    axis.set_xticks(range(len(groups)), [_wrapped(group) for group in groups])
+    axis.set_xticks(range(len(groups)), [_wrapped(_head(board, group)) for group in groups])
     axis.tick_params(length=0, top=True, bottom=False, labeltop=True, labelbottom=False)
     title = [_wrapped(line, 11 * max(4, len(groups))) for line in _title(board, metric)]
     axis.set_title("\n".join(title), fontsize=11, fontweight="bold", loc="left", pad=14)
     return figure
+
+
+def _head(board: Mapping[str, Any], group: str) -> str:
+    """A case that stands alone in its column is called by its own name."""
+    cases = [case["name"] for case in board["cases"] if case["group"] == group]
+    return str(cases[0]) if len(cases) == 1 else group
 
 
 def _title(board: Mapping[str, Any], metric: str) -> list[str]:
