@@ -1,4 +1,4 @@
-"""Observers on a shaft that winds less and less of its gap: where filters that linearise once lose it.
+"""Observers on a shaft that winds less and less of its gap: what filters that linearise once make of it.
 
     python benchmarks/wide_gap.py      # a Markdown table: median (worst) of six excitations; a minute on one core
 

@@ -38,6 +38,7 @@ from .steppers_tracking import (
     LOAD_TORQUE,
     MOVING,
     N,
+    approach,
     begin,
     correct_all,
     new_state,
@@ -161,6 +162,7 @@ def propagate(p, s, f, work):
 def _predict(p, s, torque, f, work):
     for i in range(4):
         s[BEFORE + i] = s[i]
+    approach(p, s)
     for _ in range(int(p[PIECES])):
         z = s[0] + p[LEAD_MIDDLE] * (s[1] - s[2])
         gap, above, below = mean_gap(z, 0.5 * s[BACKLASH], spread(s, p[LEAD_MIDDLE]))

@@ -27,6 +27,7 @@ from .steppers_tracking import (
     LOAD_TORQUE,
     MOVING,
     N,
+    approach,
     begin,
     correct_all,
     new_state,
@@ -135,6 +136,7 @@ def _gather(s, points, count, middle, products):
 def _predict(p, s, torque, root, points):
     for i in range(4):
         s[BEFORE + i] = s[i]
+    approach(p, s)
     _factor(s, root)
     count = _scatter(s, root, points)
     middle = 2.0 / (count + 1.0)
