@@ -186,6 +186,45 @@ def test_never_a_nan_for_any_input(make, data):
     assert np.all(np.isfinite(result.final_state["state"]))
 
 
+SENSORS = (
+    ("torque_shaft",),
+    ("torque_shaft", "speed_motor"),
+    ("torque_shaft", "twist", "speed_motor", "speed_load"),
+)
+WILDEST = np.array([np.nan, np.inf, 0.0, 1e300, 1e30, -1e30, 1e28, 1e20, 1e15, 1e8, -1e8, 5.0])
+
+
+@pytest.mark.parametrize("measured", SENSORS, ids="-".join)
+@pytest.mark.parametrize("make", MAKERS[:4], ids=lambda make: make.__name__)
+def test_never_a_nan_whatever_is_measured(make, measured):
+    stepper = make(Drivetrain.two_mass(**TRUTH.parameters), dt=DT, measured=measured)
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        rows = rng.choice(WILDEST, size=(rng.integers(2, 30), len(stepper.inputs)))
+        result = stepper.run({name: rows[:, i] for i, name in enumerate(stepper.inputs)})
+        assert all(np.all(np.isfinite(result[name])) for name in result)
+        assert np.all(np.isfinite(result.final_state["state"]))
+
+
+@pytest.mark.parametrize(
+    ("measured", "rows"),
+    [
+        (("torque_shaft",), [[0.0, -1e30], [5.0, 1e30], [1e300, 0.0], [1e30, -1e8]]),
+        (
+            ("speed_motor",),
+            [[5.0, -1e30], [0.0, 5.0], [1e8, 1e30], [0.0, 0.0], [-1e30, 5.0], [1e20, 1e30], [-1e30, 1e15]],
+        ),
+    ],
+)
+def test_a_horizon_that_is_lost_is_emptied(measured, rows):
+    """Divided by a factor of zero; kept a NaN in its nodes, which the next sample refused."""
+    stepper = observers.moving_horizon(Drivetrain.two_mass(**TRUTH.parameters), dt=DT, measured=measured)
+    state = stepper.init()
+    for row in rows:
+        state, outputs, _ = stepper.step(state, row)
+        assert np.all(np.isfinite(state)) and np.all(np.isfinite(outputs))
+
+
 def _coarse(make, dt, bits):
     """Load-speed error over its range on the nominal rig with an encoder of ``bits``, from a quarter of 2 s on."""
     torque = excitation(2.0, dt, seed=2, inertia=0.1292, coulomb=2.0, viscous=0.0175)

@@ -36,6 +36,7 @@ from .steppers_model import (
     START_AGAIN,
     USE,
     advance,
+    clip,
     doubt,
     doubt_torque,
     mean_gap,
@@ -53,6 +54,8 @@ from .steppers_tracking import (
     EASE_MOTOR,
     FACTOR,
     FRICTION,
+    LARGEST_FACTOR,
+    LEAST_FACTOR,
     LOAD_TORQUE,
     MOVING,
     SENSOR_MEMORY,
@@ -193,6 +196,9 @@ def _use(p, w, s, at, i, h, gain):
         return 0.0, 1.0
     innovation = s[at + NODE_VALUE + i] * p[SCALE + i] - row(p, w, int(p[KIND + i]), h)
     variance = sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i) + along(w, h, gain)
+    if not variance > 0.0:  # the covariance has lost its meaning to rounding
+        gain[:] = 0.0
+        return 0.0, 1.0
     correct(w, innovation, variance, gain)
     return innovation / variance, variance
 
@@ -219,7 +225,7 @@ def _backwards(s, count, sensors, known, slopes, rows, gains, scaled):
             total = known[n, j]
             for k in range(N):
                 total += known[n, COVARIANCE + j * N + k] * r[k]
-            s[at + j] = total
+            s[at + j] = clip(total, LEAST_FACTOR, LARGEST_FACTOR) if j >= FACTOR else total
 
 
 @njit(cache=True)
@@ -309,6 +315,20 @@ def _begin_horizon(s):
         s[ARRIVAL + j] = s[j]
 
 
+@njit(cache=True)
+def _recover(p, s):
+    """Start again if the estimate or anything in the horizon is lost."""
+    total = 0.0
+    for j in range(COUNT, s.size):
+        total += s[j]
+    if not math.isfinite(total):
+        s[0] = math.nan
+    recover(p, s)
+    if s[STARTED] == 0.0:
+        for j in range(COUNT, FIRST_NODE + int(p[NODES]) * NODE):
+            s[j] = 0.0
+
+
 @njit(STEP, cache=True)
 def step(p, s, inputs, faults, outputs):
     w, two = np.empty(N + N * N), np.empty((2, N))
@@ -330,16 +350,16 @@ def step(p, s, inputs, faults, outputs):
         for j in range(N + N * N):
             s[j] = w[j]
         bound(p, s)
-    recover(p, s)
+    _recover(p, s)
     write(p, s, work[0], work[1], outputs)
     for i in range(4):
         s[BEFORE + i] = s[i]
-    if not again:
+    if s[COUNT] > 0.0:
         _count(p, s, FIRST_NODE + (int(s[COUNT]) - 1) * NODE, s)
     for _ in range(int(p[PIECES])):
         s[FRICTION] = _move(p, s, s, torque, f)
         propagate(p, s, f, work)
     if again:
         _begin_horizon(s)
-    recover(p, s)
+    _recover(p, s)
     return faults

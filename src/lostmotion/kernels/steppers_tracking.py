@@ -144,9 +144,8 @@ def row(p, s, kind, h):
     h[1] = d - k * lead * inside
     h[2] = -h[1]
     h[BACKLASH] = -0.5 * k * (above - below)
-    torque = k * (s[0] - gap) + d * (s[1] - s[2])
-    h[FACTOR] = torque / s[FACTOR]
-    return torque
+    h[FACTOR] = p[STIFFNESS] * (s[0] - gap) + p[DAMPING] * (s[1] - s[2])
+    return h[FACTOR] * s[FACTOR]
 
 
 @njit(cache=True)
