@@ -11,6 +11,9 @@ from lostmotion.compare.experiment import experiment as rig_case
 from lostmotion.errors import InvalidInput
 from lostmotion.kernels.steppers_interacting_mixing import regions
 from lostmotion.observers import interacting_models, kalman
+from lostmotion.observers.scale import PAPER
+from lostmotion.signals import excitation
+from lostmotion.simulation import simulate
 
 DT = 1e-4
 CHANCES = ("probability_contact_positive", "probability_gap", "probability_contact_negative")
@@ -115,3 +118,19 @@ def test_misuse_is_refused(experiment):
         interacting_models(experiment.drivetrain, dt=DT, measured=())
     with pytest.raises(InvalidInput, match="unknown_torque"):
         interacting_models(experiment.drivetrain, dt=DT, unknown_torque={"wheel": 1.0})
+
+
+@pytest.mark.parametrize(("offset", "told"), [(20.0, 0.85), (40.0, 0.95), (80.0, 0.95)])
+def test_a_torque_that_jumps_is_no_touch(offset, told):
+    """One of the three models expects nearly any torque; 0 to 30 % of these samples were flagged."""
+    torque = excitation(2.0, DT, seed=2, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    exact = simulate(PAPER.with_parameters(contact="dead_zone"), dt=DT, torque_motor=torque)
+    shown = exact["torque_shaft"] + 0.3 * np.random.default_rng(0).normal(size=torque.size)
+    bad = np.zeros(torque.size, dtype=bool)
+    for first in range(5000, 19000, 1500):
+        bad[first : first + 30] = True
+    law = interacting_models(PAPER, dt=DT, measured=("torque_shaft", "speed_motor"))
+    given = {"torque_motor": torque, "speed_motor": exact["speed_motor"]}
+    found = law.run({**given, "torque_shaft": shown + offset * bad})
+    assert np.mean(found["input_fault"][bad]) > told
+    assert np.mean(found["input_fault"][~bad]) < 0.01

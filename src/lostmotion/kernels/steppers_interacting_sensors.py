@@ -86,6 +86,29 @@ def _torque(p, s, m, h):
 
 
 @njit(cache=True)
+def _likeliest(s):
+    best = 0
+    for m in range(MODELS):
+        if s[CHANCE + m] > s[CHANCE + best]:
+            best = m
+    return best
+
+
+@njit(cache=True)
+def _sudden(p, s, innovation):
+    """How much further a torque is off what all models expect than a shaft can wind within a sample.
+
+    One of three models expects nearly any torque. But the shaft, touching or not, winds by no more than its ends turn
+    against each other; twice that is believed.
+    """
+    rate, away = 0.0, 0.0
+    for m in range(MODELS):
+        rate += s[CHANCE + m] * (s[m * ONE + 1] - s[m * ONE + 2])
+        away += s[CHANCE + m] * innovation[m]
+    return abs(away) - 2.0 * p[STIFFNESS] * p[DT] * abs(rate)
+
+
+@njit(cache=True)
 def sensor(p, s, i, value, missing, h, gain, innovation, variance):
     """One sensor in all models; returns whether it was not believed.
 
@@ -108,13 +131,15 @@ def sensor(p, s, i, value, missing, h, gain, innovation, variance):
     column = 1 if kind == SPEED_MOTOR else 2 if kind == SPEED_LOAD else 0
     for m in range(MODELS):
         moved += s[CHANCE + m] * s[m * ONE + column]
+    away, spread = innovation[best], variance[best]
     if kind > TWIST:
         moved = p[STIFFNESS] * wound(moved, s[BEFORE], p[HALF])
+        sudden, own = _sudden(p, s, innovation), variance[_likeliest(s)]
+        if sudden > 0.0 and sudden * sudden * spread > away * away * own:
+            away, spread = sudden, own
     else:
         moved -= s[BEFORE + column]
-    verdict = sensor_believed(
-        p, s, SENSOR_MEMORY + MEMORY * i, i, value, missing, moved, innovation[best], variance[best]
-    )  # fmt: skip
+    verdict = sensor_believed(p, s, SENSOR_MEMORY + MEMORY * i, i, value, missing, moved, away, spread)
     if verdict in (FROZEN, JUMP):
         for m in range(MODELS):
             doubt(p, s, m * ONE + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
