@@ -188,8 +188,8 @@ def torque_believed(p, state, at, inputs, faults):
 
 @njit(cache=True, inline="always")
 def blind_samples(p, blind, faults):
-    """For how many samples neither a motor torque nor any sensor was there, at most ``HOLD``; then back as fast."""
-    if faults & 1 and faults >> 1 == (1 << int(p[N_SENSORS])) - 1:
+    """For how many samples no sensor was there, at most ``HOLD``; then back as fast."""
+    if faults >> 1 == (1 << int(p[N_SENSORS])) - 1:
         return min(blind + 1.0, p[HOLD])
     return max(blind - 1.0, 0.0)
 
@@ -199,8 +199,9 @@ def doubt_torque(p, s, at, n, missing, blind):
     """What a motor torque that is missing may do to the (n, n) covariance at s[at …] within a sample.
 
     The motor's speed then follows its sensor. While there is none either, the torque stays as wrong as it is: what
-    that does grows with time, not with its root. After it nobody knows on which side of the gap the joint is, and a
-    filter that linearises the gap once takes each place for it too soon: so the twist wanders for as long again.
+    that does grows with time, not with its root. After a time without sensors nobody knows on which side of the gap
+    the joint is, and a filter that linearises the gap once takes each place for it too soon: so the twist wanders for
+    as long again.
     """
     if missing:
         s[at + n + 1] += (p[MISSING_TORQUE] * p[DT]) ** 2 * max(blind, 1.0)

@@ -94,7 +94,7 @@ HOLD, FROZEN_HOLD = 0.03, 0.1
 #: What a missing motor torque may do to its speed, rad/s² (chosen: 20 Nm on the paper's rig): the speed then follows
 #: its sensor.
 MISSING_TORQUE = 1500.0
-#: After all inputs were missing the twist wanders for as long again: its variance grows by the square of this, rad/s,
+#: After all sensors were missing the twist wanders for as long again: its variance grows by the square of this, rad/s,
 #: per time and per time that they were missing (chosen on rigs 1 to 4: by 11 mrad, about the gap, after 20 ms).
 BLIND_TWIST = 0.8
 #: Largest standard deviation of the speed while samples are refused as jumps, rad/s (chosen: a jump of 8 rad/s is
