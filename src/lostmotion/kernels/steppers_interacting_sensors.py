@@ -121,8 +121,10 @@ def sensor(p, s, i, value, missing, h, gain, innovation, variance):
         variance[m] = error
         for j in range(N):
             gain[m, j] = 0.0
-            for k in range(N):
-                gain[m, j] += s[m * ONE + N + j * N + k] * h[m, k]
+        for k in range(N):
+            if h[m, k] != 0.0:  # few are not
+                for j in range(N):
+                    gain[m, j] += s[m * ONE + N + k * N + j] * h[m, k]
         for j in range(N):
             variance[m] += h[m, j] * gain[m, j]
         if innovation[m] * innovation[m] * variance[best] < innovation[best] * innovation[best] * variance[m]:
