@@ -41,7 +41,7 @@ def steps(times: Sequence[float], values: Sequence[float], duration: float, dt: 
             "steps",
             f"{len(times)} times, {len(values)} values",
             "rising times, one value more than times",
-            "Check.",
+            "Say what holds before the first time, too.",
         )
     # Half a sample of slack: a time on the raster begins its value exactly there.
     t = (np.arange(_length(duration, dt)) + 0.5) * dt

@@ -57,7 +57,7 @@ class ScoreCache:
                 self.folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
                 raise InvalidInput(
-                    str(folder), str(error.strerror or error), "a folder that can be written", "Check."
+                    str(folder), str(error.strerror or error), "a folder that can be written", "Name another."
                 ) from None
 
     def scores(self, case: str, seed: int) -> Scores:

@@ -114,7 +114,10 @@ def _weight_rows(design: SampledModel, weights: Mapping[str, float]) -> Array:
     bad = [name for name, value in values.items() if not (math.isfinite(value) and value > 0.0)]
     if unknown or bad or not weights:
         raise InvalidInput(
-            "h_infinity.weights", f"{dict(weights)}", f"positive weights of {design.model.states}", "Check."
+            "h_infinity.weights",
+            f"{dict(weights)}",
+            f"positive weights of {design.model.states}",
+            "Name states.",
         )
     rows = np.zeros((len(weights), design.c.shape[1]))
     for row, (name, value) in zip(rows, weights.items(), strict=True):

@@ -64,7 +64,7 @@ class PlantRun:
                     "simulate.state",
                     repr(state),
                     f"{expected} finite numbers: twists (rad), then speeds (rad/s)",
-                    "Check.",
+                    "Give the twists first, or the final_state of another run.",
                 )
             x[:expected] = start
         return self.plant.start_digits(x)

@@ -49,7 +49,9 @@ def input_row(name: str, inputs: tuple[str, ...], values: ArrayLike) -> Matrix:
     """A copy (n_inputs,) of the inputs of the law ``name`` in one sample."""
     row = np.array(values, dtype=np.float64)
     if row.shape != (len(inputs),):
-        raise InvalidInput(f"{name}.step", f"shape {row.shape}", f"{len(inputs)} inputs", "Check.")
+        raise InvalidInput(
+            f"{name}.step", f"shape {row.shape}", f"{len(inputs)} inputs", f"Give {', '.join(inputs)}."
+        )
     return row
 
 
