@@ -141,3 +141,13 @@ def test_json_says_what_was_compared_by_what(full):
 def test_csv_has_a_line_for_each_score(full):
     rows = list(csv.DictReader(io.StringIO(full.to_csv())))
     assert len(rows) == len(CASES) * 6 * 3
+
+
+def test_one_case_of_several_is_called_by_its_own_name(full):
+    quick = board(cases=tuple(case for case in CASES if case.quick))
+    table, figure = quick.to_markdown(), lm.plot.leaderboard(quick.to_dict())
+    heads = [label.get_text() for label in figure.axes[0].get_xticklabels()]
+    assert "| encoder 12 bit |" in table and "encoder 10 to 18 bit" not in table
+    assert "encoder 12\nbit" in heads and "unknown load\ntorque" in heads
+    whole = full.to_markdown()
+    assert "| encoder 10 to 18 bit |" in whole and "| unknown load torque |" in whole

@@ -13,7 +13,7 @@ from typing import Any
 
 from .. import __version__
 from ..io.whole_files import write_bytes
-from .cases import Case
+from .cases import CASES, Case
 from .contestants import REFERENCE
 from .scores import METRICS, Score
 from .statistics import FEWEST_SEEDS, Estimate, median, overall, ratio, verdict
@@ -155,6 +155,7 @@ class Leaderboard:
                 {
                     "name": case.name,
                     "group": case.group,
+                    "column": self.column(case.group),
                     "observers": {
                         name: {
                             "ratio_to_reference": _plain(self.against_reference(name, case.name)),
@@ -212,14 +213,15 @@ class Leaderboard:
             lines.append(f"Fewer than {FEWEST_SEEDS} rigs prove no win and no loss.")
         return lines
 
-    def _head(self, group: str) -> str:
-        """What a column of that group is called: a case that stands alone by its own name."""
+    def column(self, group: str) -> str:
+        """What a column of that group is called: one case of several by its own name."""
         cases = [case.name for case in self.cases if case.group == group]
-        return cases[0] if len(cases) == 1 else group
+        several = sum(case.group == group for case in CASES) > 1
+        return cases[0] if len(cases) == 1 and several else group
 
     def _group_table(self) -> str:
         groups = self.groups()
-        heads = [self._head(group) for group in groups]
+        heads = [self.column(group) for group in groups]
         lines = ["| load speed, RMSE in % of range, worst of the group | " + " | ".join(heads) + " |"]
         lines.append("|---" * (len(groups) + 1) + "|")
         for name in self.ranking():

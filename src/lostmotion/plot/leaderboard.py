@@ -35,10 +35,10 @@ def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: A
     Figure
     """
     names = [row["name"] for row in board["observers"]]
-    groups = list(dict.fromkeys(case["group"] for case in board["cases"]))
+    groups = {case["group"]: case.get("column", case["group"]) for case in board["cases"]}
     values = np.full((len(names), len(groups)), np.nan)
     for case in board["cases"]:
-        column = groups.index(case["group"])
+        column = list(groups).index(case["group"])
         for row, name in enumerate(names):
             found = case["observers"][name].get(metric)
             if found is not None:
@@ -50,17 +50,11 @@ def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: A
     figure, axis = _axes(axes, len(names), len(groups))
     _draw(axis, values)
     axis.set_yticks(range(len(names)), [_label(row) for row in board["observers"]])
-    axis.set_xticks(range(len(groups)), [_wrapped(_head(board, group)) for group in groups])
+    axis.set_xticks(range(len(groups)), [_wrapped(name) for name in groups.values()])
     axis.tick_params(length=0, top=True, bottom=False, labeltop=True, labelbottom=False)
     title = [_wrapped(line, 11 * max(4, len(groups))) for line in _title(board, metric)]
     axis.set_title("\n".join(title), fontsize=11, fontweight="bold", loc="left", pad=14)
     return figure
-
-
-def _head(board: Mapping[str, Any], group: str) -> str:
-    """A case that stands alone in its column is called by its own name."""
-    cases = [case["name"] for case in board["cases"] if case["group"] == group]
-    return str(cases[0]) if len(cases) == 1 else group
 
 
 def _title(board: Mapping[str, Any], metric: str) -> list[str]:
