@@ -16,10 +16,10 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion import structure
-from lostmotion.identification.frequency_response import FrequencyResponse, frequency_response
-from lostmotion.identification.gaussian_equivalent import gaussian_equivalent
-from lostmotion.identification.two_mass_fit import two_mass_fit
-from lostmotion.identification.two_mass_response import two_mass_response
+from lostmotion.identification.frequency.describing_functions import gaussian_equivalent
+from lostmotion.identification.frequency.response import FrequencyResponse, frequency_response
+from lostmotion.identification.frequency.two_mass_fit import two_mass_fit
+from lostmotion.identification.frequency.two_mass_response import two_mass_response
 from lostmotion.plot.bode import bode
 from lostmotion.plot.coherence import coherence
 from lostmotion.plot.mode_shapes import mode_shapes

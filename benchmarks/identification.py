@@ -17,7 +17,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.identification import Identification
-from lostmotion.identification.predictor import NAMES
+from lostmotion.identification.prediction_error.innovations import NAMES
 
 DT = 1e-4
 #: Table I of Fietzek & Rinderknecht, and a torque lag.

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from lostmotion.identification.backlash_excitation import backlash_excited
-from lostmotion.identification.ring_down import ring_down
-from lostmotion.identification.shaft_stiffness import shaft_stiffness
+from lostmotion.identification.backlash.torque_reversals import backlash_excited
+from lostmotion.identification.shaft.ring_down import ring_down
+from lostmotion.identification.shaft.stiffness import shaft_stiffness
 from lostmotion.io.configuration import load_recordings, read_configuration
 
 ROOT = Path(__file__).parents[1]

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from lostmotion.cli import app
-from lostmotion.identification.prediction_error import MIN_ROWS, MIN_TIME
+from lostmotion.identification.prediction_error.identify import MIN_ROWS, MIN_TIME
 from lostmotion.io.checks import (
     IDENTIFIABLE_ROWS,
     IDENTIFIABLE_TIME,

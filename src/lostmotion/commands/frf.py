@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..identification.frequency_analysis import frequency_analysis
-from ..identification.frequency_response import Method
+from ..identification.frequency.analysis import frequency_analysis
+from ..identification.frequency.response import Method
 from ..io import save_json
 from ..plot.bode import bode
 from ..recording import unit_of

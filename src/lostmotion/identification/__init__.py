@@ -1,18 +1,18 @@
 """Identification: from recordings to parameters, each with its interval and its source."""
 
-from .backlash import LockedBacklash, locked_backlash
-from .backlash_excitation import BacklashExcitation, backlash_excited
-from .breakaway import Breakaway, breakaway
-from .contacts import ContactComparison, compare_contacts
-from .friction import FrictionFit
-from .friction_ladder import FrictionLadder, friction_ladder
-from .lost_motion import LostMotion, lost_motion
-from .prediction_error import identify
-from .result import Identification, Prediction
-from .rigid_drive import refine_by_simulation, rigid_drive, simulate_rigid_drive
-from .ring_down import RingDown, ring_down
-from .shaft_stiffness import ShaftStiffness, shaft_stiffness
-from .torque_step import torque_step
+from .backlash.locked_load import LockedBacklash, locked_backlash
+from .backlash.torque_reversals import BacklashExcitation, backlash_excited
+from .backlash.two_encoders import LostMotion, lost_motion
+from .friction.breakaway import Breakaway, breakaway
+from .friction.constant_speeds import FrictionLadder, friction_ladder
+from .friction.inverse_dynamics import refine_by_simulation, rigid_drive, simulate_rigid_drive
+from .friction.result import FrictionFit
+from .friction.torque_step import torque_step
+from .prediction_error.contact_comparison import ContactComparison, compare_contacts
+from .prediction_error.identify import identify
+from .prediction_error.result import Identification, Prediction
+from .shaft.ring_down import RingDown, ring_down
+from .shaft.stiffness import ShaftStiffness, shaft_stiffness
 
 __all__ = [
     "BacklashExcitation",

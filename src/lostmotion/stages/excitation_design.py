@@ -12,8 +12,8 @@ import numpy as np
 from ..drivetrain import PARAMETER_UNITS, Drivetrain
 from ..errors import InvalidInput, Problem
 from ..identification import Identification, identify
-from ..identification.predictor import NAMES
-from ..identification.starts import DAMPING_RATIO
+from ..identification.prediction_error.initial_values import DAMPING_RATIO
+from ..identification.prediction_error.innovations import NAMES
 from ..io import write_csv
 from ..recording import Recording
 from .excitation_rehearsal import largest, rehearsal_rigs

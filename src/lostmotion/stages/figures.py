@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import plot
-from ..identification.ring_down import RingDown
+from ..identification.shaft.ring_down import RingDown
 from ..recording import Recording
 from ..report import ReportFigure
 from ..report.numbers import with_interval

@@ -1,0 +1,93 @@
+"""What a test with the load locked may fail to tell, and what to do about it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...errors import Problem
+from ..friction.result import Floats
+
+#: Fewest rows on each side of the gap (chosen).
+MIN_ROWS = 20
+#: The motor must turn by this many counts: else nothing can be told from them (chosen).
+MIN_COUNTS = 3.0
+#: Ramps below which an interval rests on too little (chosen).
+MIN_RAMPS = 4
+
+
+def not_excited(m: Floats, theta: Floats, count: float, torque: str) -> Problem | None:
+    largest, turned = float(np.abs(m).max()), float(np.ptp(theta))
+    if not (m.min() < 0.0 < m.max()):
+        return Problem(
+            "warning",
+            f"locked_backlash: {torque}",
+            f"{m.min():.4g} … {m.max():.4g} Nm: it never reverses",
+            "a torque of both signs",
+            "Ramp the torque through zero; the backlash is not excited.",
+        )
+    if turned < max(MIN_COUNTS * count, 1e-12):
+        return Problem(
+            "warning",
+            f"locked_backlash: {torque}",
+            f"up to {largest:.3g} Nm, under which the motor turns by {turned:.3g} rad ({_counts(turned, count)})",
+            f"a torque that moves the motor across the gap, {MIN_COUNTS:g} counts or more",
+            "Raise the torque above the friction at the motor, or use a finer encoder: too small to cross.",
+        )
+    return None
+
+
+def _counts(turned: float, count: float) -> str:
+    return f"{turned / count:.1f} counts" if count > 0.0 else "no count"
+
+
+def no_rows(torque: str, settling: float) -> Problem:
+    return Problem(
+        "warning",
+        f"locked_backlash: {torque}",
+        f"fewer than {MIN_ROWS} samples at rest on one flank",
+        f"a torque that stays on each side of zero for much longer than {settling:g} s, and exceeds the friction",
+        "Ramp more slowly (fast sines bounce from flank to flank), or raise the torque: too small to cross.",
+    )
+
+
+def stiffness_open(low: float, high: float) -> Problem:
+    return Problem(
+        "warning",
+        "locked_backlash: stiffness",
+        f"one edge of a count on each flank: any stiffness from {low:.3g} Nm/rad on is compatible, up to {high:.3g} "
+        "if the wind-up sweeps one count as it is taken to",
+        "a wind-up that sweeps two counts or more",
+        "Raise the torque, use a finer encoder, or lock the load at another angle; the backlash's interval "
+        "holds what this leaves open.",
+    )
+
+
+def one_way() -> Problem:
+    return Problem(
+        "warning",
+        "locked_backlash",
+        "each flank loaded in one direction only",
+        "rising and falling torque on at least one flank",
+        "Ramp back to zero as well: friction at the motor cannot be told here and makes the backlash read "
+        "2·friction/stiffness too small.",
+    )
+
+
+def few_ramps(count: int) -> Problem:
+    return Problem(
+        "warning",
+        "locked_backlash",
+        f"{count} ramps",
+        f"{MIN_RAMPS} or more",
+        "Repeat them: the interval comes from their scatter.",
+    )
+
+
+def none_found(most: float) -> Problem:
+    return Problem(
+        "warning",
+        "locked_backlash",
+        f"an interval that holds zero: no backlash found, at most {max(most, 0.0):.3g} rad",
+        "a gap that stands out",
+        "If there should be one, check that the load is locked behind it and that the torque overcomes its friction.",
+    )

@@ -1,0 +1,270 @@
+"""Lost motion from motor and load angle, both measured: their delay first, then wind-up, hysteresis, dead zone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput, Problem
+from ...recording import Recording
+from ..friction.result import Floats, Interval, torque_to_use
+from ..prediction_error.result import Source
+from ..statistics.regression import LinearFit, linear_fit
+
+#: Cut-off of the smoothed speed and torque over the sample rate (chosen).
+CUTOFF = 0.1
+#: Speeds below this part of the largest (chosen) have no sure direction and are left out.
+TURNING = 0.02
+#: Torques below this part of the largest (chosen) may lie inside a gap: they have no sure flank.
+IN_CONTACT = 0.1
+#: Rows further than this many standard deviations (by their median) from the fit bounce and are left out; so often.
+TRIM, TRIMS = 3.0, 5
+#: A gap within this many standard deviations of the twist about the fit shows no two flanks: none is claimed (chosen).
+CLAIM = 4.0
+#: The delay is not told finer than this part of a sample (chosen): clocks jitter.
+FINEST_DELAY = 1e-3
+#: Fits: without a shift, and with the load's angle shifted by the delay found.
+PASSES = 2
+#: Reversals of the torque from which on a dead zone is looked for (chosen), and fewest samples.
+MIN_REVERSALS = 4
+MIN_ROWS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class LostMotion:
+    """What lies between two measured angles::
+
+        motor − load = offset + delay·speed + compliance·torque + hysteresis/2·sgn(speed) + backlash/2·sgn(torque)
+
+    Attributes
+    ----------
+    values : mapping of name → float or None
+        ``delay`` (s, positive: the load's angle is late), ``compliance`` (rad/Nm), ``hysteresis`` (rad, full width,
+        the sign taken off), ``backlash`` (rad, total). None where not told: a backlash is claimed only
+        where its interval excludes zero and the jump stands out of the scatter.
+    intervals : mapping of name → (low, high), 95 %
+        Of the backlash also where none is claimed: then its high end is what may hide.
+    sources : mapping of name → {"identified", "not excited"}
+    problems : tuple of Problem
+    torque_signal : str or None
+        The torque used; None: there is none.
+    time, torque, twist, fitted : (n,) arrays
+        s, Nm, and rad with delay and offset taken off; ``fitted`` is NaN where the drive hardly turns.
+    direction : (n,) array
+        sgn(speed), 0 where the drive hardly turns.
+    """
+
+    values: Mapping[str, float | None]
+    intervals: Mapping[str, Interval]
+    sources: Mapping[str, Source]
+    problems: tuple[Problem, ...]
+    torque_signal: str | None
+    time: Floats
+    torque: Floats
+    twist: Floats
+    fitted: Floats
+    direction: Floats
+
+
+def lost_motion(
+    recording: Recording,
+    *,
+    angle_motor: str = "angle_motor",
+    angle_load: str = "angle_load",
+    torque: str | None = None,
+    inertia_motor: float = 0.0,
+) -> LostMotion:
+    """Separate delay, wind-up, hysteresis and dead zone by what each follows: speed, torque, and their signs.
+
+    An encoder that is late by a millisecond shows speed · 1 ms of twist that is not there, usually the largest part
+    by far. It is estimated first, together with all that it could be mistaken for; then the load's angle is
+    shifted by it and the rest is fitted. Friction between the encoders makes a hysteresis that turns round with
+    the direction of motion, whatever the torque; a gap jumps where the **torque** reverses. Without a torque,
+    or without its reversal, the two are one and no dead zone is claimed; nor where it may as well be a
+    stiffness that rises with the torque (a term torque·abs(torque) is tried beside it).
+
+    Parameters
+    ----------
+    recording : Recording
+        Both angles in rad at the same side of a gear.
+    angle_motor, angle_load : str
+    torque : str, optional
+        Default: ``torque_shaft``, else the motor torque.
+    inertia_motor : float, kg m2
+        With a motor torque: what lies before the shaft and is accelerated by it. Friction there shows as hysteresis.
+
+    Returns
+    -------
+    LostMotion
+        Intervals: jackknife over 20 blocks.
+    """
+    if len(recording) < MIN_ROWS:
+        raise InvalidInput(
+            "lost_motion", f"{len(recording)} samples", f"at least {MIN_ROWS}", "Record longer."
+        )
+    dt = recording.dt
+    name, problems = _torque(recording, torque)
+    m = np.zeros(len(recording)) if name is None else _smooth(recording[name])
+    if name is not None and name != "torque_shaft" and inertia_motor:
+        m = m - inertia_motor * _smooth(np.gradient(np.gradient(recording[angle_motor], dt), dt))
+    shift = 0.0
+    for _ in range(PASSES):
+        load = _earlier(recording.time, recording[angle_load], shift)
+        speed = _smooth(np.gradient(load, dt))
+        # The first order in the delay that is left: speed·delay.
+        apparent = recording[angle_motor] - load + shift * speed
+        way = np.sign(speed) * (np.abs(speed) > TURNING * float(np.abs(speed).max()))
+        columns = {"offset": np.ones_like(speed), "delay": speed, "hysteresis": 0.5 * way}
+        if name is not None:
+            columns["compliance"] = m
+        rows = way != 0.0
+        # What the shift has no samples for at the ends.
+        rows[:: len(rows) - 1] = False
+        rows &= np.abs(recording.time - recording.time.mean()) < 0.5 * dt * len(rows) - abs(shift)
+        fit = _fit(columns, apparent, rows)
+        shift = float(fit.values[1])
+    values, intervals = _told(tuple(columns), fit)
+    problems += () if name is not None else (_no_torque(),)
+    sources: dict[str, Source] = {n: "identified" for n in values}
+    values["backlash"], sources["backlash"] = None, "not excited"
+    if name is not None:
+        reversals = _reversals(m)
+        if reversals < MIN_REVERSALS:
+            problems += (_never_reverses(name, m, reversals),)
+        else:
+            columns, fit, found = _dead_zone(columns, apparent, m, rows, fit)
+            intervals["backlash"] = found
+            if found[0] > 0.0:
+                values, more = _told(tuple(columns), fit)
+                intervals = {**more, "backlash": found}
+                sources = {n: "identified" for n in values}
+            else:
+                problems += (_none_claimed(found),)
+    delay, (low, high) = float(values["delay"] or 0.0), intervals["delay"]
+    finest = FINEST_DELAY * dt
+    intervals["delay"] = (min(low, delay - finest), max(high, delay + finest))
+    by_name = dict(zip(columns, fit.values.tolist(), strict=True))
+    aligned = by_name["offset"] + by_name["delay"] * speed
+    model = sum((by_name[n] * columns[n] for n in columns), np.zeros_like(speed))
+    values["hysteresis"], intervals["hysteresis"] = _width(values["hysteresis"], intervals["hysteresis"])
+    return LostMotion(
+        values,
+        intervals,
+        sources,
+        problems,
+        name,
+        recording.time,
+        m,
+        apparent - aligned,
+        np.where(rows, model - aligned, np.nan),
+        way,
+    )
+
+
+def _earlier(time: Floats, values: Floats, shift: float) -> Floats:
+    """values(time + shift), by cubic splines; the last value beyond the ends."""
+    if shift == 0.0:
+        return np.array(values)
+    from scipy.interpolate import CubicSpline
+
+    at = np.clip(time + shift, time[0], time[-1])
+    return np.asarray(CubicSpline(time, values)(at), dtype=float)
+
+
+def _smooth(values: Floats) -> Floats:
+    from scipy.signal import butter, filtfilt
+
+    b, a = butter(4, 2.0 * CUTOFF)
+    return np.asarray(filtfilt(b, a, values), dtype=float)
+
+
+def _torque(recording: Recording, torque: str | None) -> tuple[str | None, tuple[Problem, ...]]:
+    if torque is None and "torque_shaft" in recording:
+        return "torque_shaft", ()
+    if torque is None and not any(n.startswith("torque_motor") for n in recording):
+        return None, ()
+    return torque_to_use(recording, torque)
+
+
+def _fit(columns: Mapping[str, Floats], y: Floats, rows: NDArray[np.bool_]) -> LinearFit:
+    return linear_fit(np.stack([c[rows] for c in columns.values()]), y[rows])
+
+
+def _told(names: tuple[str, ...], fit: LinearFit) -> tuple[dict[str, float | None], dict[str, Interval]]:
+    told = [
+        (n, float(v), float(m))
+        for n, v, m in zip(names, fit.values, fit.margins, strict=True)
+        if n != "offset"
+    ]
+    return {n: v for n, v, _ in told}, {n: (v - m, v + m) for n, v, m in told}
+
+
+def _reversals(m: Floats) -> int:
+    sides = np.sign(m) * (np.abs(m) > IN_CONTACT * float(np.abs(m).max()))
+    return int(np.count_nonzero(np.diff(sides[sides != 0.0])))
+
+
+def _dead_zone(
+    columns: Mapping[str, Floats], y: Floats, m: Floats, rows: NDArray[np.bool_], without: LinearFit
+) -> tuple[dict[str, Floats], LinearFit, Interval]:
+    """The columns and fit to be used, and the interval of the backlash, from fits with and without rising stiffness."""
+    gap = {**columns, "backlash": 0.5 * np.sign(m)}
+    sure = rows & (np.abs(m) > IN_CONTACT * float(np.abs(m).max()))
+    fit = _fit(gap, y, sure)
+    for _ in range(TRIMS):
+        # While it bounces, the torque already pushes and the twist is still inside the gap: outliers to one side.
+        values = fit.values @ np.stack(list(gap.values()))
+        error = np.abs(y - values)
+        sure &= error < TRIM * 1.4826 * float(np.median(error[sure]))
+        fit = _fit(gap, y, sure)
+    bent = _fit({**gap, "rising": m * np.abs(m)}, y, sure)
+    i = list(gap).index("backlash")
+    change = abs(float(bent.values[i] - fit.values[i]))
+    scatter = 1.4826 * float(np.median(np.abs(fit.residual)))
+    # Bounces that were not left out lie to one side, within the scatter: half of it is allowed for (chosen).
+    margin = float(np.linalg.norm([fit.margins[i], change, 0.5 * scatter]))
+    low, high = float(fit.values[i]) - margin, float(fit.values[i]) + margin
+    if low > 0.0 and fit.values[i] > CLAIM * scatter and bent.values[i] > bent.margins[i]:
+        return gap, fit, (low, high)
+    return dict(columns), without, (min(low, 0.0), high)
+
+
+def _width(value: float | None, interval: Interval) -> tuple[float | None, Interval]:
+    """A hysteresis against the motor's torque may have either sign: its width is what is asked for."""
+    low, high = sorted(abs(end) for end in interval)
+    if interval[0] <= 0.0 <= interval[1]:
+        low = 0.0
+    return (None if value is None else abs(value)), (low, high)
+
+
+def _no_torque() -> Problem:
+    return Problem(
+        "warning",
+        "lost_motion",
+        "no torque",
+        "torque_shaft or torque_motor",
+        "Record it: wind-up, hysteresis and dead zone cannot be told apart without one.",
+    )
+
+
+def _never_reverses(name: str, m: Floats, reversals: int) -> Problem:
+    return Problem(
+        "warning",
+        f"lost_motion: {name}",
+        f"{m.min():.4g} … {m.max():.4g} Nm with {reversals} reversals: a dead zone is not excited",
+        f"{MIN_REVERSALS} reversals of the torque or more",
+        "Record motions in which the torque changes its sign; gravity may hold the flanks together.",
+    )
+
+
+def _none_claimed(found: Interval) -> Problem:
+    return Problem(
+        "warning",
+        "lost_motion: backlash",
+        f"{found[0]:.2g} … {found[1]:.2g} rad (95 %): no dead zone is claimed",
+        f"an interval above zero, with and without rising stiffness, and a jump of {CLAIM:g} times the twist's scatter",
+        "If there should be one, record slower motions with more reversals of the torque.",
+    )

@@ -1,0 +1,1 @@
+"""Frequency responses from recordings, and the two-mass parameters that fit them."""

@@ -1,0 +1,218 @@
+"""The two-mass drivetrain that a measured frequency response fits best, with intervals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput, Problem
+from .fit_problem import (
+    LOGARITHMIC,
+    NAMES,
+    WeightedResponse,
+    coherent_band,
+    covariance_of,
+    parameters_of,
+    theta_of,
+)
+from .response import FrequencyResponse
+from .two_mass_response import OUTPUTS
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+#: What the other outputs do not tell beside the pole: behind the shaft there is no zero. It is kept as in the start.
+KEPT = {
+    "angle_load": "inertia_motor",
+    "speed_load": "inertia_motor",
+    "torque_shaft": "inertia_motor",
+    "twist": "inertia_total",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class TwoMassFit:
+    """A linear two-mass drivetrain fitted to a frequency response.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Closed gap. ``viscous`` is the load's equivalent viscous friction, at the amplitude of the test.
+    values : mapping
+        ``inertia_motor``, ``inertia_load``, ``stiffness``, ``damping``, ``viscous``, ``delay`` (torque lag and sensor
+        delay together, s), and from them ``zero`` and ``pole`` (undamped, Hz) and ``inertia_total``.
+    intervals : mapping of the same names → (low, high)
+        95 % intervals.
+    frequency : (m,) array, Hz
+        The lines used.
+    fitted : (m,) complex array
+        The fitted response there, as the measured one was sampled.
+    residual : (m,) complex array
+        Measured − fitted, in standard deviations of the measured one.
+    problems : tuple of Problem
+    """
+
+    drivetrain: Drivetrain
+    values: Mapping[str, float]
+    intervals: Mapping[str, tuple[float, float]]
+    frequency: Floats
+    fitted: Complexes
+    residual: Complexes
+    problems: tuple[Problem, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Numbers and lists, for JSON."""
+        return {
+            "values": dict(self.values),
+            "intervals": {name: list(interval) for name, interval in self.intervals.items()},
+            "problems": [problem.as_dict() for problem in self.problems],
+        }
+
+
+def two_mass_fit(
+    measured: FrequencyResponse,
+    *,
+    band: tuple[float, float] | None = None,
+    start: Drivetrain | None = None,
+) -> TwoMassFit:
+    """Fit the linear two-mass drivetrain to a response over the motor torque, real and imaginary part together.
+
+    Each line counts with 1/σ², σ² = abs(H)²·max(1 − γ², 0.001)/(γ²·n) for H1: the coherence decides. Around the zero,
+    where H1 and γ² are small together, that stays the noise of the output and does not vanish. Lines that fit badly
+    count linearly (soft L1), so that a foreign mode or a disturbance pulls little. Without a start, zero and pole are
+    searched on a raster. Intervals: sandwich with the correlation of neighbouring lines, Student's t.
+
+    A gap, friction and too coarse a resolution bias the result beyond its intervals: it describes the drivetrain at the
+    amplitude of the test.
+
+    Parameters
+    ----------
+    measured : FrequencyResponse
+        Of ``torque_motor`` to one of angle, speed, twist or shaft torque.
+    band : (float, float), optional, Hz
+        Lines to use. Default: from the first to the last with more coherence than chance gives. It should hold both
+        zero and pole and end below the next mode.
+    start : Drivetrain, optional
+        Two masses, where the search should not choose. Needed for what lies behind the motor: load angle, load
+        speed and shaft torque tell one parameter less, as does the twist. The start's ``inertia_motor`` (twist:
+        ``inertia_total``) is kept then and has no interval.
+
+    Raises
+    ------
+    InvalidInput
+        If the response is not one of the motor torque to a two-mass output, or fewer lines than parameters are left.
+    """
+    if measured.output not in OUTPUTS or measured.input != "torque_motor":
+        raise InvalidInput(
+            "two_mass_fit",
+            f"{measured.output} over {measured.input}",
+            f"one of {OUTPUTS} over torque_motor",
+            "Choose those signals.",
+        )
+    keep = measured.band(*(coherent_band(measured) if band is None else band))
+    if np.count_nonzero(keep) < 2 * len(NAMES):
+        raise InvalidInput(
+            "two_mass_fit: band", f"{keep.sum()} lines", f"at least {2 * len(NAMES)}", "Widen it."
+        )
+    kept = KEPT.get(measured.output)
+    if kept is not None and start is None:
+        raise InvalidInput(
+            "two_mass_fit: start",
+            "none",
+            f"a drivetrain whose {kept} is right, for {measured.output}",
+            "This response does not tell it: give start, or fit the motor's angle or speed instead.",
+        )
+    problem = WeightedResponse(
+        measured, keep, None if kept is None or start is None else (kept, getattr(start, kept))
+    )
+    theta = problem.search() if start is None else theta_of({**start.parameters(), "delay": start.lag})
+    theta, jacobian, residual = problem.fit(theta)
+    return _result(problem, theta, jacobian, residual)
+
+
+def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual: Complexes) -> TwoMassFit:
+    from scipy.stats import t as student
+
+    covariance = covariance_of(jacobian, residual)
+    factor = float(student.ppf(0.975, max(2 * residual.size - len(NAMES), 1)))
+    values, intervals = parameters_of(theta), {}
+    for i, name in enumerate(NAMES):
+        half = factor * math.sqrt(max(covariance[i, i], 0.0))
+        v = values[name]
+        intervals[name] = (
+            (v * math.exp(-half), v * math.exp(half)) if name in LOGARITHMIC else (v - half, v + half)
+        )
+    for name, value, row in _derived(values):
+        half = factor * math.sqrt(max(float(row @ covariance @ row), 0.0))
+        values[name], intervals[name] = value, (value * math.exp(-half), value * math.exp(half))
+    if problem.held is not None:
+        del intervals[problem.held[0]]
+    drivetrain = Drivetrain.two_mass(
+        inertia_motor=values["inertia_motor"],
+        inertia_load=values["inertia_load"],
+        stiffness=values["stiffness"],
+        damping=values["damping"],
+        viscous=max(values["viscous"], 0.0),
+        lag=max(values["delay"], 0.0),
+    )
+    return TwoMassFit(
+        drivetrain=drivetrain,
+        values=values,
+        intervals=intervals,
+        frequency=problem.frequency,
+        fitted=problem.model(theta),
+        residual=residual,
+        problems=tuple(_findings(problem, values)),
+    )
+
+
+def _derived(values: Mapping[str, float]) -> list[tuple[str, float, Floats]]:
+    """Zero, pole and total inertia, each with its logarithm's gradient by the fitted parameters."""
+    motor, load, k = (values[name] for name in ("inertia_motor", "inertia_load", "stiffness"))
+    total = motor + load
+    zero = math.sqrt(k / load) / (2.0 * math.pi)
+    pole = math.sqrt(k * total / (motor * load)) / (2.0 * math.pi)
+    return [
+        ("zero", zero, np.array([0.0, -0.5, 0.5, 0.0, 0.0, 0.0])),
+        ("pole", pole, np.array([-0.5 * load / total, -0.5 * motor / total, 0.5, 0.0, 0.0, 0.0])),
+        ("inertia_total", total, np.array([motor / total, load / total, 0.0, 0.0, 0.0, 0.0])),
+    ]
+
+
+def _findings(problem: WeightedResponse, values: Mapping[str, float]) -> list[Problem]:
+    found = []
+    low, high = problem.frequency[0], problem.frequency[-1]
+    for name in ("zero", "pole"):
+        if not low < values[name] < high:
+            found.append(
+                Problem(
+                    "warning",
+                    f"two_mass_fit: {name}",
+                    f"{values[name]:.4g} Hz, outside the band",
+                    f"a {name} between {low:.4g} and {high:.4g} Hz",
+                    "Widen the band or excite more there: inertias and stiffness rest on it.",
+                )
+            )
+    resolution = problem.measured.resolution
+    # The full width of the sharpest resonance that the output has: the zero, else the pole.
+    inverse = 1.0 / values["inertia_load"]
+    if not problem.measured.output.endswith("_motor"):
+        inverse += 1.0 / values["inertia_motor"]
+    width = values["damping"] * inverse / (2.0 * math.pi)
+    if width < 2.0 * resolution:
+        found.append(
+            Problem(
+                "warning",
+                "two_mass_fit: damping",
+                f"a resonance {width:.3g} Hz wide at a resolution of {resolution:.3g} Hz",
+                "a resolution of at most half that width",
+                "Take longer segments: the damping comes out too large.",
+            )
+        )
+    return found

@@ -1,0 +1,90 @@
+"""Which contact law predicts a recording better, or that they cannot be told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...drivetrain import Drivetrain
+from ...errors import Problem
+from ...recording import Recording
+from ..statistics.block_covariance import BLOCKS, growth
+from .identify import CONTACTS, identify
+from .result import Identification
+
+Array = NDArray[np.float64]
+
+#: The better law must lower the innovations' sum of squares by this fraction (chosen: below that, what else the model
+#: leaves out may decide), and the blocks of the recording must agree with 95 % certainty.
+LEAST_GAIN = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class ContactComparison:
+    """Both laws fitted to the same rows.
+
+    Parameters
+    ----------
+    better : str or None
+        The law that predicts better; None where they cannot be told apart.
+    gain : float
+        By how much it lowers the sum of squares of the innovations, as a fraction.
+    certainty : float
+        t statistic of the blocks' differences.
+    found : mapping of law → Identification
+    problems : tuple of Problem
+        A warning where the laws cannot be told apart.
+    """
+
+    better: str | None
+    gain: float
+    certainty: float
+    found: Mapping[str, Identification]
+    problems: tuple[Problem, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "found", MappingProxyType(dict(self.found)))
+
+
+def compare_contacts(
+    recording: Recording | Sequence[Recording],
+    *,
+    start: Drivetrain,
+    fixed: Collection[str] = (),
+    count_averaged: bool | None = None,
+) -> ContactComparison:
+    """Identify under the laws "viscoelastic" and "dead_zone", and compare how well they predict the motor speed.
+
+    With no damping, or hardly any motion inside the gap, the two are the same law. Parameters as in ``identify``.
+
+    Returns
+    -------
+    ContactComparison
+    """
+    from scipy.stats import t
+
+    found = {
+        law: identify(
+            recording, start=start, fixed=fixed, contact=law, joint_piece=False, count_averaged=count_averaged
+        )
+        for law in CONTACTS
+    }
+    order = sorted(CONTACTS, key=lambda law: found[law].prediction.rms)
+    best, other = (found[law].prediction.residual for law in order)
+    blocks, certainty = growth(other, best)
+    gain = 1.0 - 1.0 / (1.0 + blocks / BLOCKS)
+    told = gain > LEAST_GAIN and certainty > float(t.ppf(0.975, BLOCKS - 1))
+    problems = () if told else (_the_same(gain, certainty),)
+    return ContactComparison(order[0] if told else None, gain, certainty, found, problems)
+
+
+def _the_same(gain: float, certainty: float) -> Problem:
+    return Problem(
+        "warning", "contact", f"laws whose predictions differ by {100.0 * gain:.2g} % (t = {certainty:.1f})",
+        f"at least {100.0 * LEAST_GAIN:g} % in most of the recording",
+        "They cannot be told apart here: keep the viscoelastic law, or record faster crossings of the gap.",
+    )  # fmt: skip

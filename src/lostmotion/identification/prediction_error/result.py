@@ -1,0 +1,96 @@
+"""What an identification found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...drivetrain import Drivetrain
+from ...errors import Problem
+
+Source = Literal["identified", "nameplate", "not excited"]
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """How the fitted observer predicts the motor speed, one sample ahead.
+
+    Parameters
+    ----------
+    time, speed_motor, residual : (n,) arrays
+        s; predicted speed and innovation (measured − predicted), rad/s. Rows in gaps are left out; the time of a
+        further recording goes on after the one before.
+    rms : float, rad/s
+        Root mean square of the innovations, without the first tenth of a second of each piece.
+    fit : float
+        1 − rms / standard deviation of the measured speed.
+    iterations : int
+        Gauss–Newton steps over the whole recording.
+    unmodelled_frequency : float, optional, Hz
+        Peak of the innovations' spectrum above the torsional mode, if one stands out.
+    levels : mapping of name → float
+        Rms of the innovations of each measured channel, in its own unit.
+    joint_piece : (float, float), optional
+        The part of the motor's inertia that sits on the shaft before the gap, and the part of the shaft's compliance
+        before that, if the model needed one; values belong to the two masses with the same torsional mode.
+    """
+
+    time: NDArray[np.float64]
+    speed_motor: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    rms: float
+    fit: float
+    iterations: int
+    unmodelled_frequency: float | None
+    levels: Mapping[str, float] = field(default_factory=dict)
+    joint_piece: tuple[float, float] | None = None
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the measured speed, rad/s."""
+        return float(np.std(self.speed_motor + self.residual))
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """An identified two-mass drivetrain and how well it is known.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        With the contact law that was asked for. What was not identified has its nameplate value here.
+    values : mapping of name → float or None
+        Identified and nameplate values, SI; None where the recording does not excite the parameter.
+    intervals : mapping of name → (low, high)
+        95 % intervals of the identified parameters.
+    sources : mapping of name → {"identified", "nameplate", "not excited"}
+    problems : tuple of Problem
+        Warnings, each with a remedy.
+    prediction : Prediction
+    names : tuple of str
+        Identified parameters in the order of ``covariance``.
+    covariance : (m, m) array
+        Of the logarithms of the parameters (of lag + sample time for the lag); statistical part alone.
+    count_averaged : bool
+        Whether the motor speed was taken as a mean over the sample before: as stated, else as found from its
+        quantisation. Observers of the same sensor need it too.
+    """
+
+    drivetrain: Drivetrain
+    values: Mapping[str, float | None]
+    intervals: Mapping[str, tuple[float, float]]
+    sources: Mapping[str, Source]
+    problems: tuple[Problem, ...]
+    prediction: Prediction
+    names: tuple[str, ...] = ()
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    count_averaged: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("values", "intervals", "sources"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

@@ -1,0 +1,268 @@
+"""What is wrong with a recording, and what a user should know about an identification."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...drivetrain import PARAMETER_UNITS, Drivetrain
+from ...errors import InvalidInput, Problem
+from ...recording import Recording
+from .result import Prediction
+
+#: Largest torque (Nm) and speed (rad/s) that are taken for real (chosen: a thousand times those of big drives).
+LARGEST_VALUE = 1e8
+
+#: Correlation above which two parameters can hardly be told apart (chosen).
+CORRELATED = 0.98
+
+#: A value off the nameplate by more than this factor is worth a second look (chosen: just beyond the factor
+#: of two that a start may be off).
+FAR = 2.2
+
+#: Innovations count as not white if the lower tenth of the band has more than so many times white noise's share of the
+#: power (chosen; without model error it is 1 for white noise and 0.05 for count noise, on finer plants 3).
+NOT_WHITE = 2.0
+
+#: Innovations below this share of the speed's deviation are not looked at (chosen: below every real sensor's noise).
+NEGLIGIBLE = 1e-4
+
+#: Where the innovations are more than this share of the speed's deviation, nothing is identified (chosen: with 12 bit
+#: at 10 kHz, where they were, values came out 50 to 100 % wrong).
+COARSE = 0.25
+
+#: Rows are joined until the rounding of counts is at most this share of the speed's deviation (chosen: 14 bit at
+#: 10 kHz, which needs none).
+FINE = 0.1
+
+#: A torsional mode needs this many samples per period for the observer's discretisation (chosen).
+SAMPLES_PER_PERIOD = 15.0
+
+_EXCITE = {
+    "backlash": "Record reversals of the shaft torque: torque of both signs at steady speed.",
+    "stiffness": "Record torque with content near the zero and the pole of the drivetrain.",
+    "damping": "Record torque with content near the pole, with the gap closed.",
+    "coulomb": "Record steady speeds in both directions, with more torque than the friction holds.",
+    "viscous": "Record two speed levels in each direction, far apart.",
+    "lag": "Record torque with content above the pole.",
+}
+
+
+def check_recording(recording: Recording, names: Sequence[str]) -> None:
+    """Raise InvalidInput for signals that no identification can work with; a NaN is a gap."""
+    for name in names:
+        values = recording[name]
+        if np.any(np.isinf(values)):
+            row = int(np.argmax(np.isinf(values)))
+            raise InvalidInput(
+                f"recording {name}",
+                f"{values[row]} in row {row}",
+                "finite numbers, or NaN for a gap",
+                "Cut it out or repair it.",
+            )
+        values = values[np.isfinite(values)]
+        if not values.size:
+            raise InvalidInput(f"recording {name}", "NaN throughout", "a signal", "Check the channel.")
+        largest = float(np.max(np.abs(values)))
+        if largest > LARGEST_VALUE:
+            raise InvalidInput(
+                f"recording {name}", f"{largest:.3g}", f"SI values below {LARGEST_VALUE:g}", "Check the unit."
+            )
+        if np.ptp(values) == 0.0:
+            raise InvalidInput(
+                f"recording {name}",
+                f"{values[0]} throughout",
+                "a moving signal",
+                "Check the channel, or excite it.",
+            )
+
+
+def check_length(rows: int, dt: float, min_rows: int, min_time: float) -> None:
+    """Raise InvalidInput if too few rows can be used; dt and min_time in s."""
+    if rows < min_rows or rows * dt < min_time:
+        raise InvalidInput(
+            "recording",
+            f"{rows} rows, {rows * dt:g} s",
+            f"at least {min_rows} rows and {min_time:g} s",
+            "Record longer: 10 s at 10 kHz are good.",
+        )
+
+
+def count_step(speed: NDArray[np.float64]) -> float | None:
+    """The step of which a speed takes only multiples, as the count difference of an encoder does, rad/s; else None."""
+    levels = np.unique(speed[:20000])
+    if levels.size < 3:
+        return None
+    steps = np.diff(levels)
+    steps = steps[
+        steps > 1e-9 * np.max(np.abs(levels))
+    ]  # what is below is rounding of one and the same level
+    step = float(np.median(steps[steps < 1.5 * np.min(steps)])) if steps.size else 0.0
+    counts = levels / step if step > 0.0 else np.full(1, 0.5)
+    return step if np.max(np.abs(counts - np.round(counts))) < 0.02 else None
+
+
+def rows_to_join(speed: NDArray[np.float64], dt: float, pole_frequency: float) -> tuple[int, list[Problem]]:
+    """How many rows to take as one, so that counts are fine enough, and a warning if that is more than one.
+
+    No more than leave ``SAMPLES_PER_PERIOD`` for the torsional mode (pole_frequency, Hz).
+    """
+    step, deviation = count_step(speed), float(np.std(speed))
+    if step is None or not deviation > 0.0:
+        return 1, []
+    wanted = int(np.ceil(step / np.sqrt(6.0) / (FINE * deviation)))
+    rows = max(1, min(wanted, int(1.0 / (SAMPLES_PER_PERIOD * pole_frequency * dt))))
+    if rows == 1:
+        return 1, []
+    problem = Problem(
+        "warning", "speed_motor",
+        f"counts of {step:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s", "finer ones",
+        f"{rows} rows each are taken as one. A finer encoder tells more.",
+    )  # fmt: skip
+    return rows, [problem]
+
+
+def too_coarse(level: float, deviation: float) -> bool:
+    """Whether innovations of this rms leave too little of a speed's standard deviation."""
+    return level > COARSE * deviation
+
+
+def low_frequency_excess(residual: NDArray[np.float64]) -> float:
+    """Power of a residual in the lower tenth of the band, as a multiple of what white noise would have there.
+
+    From 1 % of the band on: slower parts are what the observer corrects anyway.
+    """
+    from scipy.signal import welch
+
+    frequency, power = welch(residual, nperseg=min(2048, residual.size))
+    slow = (frequency >= 0.005) & (frequency < 0.05)
+    return float(np.mean(power[slow]) / max(float(np.mean(power[1:])), 1e-300))
+
+
+def warnings(
+    start: Drivetrain,
+    found: Drivetrain,
+    total: float,
+    sources: Mapping[str, str],
+    names: tuple[str, ...],
+    covariance: NDArray[np.float64],
+    prediction: Prediction,
+    converged: bool,
+    dt: float,
+) -> tuple[Problem, ...]:
+    """Warnings about the result, each with a remedy; ``total`` is the inertia seen at low frequency, kg m2.
+
+    First what may be wrong with all of it, then what single parameters lack.
+    """
+    problems = []
+    if not 1.0 / FAR < total / found.inertia_total < FAR:
+        problems.append(
+            Problem(
+                "warning", "torque_motor",
+                f"a low-frequency acceleration as of {total:.3g} kg m2", f"about {found.inertia_total:.3g} kg m2",
+                "Check sign, scale and unit of torque and speed.",
+            )
+        )  # fmt: skip
+    problems += [_far(name, start, found) for name in names if _is_far(name, start, found)]
+    problems += [_not_excited(name, start) for name, source in sources.items() if source == "not excited"]
+    problems += _correlated(names, covariance)
+    if not converged:
+        problems.append(
+            Problem(
+                "warning", "identification", "a fit that was still moving", "convergence",
+                "Check the nameplate values and the sign of the torque.",
+            )
+        )  # fmt: skip
+    excess = low_frequency_excess(prediction.residual)
+    if excess > NOT_WHITE and prediction.rms > NEGLIGIBLE * float(np.std(prediction.speed_motor)):
+        problems.append(
+            Problem(
+                "warning", "identification", f"innovations with {excess:.1f} times white noise's share of slow ones",
+                f"at most {NOT_WHITE:g}",
+                "Friction, load or shaft are not as the model has them: try load_torque=True, another contact law, or "
+                "less speed and torque. The intervals allow for a coloured residual.",
+            )
+        )  # fmt: skip
+    if too_coarse(prediction.levels.get("speed_motor", 0.0), prediction.deviation):
+        problems.append(
+            Problem(
+                "warning", "speed_motor",
+                f"innovations of {prediction.levels['speed_motor']:.3g} rad/s in a speed that varies by "
+                f"{prediction.deviation:.3g} rad/s",
+                f"at most {100.0 * COARSE:g} %",
+                "The resolution is too low, nothing is identified: take a finer encoder or a longer sample time.",
+            )
+        )  # fmt: skip
+    if prediction.unmodelled_frequency is not None:
+        problems.append(
+            Problem(
+                "warning", "identification",
+                f"prediction errors with a peak at {prediction.unmodelled_frequency:.0f} Hz",
+                "no resonance beyond that of motor and load",
+                "A further inertia or shaft: the intervals are widened for it. A torque with less content there "
+                "narrows them.",
+            )
+        )  # fmt: skip
+    samples = 1.0 / (found.pole_frequency * dt)
+    if samples < SAMPLES_PER_PERIOD:
+        problems.append(
+            Problem(
+                "warning", "recording.time", f"{samples:.1f} samples per period of the torsional mode",
+                f"at least {SAMPLES_PER_PERIOD:.0f}", "Record at a higher rate.",
+            )
+        )  # fmt: skip
+    return tuple(problems)
+
+
+def _not_excited(name: str, start: Drivetrain) -> Problem:
+    value = f"{getattr(start, name):g} {PARAMETER_UNITS[name]}"
+    return Problem(
+        "warning", name, "a recording that does not tell it", "excitation",
+        f"{_EXCITE.get(name, 'Record more torque.')} The nameplate's {value} is used instead.",
+    )  # fmt: skip
+
+
+def _is_far(name: str, start: Drivetrain, found: Drivetrain) -> bool:
+    before, after = getattr(start, name), getattr(found, name)
+    # Damping, viscous friction and lag are rarely on a nameplate; what is there is a guess.
+    rough = name in ("damping", "viscous", "lag")
+    return not rough and before > 0.0 and not before / FAR <= after <= before * FAR
+
+
+def _far(name: str, start: Drivetrain, found: Drivetrain) -> Problem:
+    unit = PARAMETER_UNITS[name]
+    return Problem(
+        "warning", name, f"{getattr(found, name):.4g} {unit}",
+        f"within a factor of {FAR} of the nameplate's {getattr(start, name):.4g} {unit}",
+        "Check the nameplate, and scale and unit of the torque.",
+    )  # fmt: skip
+
+
+def _correlated(names: tuple[str, ...], covariance: NDArray[np.float64]) -> list[Problem]:
+    deviation = np.sqrt(np.diag(covariance))
+    correlation = np.abs(covariance / np.outer(deviation, deviation))
+    np.fill_diagonal(correlation, 0.0)
+    together = [name for name, row in zip(names, correlation, strict=True) if np.max(row) > CORRELATED]
+    if not together:
+        return []
+    return [
+        Problem(
+            "warning", ", ".join(together), f"correlations up to {np.max(correlation):.3f}", f"below {CORRELATED}",
+            "Only combinations of them are known well: fix one from the nameplate, or record a richer torque.",
+        )
+    ]  # fmt: skip
+
+
+def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
+    """A warning that other values predict the recording nearly as well."""
+    texts = [
+        f"{name} {other[name]:.4g} {PARAMETER_UNITS[name]}"
+        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")
+        if abs(np.log(other[name] / getattr(found, name))) > 0.1
+    ]
+    return Problem(
+        "warning", "identification", f"a second minimum: {', '.join(texts)} predict nearly as well",
+        "one minimum", "Fix what the nameplate knows well, or record more reversals and a wider band of torque.",
+    )  # fmt: skip

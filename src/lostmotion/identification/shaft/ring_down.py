@@ -1,0 +1,285 @@
+"""Frequency and damping ratio of the oscillation that rings down after a step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput, Problem
+from ...recording import Recording
+
+Floats = NDArray[np.float64]
+Interval = tuple[float, float]
+
+#: Means over this many seconds on both sides make a step stand out (chosen: a few periods of the mode).
+STEP_WINDOW = 0.1
+#: A change of the mean is a step if it is this many robust standard deviations of all changes (chosen).
+STEP_FACTOR = 6.0
+#: Steps at least this fraction of the largest are used together (chosen).
+STEP_FRACTION = 0.5
+#: Where the fit starts after the step and how long it is, in periods (chosen). The first pair gives the
+#: estimate, the others its spread. The step itself is over after half a period.
+WINDOWS = ((0.5, 10.0), (0.5, 6.0), (0.5, 14.0), (1.0, 10.0), (1.0, 14.0), (1.5, 10.0))
+#: From here on there is hardly a second swing to measure (chosen: each is 14 % of the one before).
+MAX_DAMPING_RATIO = 0.3
+#: Surrogates of the residual for the interval (chosen: their scatter is then known within 11 %).
+SURROGATES = 40
+#: A window cut short by the next step or the end counts from this many periods on (chosen).
+MIN_PERIODS = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class RingDown:
+    """Ring-down after one or more steps; None where the recording shows none.
+
+    Attributes
+    ----------
+    frequency : float, Hz
+        Undamped natural frequency, f below.
+    damping_ratio : float
+        Lehr's; of the rig as it ran, with its controllers.
+    intervals : mapping of those names → (low, high), 95 %
+    steps : tuple of float, s
+        Where the steps were found.
+    explained : float
+        Fraction of the variance in the windows that the fit explains; NaN without a fit.
+    seed : int
+        Of the surrogates.
+    windows : tuple of (time, signal, fit), arrays, s and the signal's unit
+        One for each step, for plots.
+    spread : (m, 2) array
+        Frequency and damping ratio of each of the m other windows tried.
+    signal : str
+    problems : tuple of Problem
+    """
+
+    frequency: float | None
+    damping_ratio: float | None
+    intervals: Mapping[str, Interval]
+    steps: tuple[float, ...]
+    explained: float
+    windows: tuple[tuple[Floats, Floats, Floats], ...]
+    spread: Floats
+    signal: str
+    seed: int
+    problems: tuple[Problem, ...]
+
+    @property
+    def source(self) -> str:
+        return "not excited" if self.frequency is None else "identified"
+
+
+def ring_down(
+    recording: Recording,
+    *,
+    signal: str = "torque_shaft",
+    band: tuple[float, float] | None = None,
+    seed: int = 1,
+) -> RingDown:
+    """Fit one damped oscillation to what follows the steps of a signal.
+
+    Steps are where the mean changes most; steps of similar size share one frequency f and one damping
+    ratio D, each with its own offset, amplitude and phase::
+
+        y = c0 + exp(−D·w·t)·(c1 cos(w√(1 − D²)·t) + c2 sin(w√(1 − D²)·t)),     w = 2π·f
+
+    by least squares over D and f (the rest is linear: variable projection), from half a period after the step
+    for ten periods. Intervals (95 %): fits to surrogates, the fit plus its residual with random phases, so
+    that coloured disturbances count with their colour; in quadrature with the spread over other windows.
+    No ring-down is reported where the interval of D reaches 0: a steady disturbance fits as well.
+
+    Parameters
+    ----------
+    recording : Recording
+    signal : str
+        The shaft torque rings most clearly: the speed of a controlled motor hardly moves.
+    band : (float, float), Hz
+        Where the frequency is looked for; default: 3 Hz to 300 Hz, at most 0.4 of the sample rate (chosen).
+    seed : int
+        Of the surrogates, which make the intervals.
+
+    Raises
+    ------
+    InvalidInput
+        A missing signal, or a band outside 0 … half the sample rate.
+    """
+    values, dt = recording[signal], recording.dt
+    band = band or (3.0, min(300.0, 0.4 / dt))
+    if not 0.0 < band[0] < band[1] < 0.5 / dt:
+        raise InvalidInput(
+            "ring_down",
+            f"band {band} Hz",
+            f"0 < lower < upper < {0.5 / dt:g} Hz",
+            "Choose a band below half the sample rate.",
+        )
+    steps = _steps(values, max(round(STEP_WINDOW / dt), 2))
+    times = tuple(float(recording.time[i]) for i in steps)
+    if not steps:
+        return _nothing(signal, times, seed, "no step that stands out")
+    fit = _search_and_fit(values, steps, dt, band)
+    if fit is None:
+        return _nothing(signal, times, seed, "no ring-down of four periods or more")
+    found, rows, models = fit
+    pieces = [values[r] for r in rows]
+    explained = _explained(pieces, models)
+    decays = 0.0 < found[1] < MAX_DAMPING_RATIO and explained > 0.0
+    if not (decays and band[0] < found[0] < band[1]):
+        best = f"{found[0]:.3g} Hz, damping ratio {found[1]:.2g}, {100 * explained:.0f} % of the variance"
+        return _nothing(signal, times, seed, f"no clear ring-down (best fit: {best})", explained)
+    others = [_cut(values.size, steps, 1.0 / (found[0] * dt), window) for window in WINDOWS[1:]]
+    spread = np.array([_fit([values[r] for r in other], dt, found)[0] for other in others if other])
+    spread = spread.reshape(-1, 2)
+    intervals = _intervals(found, pieces, models, dt, spread, np.random.default_rng(seed))
+    if intervals["damping_ratio"][0] <= 0.0:
+        got = f"a line at {found[0]:.4g} Hz that need not decay"
+        return _nothing(signal, times, seed, got, explained)
+    return RingDown(
+        frequency=float(found[0]),
+        damping_ratio=float(found[1]),
+        intervals=intervals,
+        steps=times,
+        explained=explained,
+        windows=tuple((recording.time[r], values[r], m) for r, m in zip(rows, models, strict=True)),
+        spread=spread,
+        signal=signal,
+        seed=seed,
+        problems=(),
+    )
+
+
+def _steps(values: Floats, width: int) -> list[int]:
+    """Rows where the mean of ``width`` rows changes most, in order of time; none if no change stands out."""
+    if values.size < 4 * width:
+        return []
+    mean = np.convolve(values, np.full(width, 1.0 / width), mode="valid")
+    change = np.abs(mean[width:] - mean[:-width])
+    usual = 1.4826 * float(np.median(change))
+    largest = float(change.max())
+    if not largest > STEP_FACTOR * usual:
+        return []
+    steps: list[int] = []
+    left = change.copy()
+    while left.max() >= max(STEP_FRACTION * largest, STEP_FACTOR * usual, np.finfo(float).tiny):
+        at = int(np.argmax(left))
+        steps.append(at + width)
+        left[max(at - 2 * width, 0) : at + 2 * width] = 0.0
+    return sorted(steps)
+
+
+def _cut(size: int, steps: list[int], period: float, window: tuple[float, float]) -> list[slice]:
+    """The rows after each step; ``window`` is start and length in periods, ``period`` one in rows."""
+    rows = []
+    for step, following in zip(steps, [*steps[1:], size], strict=True):
+        start = step + round(window[0] * period)
+        # The next step is known within half a period only.
+        stop = min(start + round(window[1] * period), following - round(0.5 * period))
+        if stop - start >= MIN_PERIODS * period:
+            rows.append(slice(start, stop))
+    return rows
+
+
+def _model(frequency: float, ratio: float, piece: Floats, dt: float) -> Floats:
+    """The best fit to one piece at this frequency and damping ratio: offset, cosine, sine are linear."""
+    t = np.arange(piece.size) * dt
+    w = 2.0 * math.pi * frequency
+    decay = np.exp(-ratio * w * t)
+    turn = w * math.sqrt(max(1.0 - ratio**2, 1e-9)) * t
+    basis = np.stack([np.ones_like(t), decay * np.cos(turn), decay * np.sin(turn)], axis=1)
+    return np.asarray(basis @ np.linalg.lstsq(basis, piece, rcond=None)[0], dtype=float)
+
+
+def _explained(pieces: list[Floats], models: list[Floats]) -> float:
+    rest = sum(float(((p - m) ** 2).sum()) for p, m in zip(pieces, models, strict=True))
+    whole = sum(float(((p - p.mean()) ** 2).sum()) for p in pieces)
+    return 1.0 - rest / whole if whole > 0.0 else 0.0
+
+
+def _search(values: Floats, steps: list[int], dt: float, band: Interval) -> Floats | None:
+    """Start values: the pair of a grid that explains most of the variance of its own window."""
+    best, found = -math.inf, None
+    for frequency in np.geomspace(*band, max(round(25.0 * math.log(band[1] / band[0])), 2)):
+        pieces = [values[rows] for rows in _cut(values.size, steps, 1.0 / (frequency * dt), WINDOWS[0])]
+        for ratio in (0.02, 0.06, 0.18):
+            explained = _explained(pieces, [_model(frequency, ratio, p, dt) for p in pieces])
+            if pieces and explained > best:
+                best, found = explained, np.array([frequency, ratio])
+    return found
+
+
+def _search_and_fit(
+    values: Floats, steps: list[int], dt: float, band: Interval
+) -> tuple[Floats, list[slice], list[Floats]] | None:
+    """Frequency and damping ratio, the rows fitted, and the fit there; None if too short."""
+    found = _search(values, steps, dt, band)
+    if found is None:
+        return None
+    # Once more with the window of the frequency found: else the result would depend on the grid.
+    for _ in range(2):
+        rows = _cut(values.size, steps, 1.0 / (found[0] * dt), WINDOWS[0])
+        if not rows:
+            return None
+        found, models = _fit([values[r] for r in rows], dt, found)
+    return found, rows, models
+
+
+def _fit(pieces: list[Floats], dt: float, start: Floats) -> tuple[Floats, list[Floats]]:
+    """Least squares over (frequency, damping ratio) common to all pieces; also the fitted pieces."""
+    from scipy.optimize import least_squares
+
+    def residual(p: Floats) -> Floats:
+        return np.concatenate([piece - _model(p[0], p[1], piece, dt) for piece in pieces])
+
+    bounds = ([0.5 * start[0], -0.5], [2.0 * start[0], 0.9])
+    scale = [0.02 * start[0], 0.02]
+    found = np.asarray(least_squares(residual, start, x_scale=scale, bounds=bounds).x, dtype=float)
+    return found, [_model(found[0], found[1], piece, dt) for piece in pieces]
+
+
+def _intervals(
+    found: Floats,
+    pieces: list[Floats],
+    models: list[Floats],
+    dt: float,
+    spread: Floats,
+    random: np.random.Generator,
+) -> dict[str, Interval]:
+    from scipy.stats import t as student
+
+    fits = np.empty((SURROGATES, 2))
+    for i in range(SURROGATES):
+        surrogate = [m + _random_phases(p - m, random) for p, m in zip(pieces, models, strict=True)]
+        fits[i] = _fit(surrogate, dt, found)[0]
+    variance = fits.var(axis=0, ddof=1)
+    if len(spread):
+        variance += ((spread - found) ** 2).mean(axis=0)
+    margin = float(student.ppf(0.975, SURROGATES - 1)) * np.sqrt(variance)
+    names = ("frequency", "damping_ratio")
+    return {n: (float(v - m), float(v + m)) for n, v, m in zip(names, found, margin, strict=True)}
+
+
+def _random_phases(residual: Floats, random: np.random.Generator) -> Floats:
+    """A surrogate with the residual's spectrum and random phases (Theiler et al. 1992)."""
+    spectrum = np.fft.rfft(residual)
+    turned = spectrum * np.exp(2j * np.pi * random.random(spectrum.size))
+    # First and, at even length, last value are real: a turned phase would lose a part of them.
+    turned[0] = spectrum[0]
+    if residual.size % 2 == 0:
+        turned[-1] = spectrum[-1]
+    return np.asarray(np.fft.irfft(turned, residual.size), dtype=float)
+
+
+def _nothing(
+    signal: str, times: tuple[float, ...], seed: int, got: str, explained: float = math.nan
+) -> RingDown:
+    problem = Problem(
+        "warning",
+        f"ring_down: {signal}",
+        got,
+        "a step after which the signal rings down, ten periods long",
+        "Record a sharp step of load or torque and let it ring; widen the band if the mode lies outside.",
+    )
+    return RingDown(None, None, {}, times, explained, (), np.empty((0, 2)), signal, seed, (problem,))

@@ -1,0 +1,1 @@
+"""Regression that the rooms beside this one share."""

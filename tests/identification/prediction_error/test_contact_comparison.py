@@ -1,0 +1,42 @@
+"""The contact law by prediction error: the true one, or an honest "cannot be told"."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_comparison import compare_contacts
+
+DT = 1e-4
+PLANT = lm.Drivetrain.two_mass(
+    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
+    viscous=0.0175, lag=3e-4,
+)  # fmt: skip
+
+
+def recorded(plant: lm.Drivetrain, bits: int) -> lm.Recording:
+    torque = lm.signals.excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(plant, torque_motor=torque, dt=DT)
+    count = 2.0 * np.pi / 2**bits
+    counts = np.floor(run["angle_motor"] / count)
+    speed = np.diff(counts, prepend=counts[0]) * count / DT
+    return run.only("torque_motor").with_signals("measured", speed_motor=speed)
+
+
+@pytest.mark.parametrize("true", ["viscoelastic", "dead_zone"])
+def test_the_true_law_predicts_better(true: str):
+    result = compare_contacts(recorded(PLANT.with_contact(true), 20), start=PLANT)
+    assert result.better == true and result.problems == ()
+    assert result.gain > 0.1 and result.certainty > 3.0
+    assert result.found[true].drivetrain.contact == true
+    assert result.found[true].values["damping"] == pytest.approx(PLANT.damping, rel=0.02)
+
+
+def test_without_much_damping_they_cannot_be_told_apart():
+    plant = PLANT.with_parameters(damping=0.004)
+    result = compare_contacts(recorded(plant, 18), start=plant, fixed=("damping", "viscous", "lag"))
+    assert result.better is None
+    (problem,) = result.problems
+    assert "cannot be told apart" in problem.remedy
+    assert set(result.found) == {"viscoelastic", "dead_zone"}

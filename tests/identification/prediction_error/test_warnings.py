@@ -1,0 +1,101 @@
+"""What is found and reported, each with a remedy."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.errors import Problem
+from lostmotion.identification import Identification
+from lostmotion.identification.prediction_error.initial_values import rival
+from lostmotion.identification.prediction_error.innovations import NAMES, to_theta
+from lostmotion.identification.prediction_error.levenberg_marquardt import Fit
+from lostmotion.identification.prediction_error.warnings import low_frequency_excess, second_minimum
+
+DT = 1e-4
+PLANT = lm.Drivetrain.two_mass(
+    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
+    viscous=0.0175, lag=3e-4,
+)  # fmt: skip
+
+
+@cache
+def found(bits: int = 20, drift: float = 0.0, factor: float = 1.0) -> Identification:
+    torque = lm.signals.excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    load = drift * np.sin(2.0 * np.pi * np.arange(20000) * DT / 4.0)
+    run = lm.simulate(PLANT, torque_motor=torque, torque_load=load, dt=DT)
+    count = 2.0 * np.pi / 2**bits
+    counts = np.floor(run["angle_motor"] / count)
+    speed = np.diff(counts, prepend=counts[0]) * count / DT
+    recording = run.only("torque_motor").with_signals("measured", speed_motor=speed)
+    return lm.identify(recording, start=PLANT.with_parameters(stiffness=factor * PLANT.stiffness))
+
+
+def told(result: Identification, words: str) -> list[Problem]:
+    return [p for p in result.problems if words in p.got]
+
+
+def test_a_residual_that_is_not_white():
+    (problem,) = told(found(drift=2.0), "times white noise's share")
+    assert "load_torque=True" in problem.remedy
+    assert told(found(), "times white noise's share") == []
+
+
+def test_power_in_the_lower_tenth():
+    rng = np.random.default_rng(1)
+    white = rng.standard_normal(50000)
+    assert low_frequency_excess(white) == pytest.approx(1.0, abs=0.1)
+    assert low_frequency_excess(np.diff(white)) < 0.1
+    assert low_frequency_excess(np.convolve(white, np.ones(10) / 10.0)) > 5.0
+
+
+def test_too_low_a_resolution():
+    (problem,) = told(found(bits=11), "in a speed that varies by")
+    assert problem.where == "speed_motor" and "finer encoder" in problem.remedy
+    assert told(found(), "in a speed that varies by") == []
+
+
+@pytest.mark.parametrize("bits", [11, 12])
+def test_values_from_coarse_counts_are_right_or_not_told(bits: int):
+    """Rows are joined; without that 12 bit gave values that were 50 to 100 % wrong."""
+    result = found(bits=bits)
+    for name, (low, high) in result.intervals.items():
+        assert low <= getattr(PLANT, name) <= high, name
+    assert result.prediction.time.size < 20000
+
+
+def test_nothing_is_told_where_no_rows_can_be_joined():
+    """Counts of 9 bit: joining six rows leaves too much of the speed's variation."""
+    result = found(bits=9)
+    assert set(result.sources.values()) == {"not excited"} and result.intervals == {}
+    assert any("nothing is identified" in p.remedy for p in result.problems)
+    assert result.drivetrain.stiffness == pytest.approx(PLANT.stiffness)
+
+
+def test_a_start_far_off():
+    (problem,) = [p for p in found(factor=0.33).problems if p.where == "stiffness"]
+    assert "nameplate" in problem.expected and "Check the nameplate" in problem.remedy
+    assert [p for p in found().problems if p.where == "stiffness"] == []
+
+
+def fit(cost: float, **factors: float) -> Fit:
+    theta = to_theta([getattr(PLANT, n) * factors.get(n, 1.0) for n in NAMES], DT)
+    return Fit(theta, np.zeros(1), cost, 1, True)
+
+
+def test_a_second_minimum_is_far_away_and_nearly_as_good():
+    best, near, worse = fit(1.0), fit(1.01, stiffness=1.1), fit(1.5, backlash=3.0)
+    assert rival([near, best, worse]) is None
+    other = fit(1.05, backlash=2.0, viscous=9.0)
+    assert rival([worse, other, best]) is other.theta
+    assert rival([best, fit(1.0, viscous=9.0)]) is None, "what is poorly known anyway does not count"
+
+
+def test_a_second_minimum_is_told_with_its_values():
+    values = {n: getattr(PLANT, n) for n in NAMES}
+    problem = second_minimum(PLANT, {**values, "backlash": 0.024})
+    assert "backlash 0.024 rad" in problem.got and "stiffness" not in problem.got
+    assert "reversals" in problem.remedy
