@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.kernels import two_mass as kernels
-from lostmotion.kernels.law import law_run
+from lostmotion.kernels.law.step import law_run
+from lostmotion.kernels.loop import two_mass as kernels
 from lostmotion.simulation.plant_run import PlantRun
 from lostmotion.systems import DiscreteSystem
 

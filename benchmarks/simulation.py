@@ -24,8 +24,8 @@ import numpy as np
 from numba import njit
 
 import lostmotion as lm
-from lostmotion.kernels.plant import run_open_loop
-from lostmotion.kernels.two_mass import run_open_loop_two_mass
+from lostmotion.kernels.loop.two_mass import run_open_loop_two_mass
+from lostmotion.kernels.plant.event_loop import run_open_loop
 from lostmotion.simulation.plant_run import PlantRun
 
 HERE = Path(__file__).parent

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.kernels.steppers import INIT, STEP
+from lostmotion.kernels.estimators.runner import INIT, STEP
 
 
 @njit(INIT)

@@ -35,7 +35,7 @@ void run(const law_real *inputs, law_real *outputs, unsigned long *faults, long 
 def numba_run(
     law: DiscreteSystem, inputs: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    from lostmotion.kernels.law import law_run
+    from lostmotion.kernels.law.step import law_run
 
     return law_run(law.tables(), law.init(), inputs)
 

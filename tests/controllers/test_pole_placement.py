@@ -85,7 +85,7 @@ def step_with(controller, drivetrain, seconds=0.6, at=0.3, levels=(-2.0, 2.0), o
 
 
 def run_loop(plant, law, fine, n, at, levels):
-    from lostmotion.kernels.law import law_step
+    from lostmotion.kernels.law.step import law_step
 
     tables = [plant.tables(), law.tables()]
     states = [s.init() for s in (plant, law)]

@@ -102,8 +102,8 @@ def test_kind_and_schema_version_are_checked(tmp_path: Path) -> None:
     save_json(path, "thing", {})
     with pytest.raises(InvalidInput, match="kind 'thing', expected kind 'law'"):
         load_json(path, "law")
-    path.write_text(path.read_text().replace('"schema_version": 1', '"schema_version": 99'))
-    with pytest.raises(InvalidInput, match="schema_version 99, expected schema_version 1"):
+    path.write_text(path.read_text().replace('"schema_version": 2', '"schema_version": 99'))
+    with pytest.raises(InvalidInput, match="schema_version 99, expected schema_version 1 or 2"):
         load_json(path, "thing")
     for broken in ("{", "[1, 2]", ""):
         path.write_text(broken)

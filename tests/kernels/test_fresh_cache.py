@@ -63,5 +63,28 @@ def test_unchanged_sources_drop_nothing(tmp_path):
 
 def test_imports_are_followed_through():
     hashes = fresh_cache.source_hashes(Path(fresh_cache.__file__).parent)
-    assert {"plant", "law", "closed_loop"} <= set(hashes)
+    assert {"plant/event_loop", "law/step", "loop/one_law", "estimators/interacting_models/step"} <= set(
+        hashes
+    )
     assert len(set(hashes.values())) == len(hashes)
+
+
+def test_a_change_in_another_room_is_noticed(tmp_path):
+    """Across folders, upwards, downwards, by module and by name."""
+    for room in ("a", "b", "b/c"):
+        (tmp_path / room).mkdir()
+    (tmp_path / "a" / "one.py").write_text("from ..b.two import (\n    x,\n)\n")
+    (tmp_path / "b" / "two.py").write_text("from .c import three\n")
+    (tmp_path / "b" / "c" / "three.py").write_text("x = 1\n")
+    (tmp_path / "b" / "alone.py").write_text("x = 1\n")
+    before = fresh_cache.source_hashes(tmp_path)
+    (tmp_path / "b" / "c" / "three.py").write_text("x = 2\n")
+    after = fresh_cache.source_hashes(tmp_path)
+    assert {name for name in before if before[name] != after[name]} == {"a/one", "b/two", "b/c/three"}
+    fresh_cache.drop_stale(tmp_path)
+    compiled = tmp_path / "a" / "__pycache__" / "one.f-1.py311.nbi"
+    compiled.parent.mkdir()
+    compiled.write_text("compiled")
+    (tmp_path / "b" / "c" / "three.py").write_text("x = 3\n")
+    assert fresh_cache.drop_stale(tmp_path) == ["a/one", "b/c/three", "b/two"]
+    assert not compiled.exists()

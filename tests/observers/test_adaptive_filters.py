@@ -12,9 +12,9 @@ from lostmotion.compare.cases import Case
 from lostmotion.compare.experiment import experiment as leaderboard_experiment
 from lostmotion.compare.scores import SIGNALS, score
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.kernels import steppers_model as at
-from lostmotion.kernels.steppers_extended_kalman import jacobian
-from lostmotion.kernels.steppers_tracking import EASE_LOAD, FACTOR, bound, new_state
+from lostmotion.kernels.estimators import two_mass_model as at
+from lostmotion.kernels.estimators.extended_kalman import jacobian
+from lostmotion.kernels.estimators.parameter_tracking import EASE_LOAD, FACTOR, bound, new_state
 from lostmotion.observers import extended_kalman, moving_horizon, unscented_kalman
 from lostmotion.observers.tuning import model_parameters, step_matrix
 from lostmotion.simulation import simulate

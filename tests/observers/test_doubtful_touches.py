@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.kernels.steppers_model import DT as SAMPLE
-from lostmotion.kernels.steppers_model import INERTIA_LOAD, INERTIA_MOTOR
-from lostmotion.kernels.steppers_tracking import (
+from lostmotion.kernels.estimators.parameter_tracking import (
     COVARIANCE,
     EASE_LOAD,
     EASE_MOTOR,
@@ -24,6 +22,8 @@ from lostmotion.kernels.steppers_tracking import (
     judge_touch,
     new_state,
 )
+from lostmotion.kernels.estimators.two_mass_model import DT as SAMPLE
+from lostmotion.kernels.estimators.two_mass_model import INERTIA_LOAD, INERTIA_MOTOR
 from lostmotion.observers import extended_kalman, unscented_kalman
 from lostmotion.signals import excitation
 from lostmotion.simulation import Sensor, measure, simulate

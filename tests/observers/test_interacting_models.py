@@ -9,7 +9,7 @@ from rig_runs import gap_f1, relative_rmse
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment as rig_case
 from lostmotion.errors import InvalidInput
-from lostmotion.kernels.steppers_interacting_mixing import regions
+from lostmotion.kernels.estimators.interacting_models.mixing import regions
 from lostmotion.observers import interacting_models, kalman
 from lostmotion.observers.scale import PAPER
 from lostmotion.signals import excitation

@@ -13,8 +13,8 @@ from lostmotion.compare import CASES
 from lostmotion.compare.experiment import experiment
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.kernels import steppers_model as at
-from lostmotion.kernels.steppers_moving_horizon import FIRST_NODE, NODE
+from lostmotion.kernels.estimators import two_mass_model as at
+from lostmotion.kernels.estimators.moving_horizon import FIRST_NODE, NODE
 from lostmotion.observers import extended_kalman, kalman, moving_horizon, unscented_kalman
 from lostmotion.observers.extended_kalman import DRIFT
 from lostmotion.signals import excitation, noise

@@ -1,6 +1,7 @@
 """A second builder of a mode's tables, in extended precision: rows by symbolic sums, exponentials of the whole matrix.
 
-It shares nothing with ``kernels.modes`` but the description of the drivetrain and the places of the states.
+It shares nothing with ``kernels.plant.contact_states`` but the description of the drivetrain and the places of the
+states.
 """
 
 from __future__ import annotations

@@ -269,7 +269,7 @@ def test_sources_that_change_change_the_hash(tmp_path):
     for folder in ("kernels", "plot"):
         (tmp_path / folder).mkdir()
     hashes = []
-    for name in ("curves.py", "kernels/plant.py", "plot/bode.py"):
+    for name in ("curves.py", "kernels/plant/event_loop.py", "plot/bode.py"):
         (tmp_path / name).write_text("")
         batch_store.source_hash.cache_clear()
         hashes.append(batch_store.source_hash(tmp_path))

@@ -13,8 +13,8 @@ from plants import TABLE_I
 from scipy.linalg import expm
 
 from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft
-from lostmotion.kernels.mode_series import ORDER
-from lostmotion.kernels.plant_tables import ELEMENT_ROWS, HEADER
+from lostmotion.kernels.plant.layout import ELEMENT_ROWS, HEADER
+from lostmotion.kernels.plant.taylor_series import ORDER
 from lostmotion.simulation.modes import elements
 from lostmotion.simulation.tables import Mode, Plant
 

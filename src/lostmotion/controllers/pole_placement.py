@@ -17,6 +17,9 @@ from ..systems import DiscreteSystem, zero_order_hold
 
 FrictionCompensation = Literal["estimated", "reference", "none"]
 
+#: Poles of the state feedback, 1/s: Fietzek & Rinderknecht, section V.
+DEFAULT_POLES = (-400.0, -400.0, -400.0)
+
 #: Speed set-point (rad/s) from which on the compensation by its direction is full; linear below (chosen).
 REFERENCE_BAND = 0.1
 
@@ -36,7 +39,7 @@ class StateFeedback:
 
 
 def state_feedback(
-    drivetrain: Drivetrain, poles: Sequence[complex] = (-400.0, -400.0, -400.0), dt: float | None = None
+    drivetrain: Drivetrain, poles: Sequence[complex] = DEFAULT_POLES, dt: float | None = None
 ) -> StateFeedback:
     """Gains that place the three poles of the two-mass drivetrain with the gap closed, by Ackermann's
     formula.
@@ -79,7 +82,7 @@ def state_feedback(
 def pole_placement(
     drivetrain: Drivetrain,
     *,
-    poles: Sequence[complex] = (-400.0, -400.0, -400.0),
+    poles: Sequence[complex] = DEFAULT_POLES,
     dt: float,
     torque_limit: float = math.inf,
     friction_compensation: FrictionCompensation = "estimated",

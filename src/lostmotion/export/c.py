@@ -178,7 +178,7 @@ def _vectors(
 
     The values are exact in single precision, so that the float code is compared on the very same inputs.
     """
-    from ..kernels.law import law_run
+    from ..kernels.law.step import law_run
 
     rng = np.random.default_rng(seed)
     inputs = np.repeat(rng.normal(size=(-(-n // 10), len(law.inputs))), 10, axis=0)[:n]
@@ -199,7 +199,7 @@ def _vector(value: float) -> str:
 
 
 def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
-    from ..kernels import input_check as rule
+    from ..kernels.law import input_check as rule
 
     symbols = [
         *(f"x{i}" for i in range(len(law.states))),

@@ -10,15 +10,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from ..controllers.pole_placement import DEFAULT_POLES
 from ..errors import InputProblems, InvalidInput, Problem
 from ..recording import Recording
 from .channels import Channel
 from .checks import check_identifiable
 from .recordings import read_recording
 from .toml_files import read_toml
-
-#: Poles of the state feedback, 1/s: Fietzek & Rinderknecht, section V.
-DEFAULT_POLES = (-400.0, -400.0, -400.0)
 
 _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
 _TABLE = re.compile(r"\s*\[(\[?)\s*([\w.\-\"]+)\s*\]")

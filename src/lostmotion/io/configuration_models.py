@@ -7,12 +7,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
+from ..controllers.pole_placement import DEFAULT_POLES
 from ..drivetrain import PARAMETER_UNITS
 from ..errors import InputProblems, InvalidInput, Problem
 from . import configuration_values as value
 from .channels import Channel
 from .columns import suggestion
-from .configuration import DEFAULT_POLES
 
 Place = Callable[[tuple[str | int, ...]], str]
 

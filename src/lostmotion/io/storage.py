@@ -23,7 +23,10 @@ if TYPE_CHECKING:
     from ..systems import DiscreteSystem, Stepper
 
 #: Raised by one whenever an older package could no longer read the files.
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+
+#: Versions that are still read; what differs is brought up to date by the type that the content makes.
+READABLE = (1, SCHEMA_VERSION)
 
 
 def save_json(path: str | Path, kind: str, data: Mapping[str, Any]) -> None:
@@ -70,7 +73,11 @@ def load_law(path: str | Path) -> DiscreteSystem | Stepper:
     from ..systems import DiscreteSystem, Stepper
 
     content = load_json(path, "law")
-    return Stepper.from_dict(content) if "kernel" in content else DiscreteSystem.from_dict(content)
+    return (
+        Stepper.from_dict(content)
+        if {"estimator", "kernel"} & set(content)
+        else DiscreteSystem.from_dict(content)
+    )
 
 
 def save_recording(recording: Recording, path: str | Path) -> None:
@@ -133,11 +140,11 @@ def unwrapped(content: Any, kind: str, where: str) -> dict[str, Any]:
     if found != kind:
         raise InvalidInput(where, f"kind {found!r}", f"kind {kind!r}", "Name the right file.")
     version = content.get("schema_version")
-    if version != SCHEMA_VERSION:
+    if version not in READABLE:
         raise InvalidInput(
             where,
             f"schema_version {version!r}",
-            f"schema_version {SCHEMA_VERSION}",
+            f"schema_version {' or '.join(map(str, READABLE))}",
             "Read it with the version of the package that wrote it, or write it again.",
         )
     return {key: value for key, value in content.items() if key not in ("kind", "schema_version")}

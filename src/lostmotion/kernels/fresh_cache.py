@@ -1,7 +1,7 @@
 """Drops compiled kernels whose sources changed: numba looks at a kernel's own file only, not at what it imports.
 
-For every module of this folder a hash over its source and those of the kernels that it imports is kept beside
-numba's files. Where it differs, that module's compiled files go. Processes that do this at the same time do no harm:
+For every module below a folder a hash over its source and those of the kernels that it imports is kept in one file
+beside numba's. Where it differs, that module's compiled files go. Processes that do this at the same time do no harm:
 numba writes its files whole, and compiles again where one is missing.
 """
 
@@ -15,7 +15,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-_IMPORT = re.compile(r"^\s*from\s+\.(\w+)\s+import\b|^\s*from\s+\.\s+import\s+(.+)$", re.MULTILINE)
+_IMPORT = re.compile(r"^[ \t]*from[ \t]+(\.+)([\w.]*)[ \t]+import[ \t]+(\([^)]*\)|.+)$", re.MULTILINE)
 
 
 def combined_hash(sources: Mapping[str, bytes]) -> str:
@@ -27,13 +27,12 @@ def combined_hash(sources: Mapping[str, bytes]) -> str:
 
 
 def source_hashes(folder: Path) -> dict[str, str]:
-    """Module name → hash of its source and of all kernels that it imports, near and far."""
-    sources = {path.stem: path.read_bytes() for path in sorted(folder.glob("*.py"))}
-    imports: dict[str, set[str]] = {}
-    for name, source in sources.items():
-        found = _IMPORT.findall(source.decode())
-        names = {n for one, many in found for n in (one, *re.findall(r"\w+", many))}
-        imports[name] = names & set(sources)
+    """Module ("plant/layout") → hash of its source and of all kernels that it imports, near and far."""
+    sources = {
+        path.relative_to(folder).with_suffix("").as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*.py"))
+    }
+    imports = {name: _imported(name, source.decode()) & set(sources) for name, source in sources.items()}
     hashes = {}
     for name in sources:
         reached, new = {name}, {name}
@@ -44,10 +43,19 @@ def source_hashes(folder: Path) -> dict[str, str]:
     return hashes
 
 
+def _imported(module: str, source: str) -> set[str]:
+    """What a module imports by relative paths; each imported name may be a module, too."""
+    found = set()
+    for dots, path, names in _IMPORT.findall(source):
+        parts = module.split("/")[: -len(dots)] + [part for part in path.split(".") if part]
+        found.add("/".join(parts))
+        found |= {"/".join([*parts, name]) for name in re.findall(r"\w+", names)}
+    return found
+
+
 def drop_stale(folder: Path) -> list[str]:
     """Removes what numba compiled from other sources; returns the modules. Does nothing where it cannot write."""
-    cache = folder / "__pycache__"
-    record = cache / "kernel-sources.json"
+    record = folder / "__pycache__" / "kernel-sources.json"
     hashes = source_hashes(folder)
     try:
         known = json.loads(record.read_text())
@@ -57,9 +65,11 @@ def drop_stale(folder: Path) -> list[str]:
     if not stale:
         return []
     with contextlib.suppress(OSError):
-        cache.mkdir(exist_ok=True)
+        record.parent.mkdir(exist_ok=True)
         for name in stale:
-            for compiled in (*cache.glob(f"{name}.*.nbi"), *cache.glob(f"{name}.*.nbc")):
+            module = folder / name
+            cache = module.parent / "__pycache__"
+            for compiled in (*cache.glob(f"{module.name}.*.nbi"), *cache.glob(f"{module.name}.*.nbc")):
                 compiled.unlink(missing_ok=True)
         # Last, and whole: a process that ends before leaves the old record, and the next one starts over.
         part = record.with_suffix(f".{os.getpid()}")

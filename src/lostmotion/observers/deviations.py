@@ -82,8 +82,8 @@ def deviations(
     A nonlinear error's covariance by samples: Evensen 1994, J. Geophysical Research 99, 10143–10162; the settled one by
     doubling: Smith 1968, SIAM J. Applied Mathematics 16, 198–201.
     """
-    from ..kernels.error_spread import output_spread, spread_by_modes
-    from ..kernels.law import law_run
+    from ..kernels.law.error_samples import output_spread, spread_by_modes
+    from ..kernels.law.step import law_run
 
     if not isinstance(observer, DiscreteSystem):
         expected, remedy = "a fixed-gain observer", "A filter gives its deviations beside its estimates."
@@ -136,7 +136,7 @@ def _curve_arguments(observer: DiscreteSystem) -> DiscreteSystem:
 
 
 def _tables(observer: DiscreteSystem) -> tuple[Any, ...]:
-    """The observer as ``kernels.error_spread`` reads it."""
+    """The observer as ``kernels.law.error_samples`` reads it."""
     o, curves = observer, observer.curves
     most = max((len(curve.points) for curve in curves), default=0)
     points, values = np.zeros((2, len(curves), most))

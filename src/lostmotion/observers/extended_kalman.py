@@ -137,7 +137,7 @@ def extended_kalman(
         outputs=TRACKING_OUTPUTS,
         dt=dt,
         parameters=tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning),
-        kernel="lostmotion.kernels.steppers_extended_kalman",
+        estimator="extended_kalman",
     )
 
 
@@ -153,7 +153,7 @@ def tracking_parameters(
 
     ``unknown_torque`` and ``wandering``, the drift, are its defaults for a drivetrain of the paper's size.
     """
-    from ..kernels import steppers_model as at
+    from ..kernels.estimators import two_mass_model as at
 
     tuning = checked_names(tuning)
     p = model_parameters(
@@ -182,7 +182,7 @@ def _fill_variances(
     known: Mapping[str, float],
 ) -> None:
     """Start values, their variances and the process variances of all states, written into ``p``."""
-    from ..kernels import steppers_model as at
+    from ..kernels.estimators import two_mass_model as at
 
     backlash, coulomb = drivetrain.backlash, drivetrain.coulomb
     units = np.array([1.0, backlash, coulomb, 1.0, 1.0, 1.0])

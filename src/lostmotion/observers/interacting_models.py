@@ -89,8 +89,8 @@ def interacting_models(
     Distributions 1, section 13.10.1). For backlash as a hybrid system: Ferrari-Trecate & Gati 2006, Int. J. Control
     79, 496–507.
     """
-    from ..kernels import steppers_interacting_state as kernel
-    from ..kernels import steppers_model as at
+    from ..kernels.estimators import two_mass_model as at
+    from ..kernels.estimators.interacting_models import state as kernel
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.GAP_PROCESS + 1)
@@ -110,5 +110,5 @@ def interacting_models(
         outputs=OUTPUTS,
         dt=dt,
         parameters=p,
-        kernel="lostmotion.kernels.steppers_interacting_models",
+        estimator="interacting_models",
     )

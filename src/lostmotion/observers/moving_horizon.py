@@ -57,8 +57,8 @@ def moving_horizon(
     Rostalski, Besselmann, Barić, van Belzen & Morari 2007, Int. J. Control 80, 1729–1740, estimate backlash so by mixed
     integers; here the regions are iterated along the trajectory (Gauss–Newton), which fits the time of a sample.
     """
-    from ..kernels import steppers_model as at
-    from ..kernels import steppers_moving_horizon as kernel
+    from ..kernels.estimators import moving_horizon as kernel
+    from ..kernels.estimators import two_mass_model as at
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.PASSES + 1)
@@ -75,5 +75,5 @@ def moving_horizon(
         outputs=TRACKING_OUTPUTS,
         dt=dt,
         parameters=p,
-        kernel="lostmotion.kernels.steppers_moving_horizon",
+        estimator="moving_horizon",
     )

@@ -84,7 +84,7 @@ def radial_basis(
     Schröder (ed.) 2000, Intelligent Observer and Control Design for Nonlinear Systems: separable
     nonlinearities at known places, error transfer function, normalised radial basis (GRNN). Gain: that of ``kalman``.
     """
-    from ..kernels import steppers_radial_basis as kernel
+    from ..kernels.estimators import neural_network as kernel
 
     own = kernel.END_BASIS - kernel.FREE + kernel.N_GAP
     p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, own)
@@ -111,7 +111,7 @@ def radial_basis(
         outputs=OUTPUTS,
         dt=dt,
         parameters=p,
-        kernel="lostmotion.kernels.steppers_radial_basis",
+        estimator="neural_network",
     )
 
 

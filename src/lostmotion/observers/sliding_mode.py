@@ -75,7 +75,7 @@ def sliding_mode(
     Merzouki & Cadiou 2005, Control Engineering Practice 13, 973–983: there the sliding correction is the estimate of
     the backlash's disturbing torque; here it corrects the model that contains the backlash. Defaults chosen.
     """
-    from ..kernels import steppers_sliding_mode as kernel
+    from ..kernels.estimators import sliding_mode as kernel
 
     p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 5)
     if unknown_torque is None:
@@ -94,5 +94,5 @@ def sliding_mode(
         outputs=ESTIMATES,
         dt=dt,
         parameters=p,
-        kernel="lostmotion.kernels.steppers_sliding_mode",
+        estimator="sliding_mode",
     )

@@ -39,9 +39,9 @@ def speed_only_parameters(
     count_averaged: bool,
     own: int,
 ) -> Array:
-    """The parameters that ``kernels.steppers_speed_only`` reads, and room for ``own`` more."""
-    from ..kernels import steppers_model as at
-    from ..kernels import steppers_speed_only as kernel
+    """The parameters that ``kernels.estimators.motor_speed`` reads, and room for ``own`` more."""
+    from ..kernels.estimators import motor_speed as kernel
+    from ..kernels.estimators import two_mass_model as at
 
     if not isinstance(sensor_noise, Mapping | None):
         sensor_noise = {"speed_motor": sensor_noise}
@@ -93,7 +93,7 @@ def follow_share(drivetrain: Drivetrain, p: Array) -> float:
     That of a Kalman filter of the motor alone with ``tuning.UNKNOWN_TORQUE`` on it: (density of the acceleration /
     density of the sensor) to the power ¼ if it counts angles, ½ if speeds.
     """
-    from ..kernels import steppers_model as at
+    from ..kernels.estimators import two_mass_model as at
 
     acceleration = (UNKNOWN_TORQUE["motor"] * scale_of(drivetrain).torque / drivetrain.inertia_motor) ** 2
     power = 0.25 if p[at.AVERAGED] else 0.5
@@ -103,6 +103,6 @@ def follow_share(drivetrain: Drivetrain, p: Array) -> float:
 
 def error_of_counts(p: Array) -> float:
     """Standard deviation of the innovation that the sensor alone makes, rad/s."""
-    from ..kernels import steppers_model as at
+    from ..kernels.estimators import two_mass_model as at
 
     return math.sqrt(p[at.VARIANCE]) / p[at.SCALE]

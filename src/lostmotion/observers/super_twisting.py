@@ -77,7 +77,7 @@ def super_twisting(
     Trans. Vehicular Technology 58, 4710–4719. The sign is a line where it would correct more than the three
     equal poles that the sensor's noise allows. Defaults chosen.
     """
-    from ..kernels import steppers_super_twisting as kernel
+    from ..kernels.estimators import super_twisting as kernel
 
     p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 8)
     jm = drivetrain.inertia_motor
@@ -101,5 +101,5 @@ def super_twisting(
         outputs=OUTPUTS,
         dt=dt,
         parameters=p,
-        kernel="lostmotion.kernels.steppers_super_twisting",
+        estimator="super_twisting",
     )

@@ -53,7 +53,7 @@ class Tuning(TypedDict, total=False):
     count_averaged: bool
 
 
-#: Sensors of the steppers, in the order of their kinds in ``kernels.steppers_model``.
+#: Sensors of the steppers, in the order of their kinds in ``kernels.estimators.two_mass_model``.
 STEPPER_SENSORS = ("speed_motor", "speed_load", "twist", "torque_shaft")
 
 #: Standard deviation of one sample, but for a speed from counts. Speeds: a 20-bit encoder differenced at 0.1 ms has
@@ -137,7 +137,7 @@ def speed_of_counts(dt: float, counts: float = COUNTS) -> float:
 
 
 def mode_numbers(where: str, share: float, dt: float) -> tuple[float, float]:
-    """Share and rate for ``kernels.steppers_model.by_modes``."""
+    """Share and rate for ``kernels.estimators.two_mass_model.by_modes``."""
     return positive(where, share, zero=True), -math.expm1(-dt / MODE_MEMORY)
 
 
@@ -168,8 +168,8 @@ def model_parameters(
     sensor_noise: Mapping[str, float] | None,
     count_averaged: bool,
 ) -> Array:
-    """The part of the parameter array that ``kernels.steppers_model`` reads; the rest is zero."""
-    from ..kernels import steppers_model as at
+    """The part of the parameter array that ``kernels.estimators.two_mass_model`` reads; the rest is zero."""
+    from ..kernels.estimators import two_mass_model as at
 
     drivetrain, dt = two_masses(drivetrain), sample_time(dt)
     if flag("count_averaged", count_averaged) and "speed_motor" not in measured:
@@ -209,7 +209,7 @@ def _fill_sensors(
     count_averaged: bool,
 ) -> None:
     """What each sensor shows and how well; a speed from counts is judged by the angle turned, which has one error."""
-    from ..kernels import steppers_model as at
+    from ..kernels.estimators import two_mass_model as at
 
     scale, stiffness = scale_of(drivetrain), drivetrain.stiffness
     usual = {**SENSOR_NOISE, "torque_shaft": SENSOR_NOISE["torque_shaft"] * scale.torque}

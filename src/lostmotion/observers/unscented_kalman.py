@@ -45,5 +45,4 @@ def unscented_kalman(
     Julier & Uhlmann 2004, Proc. IEEE 92, 401–422, with κ = 1.
     """
     extended = extended_kalman(drivetrain, measured=measured, dt=dt, **tuning)
-    kernel = "lostmotion.kernels.steppers_unscented_kalman"
-    return replace(extended, name="unscented_kalman", kernel=kernel)
+    return replace(extended, name="unscented_kalman", estimator="unscented_kalman")

@@ -21,7 +21,7 @@ from .simulate import simulate
 
 Array = NDArray[np.float64]
 
-#: In the order of ``kernels.batch_summary``.
+#: In the order of ``kernels.batch.summary``.
 EVENT_KINDS = ("impact", "separation", "stick", "slip")
 #: Times at which a signal is kept for its quantiles (chosen: a picture's width).
 TIMES = 200
@@ -127,7 +127,7 @@ class Work:
 
     def _family(self, run: TorqueRun, part: Sequence[Drivetrain], members: list[int], chunk: Chunk) -> None:
         """Variants that differ in their numbers only."""
-        from ..kernels.plant import DONE
+        from ..kernels.plant.event_loop import DONE
 
         try:
             names, wanted, summary = run.run([part[i] for i in members])

@@ -23,7 +23,7 @@ from .plant_run import PlantRun
 from .sensors import Sensor, disturbance
 
 if TYPE_CHECKING:
-    from ..kernels.closed_loop import SensorTables
+    from ..kernels.loop.one_law import SensorTables
 
 Array = NDArray[np.float64]
 
@@ -78,8 +78,8 @@ def _simulate_joined(
     """The kernel with one DiscreteSystem."""
     drivetrain, dt, length, names = run.plant.drivetrain, run.plant.dt, run.length, run.plant.layout.inputs
     wiring = _Wiring(run, law, given, sensors, names)
-    from ..kernels.closed_loop import LoopTables, run_closed_loop
-    from ..kernels.two_mass import run_closed_loop_two_mass
+    from ..kernels.loop.one_law import LoopTables, run_closed_loop
+    from ..kernels.loop.two_mass import run_closed_loop_two_mass
 
     law_state, tables = law.init(), law.tables()
     torque = np.zeros((length, len(names)))
@@ -239,7 +239,7 @@ class _Wiring:
         names: tuple[str, ...],
     ) -> None:
         self.plant = run.plant
-        # Of the signals, in every mode that was entered; see ``kernels.signals``.
+        # Of the signals, in every mode that was entered; see ``kernels.plant.signals``.
         self._rows: list[Array] = []
         self._spans: list[NDArray[np.int64]] = []
         self.signals = run.plant.signal_names()
@@ -268,8 +268,8 @@ class _Wiring:
         return -1 - given.index(name) if name in given else outputs.index(name)
 
     def tables(self, last: Array, noise: Array) -> SensorTables:
-        from ..kernels.closed_loop import SensorTables
-        from ..kernels.signals import spans
+        from ..kernels.loop.one_law import SensorTables
+        from ..kernels.plant.signals import spans
 
         for mode in self.plant.modes[len(self._rows) :]:
             self._rows.append(self.plant.signal_rows(mode))

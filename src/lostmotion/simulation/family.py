@@ -17,7 +17,7 @@ from .packing import numbers_of
 from .plant_run import PlantRun
 
 if TYPE_CHECKING:
-    from ..kernels.batch_tables import Family, Summary
+    from ..kernels.batch.arrays import Family, Summary
 
 Array = NDArray[np.float64]
 
@@ -54,9 +54,9 @@ class TorqueRun:
 
     def run(self, variants: Sequence[Drivetrain]) -> tuple[tuple[str, ...], tuple[str, ...], Summary]:
         """Names of the states, names of the signals that these variants have, and their summaries."""
-        from ..kernels.batch import run_variants
-        from ..kernels.batch_tables import Summary, new_scratch
-        from ..kernels.modes import new_mode_work
+        from ..kernels.batch.arrays import Summary, new_scratch
+        from ..kernels.batch.run import run_variants
+        from ..kernels.plant.contact_states import new_mode_work
 
         first = variants[0]
         inputs = plant_inputs(first, self.torques)
@@ -81,8 +81,8 @@ class TorqueRun:
 
     def _family(self, run: PlantRun, wanted: tuple[str, ...]) -> Family:
         """The kernel's view of what the variants share."""
-        from ..kernels.batch_tables import Family
-        from ..kernels.mode_series import ORDER
+        from ..kernels.batch.arrays import Family
+        from ..kernels.plant.taylor_series import ORDER
 
         plant, layout = run.plant, run.plant.layout
         names, width = plant.signal_names(), plant.signal_weights.shape[1]

@@ -17,7 +17,7 @@ from .plant_run import PlantRun
 from .sensors import Sensor, disturbance
 
 if TYPE_CHECKING:
-    from ..kernels.mixed_loop import Drive, Laws, Readings
+    from ..kernels.loop.several_laws import Drive, Laws, Readings
 
 Array = NDArray[np.float64]
 Law = DiscreteSystem | Stepper
@@ -62,7 +62,7 @@ class MixedLoop:
 
     def simulate(self, run: PlantRun, seed: int, energy: bool) -> Recording:
         """Runs the plant to its end."""
-        from ..kernels.mixed_loop import ALGEBRAIC_LOOP, run_mixed_loop
+        from ..kernels.loop.several_laws import ALGEBRAIC_LOOP, run_mixed_loop
 
         length, inputs = run.length, self.inputs
         laws = self._laws(run)
@@ -98,7 +98,7 @@ class MixedLoop:
 
     def _steps(self) -> tuple[Any, Any]:
         """The steppers' functions and the DiscreteSystems' tables, for the kernel."""
-        from ..kernels.mixed_loop import add_step, add_tables, list_of_tables, no_steps
+        from ..kernels.loop.several_laws import add_step, add_tables, list_of_tables, no_steps
 
         steps, tables = no_steps(), None
         for law in self.laws:
@@ -113,7 +113,7 @@ class MixedLoop:
 
     def _laws(self, run: PlantRun) -> Laws:
         """All laws' numbers."""
-        from ..kernels.mixed_loop import Laws
+        from ..kernels.loop.several_laws import Laws
 
         steppers = [isinstance(law, Stepper) for law in self.laws]
         numbers = [
@@ -166,7 +166,7 @@ class MixedLoop:
         )  # fmt: skip
 
     def _readings(self, run: PlantRun, rows: list[Array], last: Array, noise: Array) -> Readings:
-        from ..kernels import mixed_loop as kernel
+        from ..kernels.loop import several_laws as kernel
 
         rows += [run.plant.signal_rows(mode) for mode in run.plant.modes[len(rows) :]]
         kinds = {"plant": kernel.PLANT, "given": kernel.GIVEN, "made": kernel.MADE, "acting": kernel.ACTING}
@@ -183,7 +183,7 @@ class MixedLoop:
         )
 
     def _drive(self, run: PlantRun) -> Drive:
-        from ..kernels.mixed_loop import Drive
+        from ..kernels.loop.several_laws import Drive
 
         given, actuator = list(self.given), run.plant.drivetrain.actuator
         sources = []

@@ -1,4 +1,4 @@
-"""A drivetrain as the whole numbers and floats that the kernels of its modes read, see ``kernels.mode_rows.Chain``."""
+"""A drivetrain as the numbers that the kernels of its modes read, see ``kernels.plant.equations.Chain``."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..drivetrain import Drivetrain, Shaft
 from .modes import Element, Layout, relaxes
 
 if TYPE_CHECKING:
-    from ..kernels.mode_rows import Chain
+    from ..kernels.plant.equations import Chain
 
 
 def chain_of(layout: Layout, parts: tuple[Element, ...]) -> Chain:
     """What all variants of a drivetrain share that differ in their numbers only."""
-    from ..kernels.mode_rows import Chain
-    from ..kernels.plant_tables import BRANCH, FRICTION, SHAFT
+    from ..kernels.plant.equations import Chain
+    from ..kernels.plant.layout import BRANCH, FRICTION, SHAFT
 
     drivetrain, n = layout.drivetrain, layout.n
     number = {(e.kind, e.index): j for j, e in enumerate(parts)}
@@ -65,13 +65,13 @@ def numbers_of(drivetrain: Drivetrain, dt: float) -> NDArray[np.float64]:
 
 
 def _law(shaft: Shaft) -> int:
-    from ..kernels import mode_rows
+    from ..kernels.plant import equations
 
     if not shaft.has_backlash:
-        return mode_rows.LINEAR
+        return equations.LINEAR
     if shaft.contact == "physical" and not relaxes(shaft):
-        return mode_rows.VISCOELASTIC
-    return int(getattr(mode_rows, shaft.contact.upper()))
+        return equations.VISCOELASTIC
+    return int(getattr(equations, shaft.contact.upper()))
 
 
 def _target(name: str, n: int, locked: int | None) -> int:

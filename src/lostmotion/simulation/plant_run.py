@@ -27,8 +27,8 @@ class PlantRun:
         state: Sequence[float] | Mapping[str, Any] | None,
         length: int,
     ) -> None:
-        from ..kernels.plant import EVENT_COLUMNS
-        from ..kernels.plant_tables import new_work
+        from ..kernels.plant.event_loop import EVENT_COLUMNS
+        from ..kernels.plant.layout import new_work
 
         self.plant = Plant(drivetrain, dt, inputs)
         layout = self.plant.layout
@@ -71,7 +71,7 @@ class PlantRun:
 
     def finish(self, kernel: Any) -> None:
         """Runs the kernel to the end of the recording; numba compiles or loads it on the first call."""
-        from ..kernels.plant import CHATTERING, DONE, NEED_EVENT_SPACE, NEED_MODE
+        from ..kernels.plant.event_loop import CHATTERING, DONE, NEED_EVENT_SPACE, NEED_MODE
 
         while True:
             status = kernel(self.plant.tables())
@@ -91,7 +91,7 @@ class PlantRun:
 
     def signals(self) -> dict[str, NDArray[np.float64]]:
         """All signals at every sample, the one after the last torque included: (n + 1,) each."""
-        from ..kernels.signals import same, signals_of, spans
+        from ..kernels.plant.signals import same, signals_of, spans
 
         rows = np.array([self.plant.signal_rows(mode) for mode in self.plant.modes])
         values = signals_of(self.states, self.modes, self.plant.row_of_mode, rows, spans(rows), same(rows))

@@ -119,8 +119,8 @@ def simulate(
             return MixedLoop((), (), (), torques, {}, moved).simulate(run, seed, energy)
     inputs = np.column_stack([values.get(name, np.zeros(length)) for name in names])
     inputs[:, 0] = _set_point(drivetrain, inputs[:, 0], dt, state)
-    from ..kernels.plant import run_open_loop
-    from ..kernels.two_mass import run_open_loop_two_mass
+    from ..kernels.loop.two_mass import run_open_loop_two_mass
+    from ..kernels.plant.event_loop import run_open_loop
 
     usual = (run.plant.layout.states, len(names), len(run.plant.elements)) == (4, 1, 2)
     kernel = run_open_loop_two_mass if usual else run_open_loop
@@ -139,7 +139,7 @@ def _set_point(
     actuator = drivetrain.actuator
     torque = np.clip(torque, -actuator.torque_limit, actuator.torque_limit)
     if math.isfinite(actuator.rate_limit):
-        from ..kernels.rate_limit import limit_rate
+        from ..kernels.plant.actuator import limit_rate
 
         torque = limit_rate(torque, actuator.rate_limit * dt, last_set_point(state))
     return torque

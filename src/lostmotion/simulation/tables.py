@@ -31,9 +31,9 @@ class Mode:
     digits : tuple of int
         One for each element of the plant.
     rows : (4 n − 2 + N + E, C)
-        As in ``kernels.modes.ModeWork``.
+        As in ``kernels.plant.contact_states.ModeWork``.
     block : (B,)
-        The kernel's numbers, see ``kernels.plant_tables``.
+        The kernel's numbers, see ``kernels.plant.layout``.
     n, states : int
         Inertias and states.
     dt : float, s
@@ -93,7 +93,7 @@ class Mode:
     @property
     def state_series(self) -> Array:
         """(O, N, C): Taylor coefficients of the state over a piece, from order 1 on."""
-        from ..kernels.plant_tables import HEADER
+        from ..kernels.plant.layout import HEADER
 
         columns, order, high = self.rows.shape[1], int(self.block[self._header + 1]), _groups(self.states)
         table = self.block[self._header + HEADER :][: order * columns * high]
@@ -102,7 +102,7 @@ class Mode:
     @property
     def table(self) -> Array:
         """(C, rows): change of the state over a sample, guards, their rates, swings and remainders, in groups."""
-        from ..kernels.plant_tables import ELEMENT_ROWS
+        from ..kernels.plant.layout import ELEMENT_ROWS
 
         columns = self.rows.shape[1]
         height = _groups(self.states) + ELEMENT_ROWS * _groups(len(self.guard))
@@ -115,7 +115,7 @@ class Mode:
 
 def _groups(count: int) -> int:
     """Numbers that hold `count` of them in whole groups of four."""
-    from ..kernels.vectors import LANES
+    from ..kernels.numerics.vectors import LANES
 
     return -(-count // LANES) * LANES
 
@@ -124,9 +124,9 @@ class Plant:
     """All that the kernels need to know of a drivetrain at one sample time; grows as modes are entered."""
 
     def __init__(self, drivetrain: Drivetrain, dt: float, inputs: tuple[str, ...]) -> None:
-        from ..kernels.mode_series import ORDER
-        from ..kernels.modes import new_mode_work
-        from ..kernels.plant_tables import block_size
+        from ..kernels.plant.contact_states import new_mode_work
+        from ..kernels.plant.layout import block_size
+        from ..kernels.plant.taylor_series import ORDER
 
         self.drivetrain = drivetrain
         self.dt = dt
@@ -162,7 +162,7 @@ class Plant:
             self.row_of_mode[mode] = len(self._digits) - 1
 
     def _build(self, digits: NDArray[np.int64]) -> None:
-        from ..kernels.modes import build_mode
+        from ..kernels.plant.contact_states import build_mode
 
         row = len(self._digits)
         if row == len(self._flat):
@@ -175,7 +175,7 @@ class Plant:
 
     def start_digits(self, x: Array) -> NDArray[np.int64]:
         """The mode in which a state lies; sets the shaft angle of the physical law in x where the twist tells it."""
-        from ..kernels.mode_rows import start_digits
+        from ..kernels.plant.equations import start_digits
 
         digits = np.zeros(len(self.elements), dtype=np.int64)
         start_digits(self.chain, self.numbers, x, digits)
@@ -212,8 +212,8 @@ class Plant:
 
     def tables(self) -> Any:
         """The kernel's view of the modes built so far."""
-        from ..kernels.mode_series import ORDER
-        from ..kernels.plant_tables import PlantTables
+        from ..kernels.plant.layout import PlantTables
+        from ..kernels.plant.taylor_series import ORDER
 
         return PlantTables(
             flat=self._flat.reshape(-1),

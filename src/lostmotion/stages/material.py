@@ -10,9 +10,9 @@ import numpy as np
 
 from .. import rig, signals
 from ..controllers import pi
+from ..controllers.pole_placement import DEFAULT_POLES
 from ..errors import Problem
 from ..io import Configuration, check_recording, load_recordings
-from ..io.configuration import DEFAULT_POLES
 from ..recording import Recording
 
 #: Start values for the virtual rig (chosen): what datasheets and a rough estimate give, 25 to 70 % off.

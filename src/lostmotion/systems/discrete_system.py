@@ -20,7 +20,7 @@ from .law_tables import law_tables
 from .recorded_run import recorded_run
 
 if TYPE_CHECKING:
-    from ..kernels.law import LawTables
+    from ..kernels.law.step import LawTables
 
 Matrix = NDArray[np.float64]
 
@@ -171,7 +171,7 @@ class DiscreteSystem:
 
         ``state`` as ``init`` gives it is left as it is; ``inputs`` (n_inputs,) in the order of ``inputs``.
         """
-        from ..kernels.law import law_run
+        from ..kernels.law.step import law_run
 
         new, values = self.init(state), input_row(self.name, self.inputs, inputs)
         outputs, faults = law_run(self._tables, new, values[np.newaxis])
@@ -198,7 +198,7 @@ class DiscreteSystem:
             was replaced by the last good one, or where its check found it bad;
             ``final_state["state"]`` is what is carried on after the last row, the states first.
         """
-        from ..kernels.law import law_run
+        from ..kernels.law.step import law_run
 
         time, inputs = input_columns(self.name, self.inputs, self.dt, data)
         full = self.init(state)
@@ -219,7 +219,15 @@ class DiscreteSystem:
 
     def tables(self) -> LawTables:
         """The law in the form that the kernels run; the first one of a shape compiles its code (some ten ms)."""
-        return law_tables(self)
+        rows = np.vstack([
+            np.hstack([self.F, self.G, self.H]),
+            np.hstack([self.C, self.D, self.J]),
+            np.hstack([self.A, self.B, self.E]),
+            np.hstack([self.P, self.Q, self.R]),
+        ])  # fmt: skip
+        sizes = len(self.states), len(self.inputs), len(self.outputs)
+        checks = [(self.inputs.index(check.input), check) for check in self.checks]
+        return law_tables(rows, sizes, self.curves, self.early_curves, checks)
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:
         """A copy with inputs and outputs renamed, old name → new name."""

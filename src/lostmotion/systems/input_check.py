@@ -96,7 +96,7 @@ class InputCheck:
         return cls(input, limit=1e30, hold=1, forget=0.0, missing_only=True)
 
     def start(self) -> list[float]:
-        """What it remembers at the start (``kernels.input_check``), when every finite sample is taken."""
+        """What it remembers at the start (``kernels.law.input_check``), when every finite sample is taken."""
         if self.missing_only:
             return []
         return [0.0, 0.0, 0.0, 0.0, 2.0 * self.hold, 0.0, 0.0, 0.0]

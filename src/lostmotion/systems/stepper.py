@@ -18,8 +18,9 @@ from .recorded_run import recorded_run
 
 Array = NDArray[np.float64]
 
-#: Where the functions of a stored stepper may come from: a file must not name code of its own.
-KERNELS = "lostmotion.kernels."
+#: Files of schema version 1 name a module under the key "kernel"; one of them has another name now.
+_OLD_MODULES = "lostmotion.kernels.steppers_"
+_RENAMED = {"radial_basis": "neural_network"}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,9 +41,10 @@ class Stepper:
         Sample time.
     parameters : (n,) array
         All numbers that the functions need; copied and read-only.
-    kernel : str
-        Dotted name of the module that holds the functions, compiled with the signatures ``INIT`` and ``STEP`` of
-        ``lostmotion.kernels.steppers``. It is loaded at the first use.
+    estimator : str
+        Its kind: one of those in ``lostmotion.kernels.estimators``, or the name of a module of yours. It holds ``init``
+        and ``step``, compiled with the signatures ``INIT`` and ``STEP`` of ``lostmotion.kernels.estimators.runner``,
+        and is loaded at the first use.
     state_names : mapping of name → int
         Where to find what in the state, for those who look into it.
     exportable : bool
@@ -59,7 +61,7 @@ class Stepper:
     outputs: tuple[str, ...]
     dt: float
     parameters: Array
-    kernel: str
+    estimator: str
     state_names: Mapping[str, int] = field(default_factory=dict)
     exportable: bool = False
 
@@ -84,7 +86,10 @@ class Stepper:
     @property
     def functions(self) -> Any:
         """The module with ``init`` and ``step``; numba compiles or loads them here."""
-        return import_module(self.kernel)
+        from ..kernels.estimators import MODULES
+
+        own = MODULES.get(self.estimator)
+        return import_module(self.estimator if own is None else f"lostmotion.kernels.estimators.{own}")
 
     def init(self) -> Array:
         """The state at the start: that of the law, then the last good inputs (zeros)."""
@@ -96,7 +101,7 @@ class Stepper:
 
         ``state`` as ``init`` gives it is left as it is; ``inputs`` (n_inputs,) in the order of ``inputs``.
         """
-        from ..kernels.steppers import checked_step
+        from ..kernels.estimators.runner import checked_step
 
         new, values = self._state(state), input_row(self.name, self.inputs, inputs)
         outputs = np.empty(len(self.outputs))
@@ -122,7 +127,7 @@ class Stepper:
             replaced by the last good one, or where the law did not believe it and predicted through it;
             ``final_state["state"]`` is the state after the last row.
         """
-        from ..kernels.steppers import run_stepper
+        from ..kernels.estimators.runner import run_stepper
 
         time, inputs = input_columns(self.name, self.inputs, self.dt, data)
         full = self.init() if state is None else self._state(state)
@@ -148,7 +153,7 @@ class Stepper:
             "outputs": list(self.outputs),
             "dt": self.dt,
             "parameters": self.parameters.tolist(),
-            "kernel": self.kernel,
+            "estimator": self.estimator,
             "state_names": dict(self.state_names),
             "exportable": self.exportable,
         }
@@ -156,12 +161,15 @@ class Stepper:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Stepper:
         """The law that ``to_dict`` wrote, of this package's own functions; InvalidInput for any other."""
+        from ..kernels.estimators import MODULES
+
         expected = {field.name for field in fields(cls)}
-        kernel = str(data.get("kernel", ""))
-        if set(data) != expected or not kernel.startswith(KERNELS):
+        data = _of_this_version(data)
+        kind = data.get("estimator")
+        if set(data) != expected or kind not in MODULES:
             raise InvalidInput(
-                "Stepper.from_dict", f"keys {sorted(data)}, functions in {kernel!r}",
-                f"{sorted(expected)}, functions in {KERNELS}…", "Write it with to_dict.",
+                "Stepper.from_dict", f"keys {sorted(data)}, estimator {kind!r}",
+                f"{sorted(expected)}, estimator one of {', '.join(MODULES)}", "Write it with to_dict.",
             )  # fmt: skip
         return cls(**data)
 
@@ -174,3 +182,12 @@ class Stepper:
                 "Take it from init() or from an earlier run.",
             )  # fmt: skip
         return copy
+
+
+def _of_this_version(data: Mapping[str, Any]) -> dict[str, Any]:
+    """What schema version 1 wrote, with the kind of estimator instead of a module's name."""
+    own = dict(data)
+    if "estimator" not in own and str(own.get("kernel")).startswith(_OLD_MODULES):
+        kind = own.pop("kernel").removeprefix(_OLD_MODULES)
+        own["estimator"] = _RENAMED.get(kind, kind)
+    return own

@@ -15,7 +15,7 @@ from lostmotion.identification.prediction_error.innovations import (
     to_theta,
 )
 from lostmotion.identification.prediction_error.intermediate_inertia import JointPredictor, with_joint_piece
-from lostmotion.kernels.prediction_joint import two_springs
+from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 from lostmotion.rig import modes
 
 DT = 1e-4

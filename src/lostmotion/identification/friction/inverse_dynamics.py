@@ -144,7 +144,7 @@ def simulate_rigid_drive(
     Recording
         ``torque_motor``, ``angle_motor``, ``speed_motor``; row k is the state before torque k acts.
     """
-    from ...kernels.rigid_drive import run_rigid_drive
+    from ...kernels.plant.rigid_drive import run_rigid_drive
 
     inertia = found.values.get("inertia")
     if inertia is None:

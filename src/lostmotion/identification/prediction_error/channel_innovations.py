@@ -12,7 +12,7 @@ from .innovations import Bandwidth, Predictor
 
 Array = NDArray[np.float64]
 
-#: Channels in the order in which ``kernels.prediction_channels`` numbers them.
+#: Channels in the order in which ``kernels.innovations.channels`` numbers them.
 CHANNELS = ("speed_motor", "speed_load", "twist", "angle_motor", "torque_shaft")
 
 
@@ -55,7 +55,7 @@ class ChannelPredictor(Predictor):
         return replace(super().part(rows), channels=cut)  # type: ignore[call-arg]
 
     def _innovations(self, thetas: Array, bandwidth: Bandwidth) -> Array:
-        from ...kernels.prediction_channels import channel_innovations
+        from ...kernels.innovations.channels import channel_innovations
 
         residuals = channel_innovations(
             self._parameters(thetas),

@@ -140,7 +140,7 @@ class Predictor:
         return np.concatenate(list(parts))
 
     def _innovations(self, thetas: Array, bandwidth: Bandwidth) -> Array:
-        from ...kernels.prediction_error import innovations
+        from ...kernels.innovations.two_mass import innovations
 
         gains = (bandwidth.motor, bandwidth.load)
         bounds = np.array(self.bounds, dtype=np.int64)

@@ -54,7 +54,7 @@ class JointPredictor(Predictor):
         return False
 
     def _innovations(self, thetas: Array, bandwidth: Bandwidth) -> Array:
-        from ...kernels.prediction_joint import joint_innovations
+        from ...kernels.innovations.intermediate_inertia import joint_innovations
 
         residual = joint_innovations(
             self._parameters(thetas),

@@ -1,0 +1,1 @@
+"""Interacting multiple models: free, and contact at either edge of the gap."""

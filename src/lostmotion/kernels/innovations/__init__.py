@@ -1,0 +1,1 @@
+"""Prediction errors of an observer and their derivatives, over a whole recording."""

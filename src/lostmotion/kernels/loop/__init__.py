@@ -1,0 +1,1 @@
+"""A drivetrain with laws in the loop."""

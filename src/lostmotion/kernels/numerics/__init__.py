@@ -1,0 +1,1 @@
+"""Small vectors in registers, and addresses."""
