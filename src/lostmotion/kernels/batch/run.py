@@ -1,10 +1,10 @@
 """Many variants of one plant under the same torques: summaries only, in blocks that stay in the nearest cache.
 
 Each variant builds its own modes as it enters them (``kernels.plant.contact_states``) and runs by
-``kernels.plant.event_loop``, a block of samples at a time. Peaks and squares are summed up by place in the block, which needs no sum across a register; the
-places are joined at the end. Nothing here holds Python's lock, so variants run on as many threads as there are cores.
+``kernels.plant.event_loop``, a block of samples at a time. Peaks and squares are summed up by place in the block, which
+needs no sum across a register; the places are joined at the end. Nothing here holds Python's lock, so variants run on
+as many threads as there are cores.
 """
-
 from __future__ import annotations
 
 from typing import Any
