@@ -18,7 +18,7 @@ import numpy as np
 import lostmotion as lm
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment
-from lostmotion.observers.tuning import UNKNOWN_TORQUE
+from lostmotion.observers.filters.tuning import UNKNOWN_TORQUE
 
 DT, DURATION = 1e-4, 3.0
 FILTERS = (

@@ -13,8 +13,8 @@ import argparse
 import numpy as np
 
 import lostmotion as lm
+from lostmotion.experiment.design import design_excitation
 from lostmotion.identification.prediction_error.innovations import NAMES
-from lostmotion.stages.excitation_design import design_excitation
 from lostmotion.stages.material import RIG_NAMEPLATE
 
 #: The rig's nominal values as a two-mass drivetrain; the rigs of the seeds are within 10 and 20 % of them.

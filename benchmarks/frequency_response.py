@@ -20,9 +20,9 @@ from lostmotion.identification.frequency.describing_functions import gaussian_eq
 from lostmotion.identification.frequency.response import FrequencyResponse, frequency_response
 from lostmotion.identification.frequency.two_mass_fit import two_mass_fit
 from lostmotion.identification.frequency.two_mass_response import two_mass_response
-from lostmotion.plot.bode import bode
-from lostmotion.plot.coherence import coherence
-from lostmotion.plot.mode_shapes import mode_shapes
+from lostmotion.plot.frequency.bode import bode
+from lostmotion.plot.frequency.coherence import coherence
+from lostmotion.plot.frequency.mode_shapes import mode_shapes
 from lostmotion.rig.nominal import COULOMB, VISCOUS
 
 DT, SEGMENT, BAND, FIT_BAND = 1e-4, 2.0, (2.0, 250.0), (5.0, 180.0)

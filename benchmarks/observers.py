@@ -24,7 +24,7 @@ from lostmotion.compare.experiment import Experiment, experiment
 from lostmotion.compare.scores import score
 from lostmotion.compare.statistics import median
 from lostmotion.observers import covariances, kalman, shaft_torque
-from lostmotion.observers.covariances import SEARCHED
+from lostmotion.observers.analysis.covariances import SEARCHED
 
 PARTS = ("leaderboard", "targets", "torque-sensor", "weights", "covariances", "faults")
 CASE = {case.name: case for case in CASES}

@@ -7,7 +7,7 @@ from pathlib import Path
 import lostmotion as lm
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment
-from lostmotion.observers.tuning import SENSOR_NOISE, UNKNOWN_TORQUE
+from lostmotion.observers.filters.tuning import SENSOR_NOISE, UNKNOWN_TORQUE
 
 IMAGES = Path(__file__).parent / "images"
 DT, STEP = 1e-4, 1.0

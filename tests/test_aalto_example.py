@@ -10,7 +10,7 @@ import pytest
 from lostmotion.identification.backlash.torque_reversals import backlash_excited
 from lostmotion.identification.shaft.ring_down import ring_down
 from lostmotion.identification.shaft.stiffness import shaft_stiffness
-from lostmotion.io.configuration import load_recordings, read_configuration
+from lostmotion.io.configuration.read import load_recordings, read_configuration
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "aalto.toml"

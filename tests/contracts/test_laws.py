@@ -15,7 +15,7 @@ from lostmotion.controllers import pi, pole_placement
 from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Drivetrain, Friction
 from lostmotion.observers import disturbance, h_infinity, kalman, shaft_torque
-from lostmotion.observers.gates import POSITIVE_PART
+from lostmotion.observers.fixed_gain.gates import POSITIVE_PART
 from lostmotion.observers.model import SENSORS
 from lostmotion.systems import DiscreteSystem, connect, one_sample_delay
 

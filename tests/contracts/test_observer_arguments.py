@@ -11,7 +11,7 @@ import pytest
 from lostmotion import observers
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.observers.tuning import Tuning
+from lostmotion.observers.filters.tuning import Tuning
 from lostmotion.recording import Recording
 
 DT = 1e-4

@@ -9,7 +9,7 @@ import pytest
 
 from lostmotion import observers
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.observers.tuning import COUNTS, speed_of_counts
+from lostmotion.observers.filters.tuning import COUNTS, speed_of_counts
 from lostmotion.recording import Recording
 from lostmotion.signals import excitation
 from lostmotion.simulation import Sensor, measure, simulate

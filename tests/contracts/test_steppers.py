@@ -14,7 +14,7 @@ from lostmotion import observers, rig
 from lostmotion.compare import CASES
 from lostmotion.compare.experiment import experiment
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.observers.tuning import speed_of_counts
+from lostmotion.observers.filters.tuning import speed_of_counts
 from lostmotion.signals import excitation
 from lostmotion.simulation import Sensor
 

@@ -172,7 +172,7 @@ def test_a_long_recording_stays_light_and_keeps_its_peak():
 
 
 def test_autocorrelation_of_an_alternating_signal():
-    from lostmotion.plot.prediction_fit import autocorrelation
+    from lostmotion.plot.identification.prediction_fit import autocorrelation
 
     values = np.resize([1.0, -1.0], 1000)
     expected = [(1000 - lag) / 1000 * (-1) ** lag for lag in range(4)]

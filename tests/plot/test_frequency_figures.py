@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from lostmotion.plot.bode import bode
-from lostmotion.plot.coherence import coherence
-from lostmotion.plot.mode_shapes import mode_shapes
+from lostmotion.plot.frequency.bode import bode
+from lostmotion.plot.frequency.coherence import coherence
+from lostmotion.plot.frequency.mode_shapes import mode_shapes
 
 FREQUENCY = np.geomspace(1.0, 200.0, 300)
 RESPONSE = 1.0 / (100.0 - FREQUENCY**2 + 2j * FREQUENCY)

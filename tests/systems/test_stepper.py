@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from lostmotion.errors import InvalidInput
-from lostmotion.io.storage import load_law, save_law
+from lostmotion.io.storage.laws_and_recordings import load_law, save_law
 from lostmotion.recording import Recording
 from lostmotion.systems import Stepper
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from .. import plot
+from ..experiment.design import design_excitation
 from ..io import read_configuration, save_json
-from ..io.whole_files import read_bytes
-from ..stages.excitation_design import design_excitation
+from ..io.storage.whole_files import read_bytes
 from ..stages.material import RIG_NAMEPLATE
 from ..stages.parameters import two_mass
 from .recordings import drivetrain_of, outputs, save_picture

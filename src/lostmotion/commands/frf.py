@@ -8,7 +8,7 @@ from typing import Any
 from ..identification.frequency.analysis import frequency_analysis
 from ..identification.frequency.response import Method
 from ..io import save_json
-from ..plot.bode import bode
+from ..plot.frequency.bode import bode
 from ..recording import unit_of
 from .recordings import outputs, recording_of, save_picture
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, Problem
 from ..io import load_drivetrain, load_recording, read_configuration
-from ..io.whole_files import read_bytes, write_bytes
+from ..io.storage.whole_files import read_bytes, write_bytes
 from ..recording import Recording
 from ..stages.material import Material, from_configuration, from_rig
 from ..stages.parameters import two_mass

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import plot
 from ..drivetrain import Drivetrain
-from ..io.whole_files import write_bytes
+from ..io.storage.whole_files import write_bytes
 from ..recording import unit_of
 from ..simulation import BatchResult, simulate, simulate_batch, variants
 from .recordings import check_writable, drivetrain_of, save_picture

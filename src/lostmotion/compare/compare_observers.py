@@ -102,7 +102,7 @@ def compare_observers(
 
 
 def _draw(board: Leaderboard, folder: Path) -> None:
-    from ..plot.leaderboard import leaderboard
+    from ..plot.observers.leaderboard import leaderboard
 
     leaderboard(board.to_dict()).savefig(folder / "leaderboard.svg")
 

@@ -10,13 +10,13 @@ import numpy as np
 
 from .. import observers
 from ..drivetrain import Drivetrain
-from ..observers.extended_kalman import extended_kalman
-from ..observers.interacting_models import interacting_models
-from ..observers.moving_horizon import moving_horizon
-from ..observers.radial_basis import radial_basis
-from ..observers.sliding_mode import sliding_mode
-from ..observers.super_twisting import super_twisting
-from ..observers.unscented_kalman import unscented_kalman
+from ..observers.filters.extended_kalman import extended_kalman
+from ..observers.filters.interacting_models import interacting_models
+from ..observers.filters.moving_horizon import moving_horizon
+from ..observers.filters.unscented_kalman import unscented_kalman
+from ..observers.motor_speed.neural_network import radial_basis
+from ..observers.motor_speed.sliding_mode import sliding_mode
+from ..observers.motor_speed.super_twisting import super_twisting
 from ..recording import Recording
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..io.whole_files import write_bytes
+from ..io.storage.whole_files import write_bytes
 from .cases import CASES, Case
 from .contestants import REFERENCE
 from .scores import METRICS, Score

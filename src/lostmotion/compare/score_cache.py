@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from ..errors import InvalidInput
-from ..io.whole_files import write_bytes
+from ..io.storage.whole_files import write_bytes
 from ..kernels.fresh_cache import combined_hash
 from .scores import Score
 

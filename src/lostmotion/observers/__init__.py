@@ -1,18 +1,18 @@
 """Observers: each file makes one kind, as a DiscreteSystem or a Stepper."""
 
-from .covariances import Covariances, covariances
-from .deviations import deviations
-from .disturbance import disturbance
-from .extended_kalman import extended_kalman
-from .h_infinity import h_infinity
-from .interacting_models import interacting_models
-from .kalman import kalman, kalman_gain
-from .moving_horizon import moving_horizon
-from .radial_basis import radial_basis
-from .shaft_torque import shaft_torque
-from .sliding_mode import sliding_mode
-from .super_twisting import super_twisting
-from .unscented_kalman import unscented_kalman
+from .analysis.covariances import Covariances, covariances
+from .analysis.standard_deviations import deviations
+from .filters.extended_kalman import extended_kalman
+from .filters.interacting_models import interacting_models
+from .filters.moving_horizon import moving_horizon
+from .filters.unscented_kalman import unscented_kalman
+from .fixed_gain.disturbance import disturbance
+from .fixed_gain.h_infinity import h_infinity
+from .fixed_gain.kalman import kalman, kalman_gain
+from .fixed_gain.shaft_torque import shaft_torque
+from .motor_speed.neural_network import radial_basis
+from .motor_speed.sliding_mode import sliding_mode
+from .motor_speed.super_twisting import super_twisting
 
 __all__ = [
     "Covariances",

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from .backlash_locked import backlash_locked
-from .backlash_lost_motion import backlash_lost_motion
 from .control_step import control_step
-from .estimate_errors import estimate_errors
-from .friction_curve import friction_curve
-from .friction_fit import friction_fit
-from .identified_parameters import identified_parameters
-from .leaderboard import leaderboard
-from .observer_step import observer_step
-from .prediction_fit import prediction_fit
+from .identification.backlash_locked import backlash_locked
+from .identification.backlash_lost_motion import backlash_lost_motion
+from .identification.friction_curve import friction_curve
+from .identification.friction_fit import friction_fit
+from .identification.identified_parameters import identified_parameters
+from .identification.prediction_fit import prediction_fit
+from .identification.ring_down_fit import ring_down_fit
+from .identification.stiffness_fit import stiffness_fit
+from .observers.estimate_errors import estimate_errors
+from .observers.leaderboard import leaderboard
+from .observers.observer_step import observer_step
+from .observers.sensor_worth import sensor_worth
 from .quantile_bands import quantile_bands
 from .recording_overview import recording_overview
-from .ring_down_fit import ring_down_fit
-from .sensor_worth import sensor_worth
-from .stiffness_fit import stiffness_fit
 
 __all__ = [
     "backlash_locked",

@@ -9,15 +9,15 @@ from .sensors import Sensor, measure
 from .simulate import simulate
 
 if TYPE_CHECKING:
-    from .batch import BatchResult, read_trajectories, simulate_batch
-    from .variation import variants
+    from .batch.run import BatchResult, read_trajectories, simulate_batch
+    from .batch.variants import variants
 
 # Loaded when first used: what batches need takes as long to load as a small simulation runs.
 _HOME = {
-    "BatchResult": "batch",
-    "read_trajectories": "batch",
-    "simulate_batch": "batch",
-    "variants": "variation",
+    "BatchResult": "batch.run",
+    "read_trajectories": "batch.run",
+    "simulate_batch": "batch.run",
+    "variants": "batch.variants",
 }
 
 __all__ = ["BatchResult", "Sensor", "measure", "read_trajectories", "simulate", "simulate_batch", "variants"]

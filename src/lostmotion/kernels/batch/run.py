@@ -5,6 +5,7 @@ Each variant builds its own modes as it enters them (``kernels.plant.contact_sta
 needs no sum across a register; the places are joined at the end. Nothing here holds Python's lock, so variants run on
 as many threads as there are cores.
 """
+
 from __future__ import annotations
 
 from typing import Any

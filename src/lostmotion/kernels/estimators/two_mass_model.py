@@ -39,7 +39,7 @@ COULOMB_BOUND = 110  # Nm: largest Coulomb level that is believed
 FROZEN_HOLD = 111  # samples
 INERTIA_MOTOR, INERTIA_LOAD = 112, 113
 MODE_SHARE, MODE_RATE = 114, 115  # see ``by_modes``
-MISSING_TORQUE, WORST, BLIND_TWIST = 116, 117, 118  # see ``observers.tuning``
+MISSING_TORQUE, WORST, BLIND_TWIST = 116, 117, 118  # see ``observers.filters.tuning``
 OWN = 119  # first place that an observer may use for itself
 
 # Kinds of sensors, in the order of ``SENSORS``.

@@ -1,0 +1,1 @@
+"""The design of a test before it is run."""

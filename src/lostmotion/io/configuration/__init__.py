@@ -1,0 +1,1 @@
+"""The TOML of the main job: its shape, its values, its template."""

@@ -1,0 +1,156 @@
+"""The TOML's shape as pydantic models; only ``configuration`` uses them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+
+from ...controllers.pole_placement import DEFAULT_POLES
+from ...drivetrain import PARAMETER_UNITS
+from ...errors import InputProblems, InvalidInput, Problem
+from ..spelling import suggestion
+from ..tables.channels import Channel
+from . import values as value
+
+Place = Callable[[tuple[str | int, ...]], str]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+
+class NameplateModel(_Model):
+    """Start values, and what a recording cannot tell; units as in ``PARAMETER_UNITS``, bounds in
+    ``configuration_values.PLAUSIBLE``."""
+
+    inertia_motor: Annotated[float | None, value.parameter("inertia_motor", positive=True)] = None
+    inertia_load: Annotated[float | None, value.parameter("inertia_load", positive=True)] = None
+    stiffness: Annotated[float | None, value.parameter("stiffness", positive=True)] = None
+    damping: Annotated[float | None, value.parameter("damping")] = None
+    backlash: Annotated[float | None, value.parameter("backlash")] = None
+    coulomb: Annotated[float | None, value.parameter("coulomb")] = None
+    viscous: Annotated[float | None, value.parameter("viscous")] = None
+    coulomb_motor: Annotated[float | None, value.parameter("coulomb_motor")] = None
+    viscous_motor: Annotated[float | None, value.parameter("viscous_motor")] = None
+    lag: Annotated[float | None, value.parameter("lag")] = None
+
+
+class RecordingModel(_Model):
+    """One recording: where it lies, what it is for, which column is what."""
+
+    file: Annotated[str, Field(strict=True, min_length=1)]
+    use: Literal["identify", "validate"] = "identify"
+    time: Annotated[Any, BeforeValidator(value.time)] = None
+    channels: Annotated[dict[str, Channel], BeforeValidator(value.channels)] = {}
+    window: (
+        tuple[Annotated[float, BeforeValidator(value.edge)], Annotated[float, BeforeValidator(value.edge)]]
+        | None
+    ) = None
+    resample: Annotated[float | bool | None, BeforeValidator(value.resample)] = None
+    count_averaged: Annotated[bool | None, Field(strict=True)] = None
+
+    @model_validator(mode="after")
+    def _window_in_order(self) -> RecordingModel:
+        if self.window is not None and not self.window[0] < self.window[1]:
+            raise InvalidInput(
+                "", f"window {list(self.window)}", "[start, stop] with start < stop, s", "Swap them."
+            )
+        return self
+
+
+class LawModel(_Model):
+    """What the law shall do."""
+
+    sample_time: Annotated[float | None, value.positive("s")] = None
+    torque_limit: Annotated[float | None, value.positive("Nm")] = None
+    poles: Annotated[tuple[float, ...], BeforeValidator(value.poles)] = DEFAULT_POLES
+    kp: Annotated[float | None, BeforeValidator(value.proportional_gain)] = None
+    ki: Annotated[float | None, BeforeValidator(value.gain)] = None
+
+    @model_validator(mode="after")
+    def _both_gains(self) -> LawModel:
+        if (self.kp is None) != (self.ki is None):
+            raise InvalidInput(
+                "", f"kp {self.kp}, ki {self.ki}", "both gains of the PI controller or none", "Add it."
+            )
+        return self
+
+
+class RunModel(_Model):
+    """How to run."""
+
+    seed: Annotated[int, Field(strict=True, ge=0)] = 1
+
+
+class ConfigurationModel(_Model):
+    """The whole TOML."""
+
+    nameplate: NameplateModel = NameplateModel()
+    recording: Annotated[tuple[RecordingModel, ...], BeforeValidator(value.tables)]
+    law: LawModel = LawModel()
+    run: RunModel = RunModel()
+
+
+def validated(
+    content: dict[str, Any], place: Place
+) -> tuple[dict[str, float], list[dict[str, Any]], dict[str, Any], dict[str, Any]]:
+    """Nameplate, recordings, law and run of a TOML as plain values in SI.
+
+    Raises
+    ------
+    InputProblems
+        All problems together; ``place`` turns a key path into what the user is shown.
+    """
+    try:
+        model = ConfigurationModel.model_validate(content)
+    except ValidationError as error:
+        raise InputProblems([p for e in error.errors() for p in _problems(dict(e), place)]) from None
+    nameplate = {name: v for name in PARAMETER_UNITS if (v := getattr(model.nameplate, name)) is not None}
+    recordings = [{name: getattr(r, name) for name in type(r).model_fields} for r in model.recording]
+    law = {name: getattr(model.law, name) for name in LawModel.model_fields}
+    return nameplate, recordings, law, {"seed": model.run.seed}
+
+
+def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
+    """One of pydantic's errors in the package's form."""
+    location: tuple[str | int, ...] = error["loc"]
+    where = place(location)
+    cause = error.get("ctx", {}).get("error")
+    if isinstance(cause, value.SeveralProblems):
+        return [
+            Problem("error", place((*location, p.where)), p.got, p.expected, p.remedy) for p in cause.problems
+        ]
+    if isinstance(cause, InvalidInput):
+        p = cause.problem
+        return [Problem("error", where, p.got, p.expected, p.remedy)]
+    if error["type"] == "extra_forbidden":
+        known = _known_keys(location[:-1])
+        remedy = suggestion(str(location[-1]), known)
+        return [
+            Problem("error", where, f"unknown key {location[-1]!r}", "one of " + ", ".join(known), remedy)
+        ]
+    if error["type"] == "missing":
+        remedy = "Add a [[recording]]." if location == ("recording",) else "Add it."
+        return [Problem("error", where, "nothing", "this key", remedy)]
+    return [
+        Problem(
+            "error",
+            where,
+            repr(error["input"]),
+            error["msg"].removeprefix("Input should be "),
+            "Correct the value.",
+        )
+    ]
+
+
+def _known_keys(location: tuple[str | int, ...]) -> list[str]:
+    models: dict[str, type[_Model]] = {
+        "nameplate": NameplateModel,
+        "recording": RecordingModel,
+        "law": LawModel,
+        "run": RunModel,
+    }
+    model = models[str(location[0])] if location else ConfigurationModel
+    return list(model.model_fields)

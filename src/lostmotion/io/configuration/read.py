@@ -1,0 +1,207 @@
+"""Configuration: what a user's TOML says, in SI; read, checked and used without knowing how it is written."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ...controllers.pole_placement import DEFAULT_POLES
+from ...errors import InputProblems, InvalidInput, Problem
+from ...recording import Recording
+from ..recordings.checks import check_identifiable
+from ..recordings.read import read_recording
+from ..storage.toml_files import read_toml
+from ..tables.channels import Channel
+
+_VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
+_TABLE = re.compile(r"\s*\[(\[?)\s*([\w.\-\"]+)\s*\]")
+_KEY = re.compile(r"\s*([\w.\-\"]+)\s*=")
+
+
+@dataclass(frozen=True)
+class RecordingSource:
+    """One ``[[recording]]``: the arguments of ``read_recording``, and what the recording is for.
+
+    Parameters
+    ----------
+    file : Path
+        Absolute, or relative to the working folder as the TOML's own path is.
+    use : {"identify", "validate"}
+    time : mapping, str, int or None
+        A column, or ``{"sample_time": seconds}``.
+    channels : mapping of signal → Channel
+    window : (start, stop), s, optional
+    resample : float (s), bool or None
+    count_averaged : bool or None
+    """
+
+    file: Path
+    use: str = "identify"
+    time: Any = None
+    channels: Mapping[str, Channel] = field(default_factory=dict)
+    window: tuple[float, float] | None = None
+    resample: float | bool | None = None
+    count_averaged: bool | None = None
+
+    def read(self) -> Recording:
+        """The recording in SI; raises ``InputProblems`` with all its errors."""
+        return read_recording(
+            self.file,
+            time=self.time,
+            channels=self.channels or None,
+            window=self.window,
+            resample=self.resample,
+            count_averaged=self.count_averaged,
+        )
+
+
+@dataclass(frozen=True)
+class LawSettings:
+    """``[law]``: sample time (s; None: the recording's), torque limit (Nm; None: none), poles (1/s), PI.
+
+    ``kp`` (Nm s/rad) and ``ki`` (Nm/rad) are both given or both None.
+    """
+
+    sample_time: float | None = None
+    torque_limit: float | None = None
+    poles: tuple[float, ...] = DEFAULT_POLES
+    kp: float | None = None
+    ki: float | None = None
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """``[run]``: the seed of everything random in the run."""
+
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What a TOML says: start values (SI, only those given), recordings, law, run."""
+
+    path: Path
+    nameplate: Mapping[str, float]
+    recordings: tuple[RecordingSource, ...]
+    law: LawSettings = field(default_factory=LawSettings)
+    run: RunSettings = field(default_factory=RunSettings)
+
+
+def read_configuration(path: str | Path) -> Configuration:
+    """Read and check a TOML; docs/configuration.md describes every key.
+
+    Raises
+    ------
+    InputProblems
+        All problems of the TOML together, each with its line and key.
+    """
+    path = Path(path)
+    try:
+        content, text = read_toml(path, "a TOML that names recordings")
+        if content.get("kind") == "drivetrain":
+            raise InvalidInput(
+                str(path),
+                "a drivetrain, which a run writes",
+                "a TOML that names recordings",
+                "Name the one that the run was given; lostmotion simulate and excite take a drivetrain.",
+            )
+    except InvalidInput as error:
+        raise InputProblems([error.problem]) from None
+    from .models import validated
+
+    lines = _lines_of_keys(text)
+    nameplate, sources, law, run = validated(content, lambda location: _place(path, location, lines))
+    recordings, problems = [], []
+    for i, source in enumerate(sources):
+        try:
+            file = path.parent / _expanded(source["file"], _place(path, ("recording", i, "file"), lines))
+            recordings.append(RecordingSource(**{**source, "file": file}))
+        except InvalidInput as error:
+            problems.append(error.problem)
+    if problems:
+        raise InputProblems(problems)
+    return Configuration(
+        path, MappingProxyType(nameplate), tuple(recordings), LawSettings(**law), RunSettings(**run)
+    )
+
+
+def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]:
+    """All recordings of a configuration with their use (``identify`` or ``validate``), in its order.
+
+    Raises
+    ------
+    InputProblems
+        If a file has an error: the problems of all files together, warnings included.
+    """
+    loaded: list[tuple[str, Recording]] = []
+    problems: list[Problem] = []
+    for source in configuration.recordings:
+        try:
+            recording = source.read()
+            if source.use == "identify":
+                found = (*recording.meta["problems"], *check_identifiable(recording))
+                recording = replace(recording, meta={**recording.meta, "problems": found})
+            loaded.append((source.use, recording))
+            problems.extend(recording.meta["problems"])
+        except InputProblems as error:
+            problems.extend(error.problems)
+    if any(problem.severity == "error" for problem in problems):
+        raise InputProblems(problems)
+    return loaded
+
+
+def template() -> str:
+    """A commented TOML with every key, to be filled in by the user."""
+    return (Path(__file__).parent / "template.toml").read_text(encoding="utf-8")
+
+
+def _expanded(file: str, where: str) -> str:
+    """``${NAME}`` and ``${NAME:-default}`` replaced from the environment; ~ by the home folder."""
+
+    def value(match: re.Match[str]) -> str:
+        found = os.environ.get(match[1]) or match[2]
+        if found is None:
+            raise InvalidInput(
+                where,
+                f"the environment variable {match[1]}, which is not set",
+                "its value",
+                f"Set it, or write ${{{match[1]}:-default/folder}}.",
+            )
+        return found
+
+    return str(Path(_VARIABLE.sub(value, file)).expanduser())
+
+
+def _place(path: Path, location: tuple[str | int, ...], lines: dict[tuple[str | int, ...], int]) -> str:
+    """``rig.toml, line 12, recording[0].channels.speed_motor``; the line of the nearest key that has one."""
+    key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
+    for end in range(len(location), 0, -1):
+        if location[:end] in lines:
+            return f"{path}, line {lines[location[:end]]}, {key}"
+    return f"{path}, {key}" if key else str(path)
+
+
+def _lines_of_keys(text: str) -> dict[tuple[str | int, ...], int]:
+    """Line of every table and key, found without parsing: good enough to point at it."""
+    lines: dict[tuple[str | int, ...], int] = {}
+    counts: dict[str, int] = {}
+    table: tuple[str | int, ...] = ()
+    for number, line in enumerate(text.splitlines(), 1):
+        if match := _TABLE.match(line):
+            names = match[2].replace('"', "").split(".")
+            if match[1]:
+                counts[names[0]] = counts.get(names[0], -1) + 1
+            table = (names[0], counts[names[0]], *names[1:]) if names[0] in counts else tuple(names)
+        elif match := _KEY.match(line):
+            key = (*table, *match[1].replace('"', "").split("."))
+            lines.setdefault(key, number)
+            continue
+        else:
+            continue
+        lines.setdefault(table, number)
+    return lines

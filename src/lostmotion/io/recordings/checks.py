@@ -1,0 +1,248 @@
+"""Checks of a recording: errors that stop the reading, and warnings about what it cannot tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputProblems, Problem
+from ...recording import Recording
+from ..spelling import short_list
+from .torque_and_speed import column_order, torque_agreement
+
+#: Fewest samples of a recording. Chosen: less than a few periods of any shaft at any sensible sample time.
+MINIMUM_SAMPLES = 100
+#: Fewest rows and shortest time (s) of a recording to identify from: what ``identify`` itself asks for.
+IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME = 2000, 0.5
+#: Largest deviation of a step from the median step, as a fraction of it. Chosen: the error of a speed derived
+#: with the mean step stays below it; logging clocks that drift by 2 % pass.
+RASTER_TOLERANCE = 0.05
+#: Share of samples at each end of the torque's distribution that is put down to noise. Chosen.
+_NOISE_SHARE = 1e-3
+#: Torque on the rare side counts as reversed from this fraction of the peak on. Chosen.
+_REVERSAL = 0.01
+
+#: A signal sticks where one value lasts so many times longer than 99 % of all do, and so long (s); said only of signals
+#: that change often. All chosen.
+STUCK_RUNS, USUAL_RUNS, STUCK_TIME, FEWEST_RUNS = 10.0, 0.99, 0.01, 200
+
+#: Longest sample time without a warning, s. Chosen: up to 50 kHz a raster in ms is seen; it tells nothing above 25 Hz.
+SLOW = 0.02
+
+#: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Chosen likewise: the
+#: other correlation was -0.24 to 0 in all of these.
+SWAPPED, SWAPPED_MARGIN = 0.4, 0.2
+
+Place = Callable[[int], str]
+
+
+def check_finite(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
+    """NaN and infinite values, with their rows."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    if not bad.size:
+        return []
+    return [
+        Problem(
+            "error",
+            f"{where}, {name}",
+            f"NaN or infinity in {short_list((place(int(i)) for i in bad[:6]), 5)} ({bad.size} values)",
+            "a finite number in every row",
+            "Give a window without them, or fill the gaps in the tool that recorded them.",
+        )
+    ]
+
+
+def check_increasing(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
+    """Times that do not increase."""
+    bad = np.flatnonzero(~(np.diff(time) > 0.0))
+    if not bad.size:
+        return []
+    i = int(bad[0])
+    return [
+        Problem(
+            "error",
+            f"{where}, time",
+            f"{float(time[i + 1])!r} s after {float(time[i])!r} s in {place(i + 1)} ({bad.size} such steps)",
+            "strictly increasing times",
+            "Check the column of the time; sort the rows, or give time = { sample_time = ... }.",
+        )
+    ]
+
+
+def check_length(samples: int, where: str) -> list[Problem]:
+    """Too few samples."""
+    if samples >= MINIMUM_SAMPLES:
+        return []
+    return [
+        Problem(
+            "error",
+            where,
+            f"{samples} samples",
+            f"at least {MINIMUM_SAMPLES}",
+            "Record longer, widen the window.",
+        )
+    ]
+
+
+def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
+    """Steps that differ from the median step by more than 5 % of it."""
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    bad = np.flatnonzero(np.abs(steps - step) > RASTER_TOLERANCE * step)
+    if not bad.size:
+        return []
+    i = int(bad[0])
+    return [
+        Problem(
+            "error",
+            f"{where}, time",
+            f"{bad.size} of {steps.size} steps off the median step of {step * 1e3:.6g} ms, the first in "
+            f"{place(i + 1)}: {steps[i] * 1e3:.6g} ms; the longest: {steps.max() * 1e3:.6g} ms",
+            "equal steps within 5 %",
+            f'Ask for resample = "{step * 1e3:.6g} ms", choose a window without gaps, or, if only the '
+            "written times are rounded, give time = { sample_time = ... }.",
+        )
+    ]
+
+
+def stop_at_errors(problems: list[Problem]) -> None:
+    """Raises what was found, warnings included, where an error is among it."""
+    if any(problem.severity == "error" for problem in problems):
+        raise InputProblems(problems)
+
+
+def check_recording(recording: Recording) -> tuple[Problem, ...]:
+    """The warnings about a recording: what its channels cannot tell, and what a slip in its columns would look like.
+
+    Channels that are constant or stick, torque that never reverses, opposite signs, swapped columns, time in ms.
+
+    Raises nothing; an empty tuple means that nothing was found.
+    """
+    where = str(recording.meta.get("file", "recording"))
+    found: list[Problem] = [*_slow(recording, where)]
+    for name, values in recording.signals.items():
+        if np.ptp(values) == 0.0:
+            found.append(
+                Problem(
+                    "warning",
+                    f"{where}, {name}",
+                    f"the constant {float(values[0])!r}",
+                    "a signal that changes",
+                    "Check that the channel was connected and recorded.",
+                )
+            )
+        elif name in ("torque_motor", "torque_shaft") and not _reverses(values):
+            found.append(
+                Problem(
+                    "warning",
+                    f"{where}, {name}",
+                    f"a torque between {values.min():.4g} and {values.max():.4g} Nm that never reverses",
+                    "torque in both directions",
+                    "The backlash cannot be told from it: record with reversals of the torque.",
+                )
+            )
+        found += _stuck(name, values, recording, where)
+    follows, followed = column_order(recording)
+    agreement = torque_agreement(recording)
+    if followed > max(SWAPPED, abs(follows) + SWAPPED_MARGIN):
+        found.append(
+            Problem(
+                "warning",
+                f"{where}, torque_motor and speed_motor",
+                f"a torque whose changes follow the speed (correlation {followed:.2f}), "
+                f"not a speed whose changes follow the torque ({follows:.2f})",
+                "a speed that the torque accelerates",
+                "The two columns look swapped: exchange them in channels, or in the file's header.",
+            )
+        )
+    elif agreement < -0.5:
+        found.append(
+            Problem(
+                "warning",
+                f"{where}, torque_motor",
+                f"torque and acceleration of the motor of opposite sign (agreement {agreement:.2f})",
+                "acceleration in the direction of the torque (agreement near 1)",
+                "Set sign = -1 for torque_motor, or for the motor's speed; or exchange the two if they are swapped.",
+            )
+        )
+    return tuple(found)
+
+
+def _slow(recording: Recording, where: str) -> list[Problem]:
+    if recording.dt < SLOW * (1.0 - RASTER_TOLERANCE):
+        return []
+    return [
+        Problem(
+            "warning",
+            f"{where}, time",
+            f"a sample time of {recording.dt:.4g} s: {recording.time[-1] - recording.time[0]:.4g} s in all",
+            f"well below {SLOW} s: no mode of a shaft is seen in so few rows a second",
+            'If the time is in ms, say so: time = { column = ..., unit = "ms" }. Else record faster.',
+        )
+    ]
+
+
+def _stuck(name: str, values: NDArray[np.float64], recording: Recording, where: str) -> list[Problem]:
+    """A measured speed or torque that holds one value, and not zero, far longer than it usually does."""
+    if not name.startswith(("speed_", "torque_shaft")) or name == "speed_reference":
+        return []
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1])
+    lengths = np.diff(np.append(starts, values.size))
+    moving = values[starts] != 0.0
+    if np.count_nonzero(moving) < FEWEST_RUNS:
+        return []
+    starts, lengths = starts[moving], lengths[moving]
+    longest = int(np.argmax(lengths))
+    usual = float(np.quantile(lengths, USUAL_RUNS))
+    if lengths[longest] < STUCK_RUNS * usual or lengths[longest] * recording.dt < STUCK_TIME:
+        return []
+    first = int(starts[longest])
+    return [
+        Problem(
+            "warning",
+            f"{where}, {name}",
+            f"{values[first]:.6g} in {lengths[longest]} rows on end, from {recording.time[first]:.6g} s on",
+            f"a value that changes (others last {usual:.0f} row{'s' if usual > 1.0 else ''} at most)",
+            "Check whether the sensor or the logger hung there: leave that part out by window = [...].",
+        )
+    ]
+
+
+def rounded_to_decimals(values: NDArray[np.float64]) -> bool:
+    """Whether the smallest step of numbers as written is 0.1, 0.01 …, and all are multiples of it.
+
+    An encoder's step, 2π over counts and sample time, is such a number only by accident; whole numbers may be counts.
+    """
+    levels = np.unique(values[np.isfinite(values)][:20000])
+    if levels.size < 3:
+        return False
+    smallest = float(np.min(np.diff(levels)))
+    step = 10.0 ** round(float(np.log10(smallest)))
+    multiples = levels / step
+    return step < 0.5 and bool(
+        abs(smallest / step - 1.0) < 1e-3 and np.max(np.abs(multiples - np.round(multiples))) < 1e-3
+    )
+
+
+def check_identifiable(recording: Recording) -> tuple[Problem, ...]:
+    """The warning that a recording is too short to identify from, if it is."""
+    rows, duration = len(recording), len(recording) * recording.dt
+    if rows >= IDENTIFIABLE_ROWS and duration >= IDENTIFIABLE_TIME:
+        return ()
+    return (
+        Problem(
+            "warning",
+            str(recording.meta.get("file", "recording")),
+            f"{rows} rows, {duration:g} s",
+            f"at least {IDENTIFIABLE_ROWS} rows and {IDENTIFIABLE_TIME:g} s to identify from",
+            'Record longer, widen the window, or set use = "validate". 10 s at 10 kHz are good.',
+        ),
+    )
+
+
+def _reverses(torque: NDArray[np.float64]) -> bool:
+    low, high = np.quantile(torque, (_NOISE_SHARE, 1.0 - _NOISE_SHARE))
+    level = _REVERSAL * max(abs(low), abs(high))
+    return bool(low < -level and high > level)

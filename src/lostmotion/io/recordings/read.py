@@ -1,0 +1,142 @@
+"""read_recording: a measurement file → Recording in SI, with all its problems found together."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputProblems, InvalidInput, Problem
+from ...recording import Recording
+from ..spelling import short_list
+from ..tables.columns import Table
+from .checks import check_recording
+from .raw_signals import RawSignals, signals_of_table
+from .window import checked
+
+_DERIVED = {"speed_motor": "angle_motor", "speed_load": "angle_load"}
+
+
+def read_recording(
+    path: str | Path,
+    *,
+    time: Any = None,
+    channels: Mapping[str, Any] | None = None,
+    window: tuple[float, float] | None = None,
+    resample: str | float | bool | None = None,
+    count_averaged: bool | None = None,
+) -> Recording:
+    """Read a CSV, a MATLAB file up to version 7, or a recording that the package has saved (.npz).
+
+    Parameters
+    ----------
+    path : path
+    time : column, mapping or None
+        Like a channel (s if no unit is stated), or ``{"sample_time": "0.1 ms"}`` where the file has no time.
+        Default: the column named ``time`` or ``t``, or the time of Simulink's "structure with time".
+    channels : mapping of signal → column or mapping
+        See ``Channel``. Default: the columns that bear the name of a signal (``speed_motor [rpm]``).
+    window : (start, stop), s
+        Only start ≤ time < stop is read and checked.
+    resample : str, float or bool
+        Sample time of a new raster (``"0.1 ms"``, or s), True for the median step: linear interpolation.
+    count_averaged : bool, optional
+        Whether the file's motor speed is a mean over the last sample (count difference / step). Default: not
+        said, and ``identify`` finds it, unless the file itself says it, the speed is derived here (then it
+        is), or the file's numbers are rounded to decimals, which would look like counts (then it is not).
+
+    Returns
+    -------
+    Recording
+        SI; origin ``measured`` or ``derived``. ``meta`` holds ``file``, ``sha256``, ``sources``, ``problems``
+        (the warnings), ``count_averaged`` where it is known, and for each derived speed how it was made. A
+        speed that is missing is the difference of its angle over the last sample; the first row has none and
+        is left out.
+
+    Raises
+    ------
+    InputProblems
+        All errors of the file together; the warnings that were found with them follow.
+    """
+    path, where = Path(path), str(path)
+    data = _read_bytes(path)
+    meta: dict[str, Any] = {}
+    try:
+        if data.startswith(b"PK\x03\x04"):
+            saved = _saved(path, channels)
+            raw = RawSignals(saved.time, dict(saved.signals), lambda row: f"row {row}", {})
+            origin, meta = dict(saved.origin), dict(saved.meta)
+        else:
+            raw = signals_of_table(_table(path, data), where, time, channels)
+            origin = dict.fromkeys(raw.signals, "measured")
+        raw = checked(raw, where, window, resample)
+    except InvalidInput as error:
+        raise InputProblems([error.problem]) from None
+    meta.update(file=where, sha256=hashlib.sha256(data).hexdigest(), sources=raw.sources)
+    recording = _with_derived_speeds(Recording(raw.time, raw.signals, origin, meta=meta))
+    if count_averaged is None and raw.rounded:
+        # Else the decimals of the file would be taken for the counts of an encoder.
+        count_averaged = False
+    said = {} if count_averaged is None else {"count_averaged": bool(count_averaged)}
+    problems = (*raw.warnings, *check_recording(recording))
+    return replace(recording, meta={**recording.meta, **said, "problems": problems})
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        if path.is_dir():
+            got, remedy = "a folder", "Name the file in it."
+        elif not path.exists():
+            near = [p.name for p in path.parent.glob("*" + path.suffix)] if path.parent.is_dir() else []
+            got = "no such file"
+            remedy = f"In that folder: {short_list(sorted(near))}." if near else "Check the path."
+        else:
+            got, remedy = f"{error.strerror}", "Check the permissions."
+        raise InputProblems([Problem("error", str(path), got, "a readable file", remedy)]) from None
+
+
+def _table(path: Path, raw: bytes) -> Table:
+    from ..tables.csv_files import read_csv
+    from ..tables.matlab_files import read_mat
+
+    if path.suffix.lower() == ".mat" or raw.startswith((b"MATLAB", b"\x89HDF")):
+        return read_mat(path, raw)
+    return read_csv(path, raw)
+
+
+def _saved(path: Path, channels: Mapping[str, Any] | None) -> Recording:
+    from ..storage.laws_and_recordings import load_recording
+
+    recording = load_recording(path)
+    if channels:
+        raise InvalidInput(
+            str(path),
+            "channels for a saved recording",
+            "none",
+            "Leave them out: names and units are stored in it.",
+        )
+    return recording
+
+
+def _with_derived_speeds(recording: Recording) -> Recording:
+    """Speeds from angles where they are missing: the difference over the last sample, first row left out."""
+    missing = {s: a for s, a in _DERIVED.items() if s not in recording and a in recording}
+    if not missing:
+        return recording
+    speeds = {s: np.diff(recording[a]) / np.diff(recording.time) for s, a in missing.items()}
+    meta = {**recording.meta, **{s: f"mean over the sample, from {a}" for s, a in missing.items()}}
+    if "speed_motor" in missing:
+        meta["count_averaged"] = True
+    return replace(
+        recording,
+        time=recording.time[1:],
+        signals={**{name: values[1:] for name, values in recording.signals.items()}, **speeds},
+        origin={**recording.origin, **dict.fromkeys(speeds, "derived")},
+        meta=meta,
+    )

@@ -1,0 +1,77 @@
+"""How motor torque and motor speed go together: what tells a wrong sign, and columns that are swapped."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...recording import Recording
+
+#: Blocks over which torque and speed are averaged, s, and how many are needed. Chosen: on rigs 1 to 4 the correlation
+#: of a right recording is 0.13 with blocks of 2.5 ms, 0.23 with 10 ms, 0.88 with 25 ms; measured drives give 0.46 to 1.
+BLOCK, FEWEST_BLOCKS = 0.025, 40
+
+
+def column_order(recording: Recording) -> tuple[float, float]:
+    """How well changes of the motor's speed follow its torque, and the torque's the speed: correlations, or 0, 0.
+
+    Means over blocks of `BLOCK` are compared, which hold little noise of an encoder. The followed signal's own part, as
+    of friction, is taken out. Over torques of many frequencies the first is near 1, the second near 0; a sine, and a
+    controller's answer, follow each other both ways.
+    """
+    if "torque_motor" not in recording or "speed_motor" not in recording:
+        return 0.0, 0.0
+    rows = max(1, round(BLOCK / recording.dt))
+    blocks = len(recording) // rows
+    if blocks < FEWEST_BLOCKS:
+        return 0.0, 0.0
+    torque, speed = (
+        recording[name][: blocks * rows].reshape(blocks, rows).mean(axis=1)
+        for name in ("torque_motor", "speed_motor")
+    )
+    return _following(torque, speed), _following(speed, torque)
+
+
+def _following(cause: NDArray[np.float64], followed: NDArray[np.float64]) -> float:
+    between, change = 0.5 * (followed[1:] + followed[:-1]), np.diff(followed)
+    own = np.column_stack([np.ones_like(between), between, np.sign(between)])
+
+    def rest(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(values - own @ np.linalg.lstsq(own, values, rcond=None)[0])
+
+    a, b = rest(0.5 * (cause[1:] + cause[:-1])), rest(change)
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(a @ b) / size if size > 0.0 else 0.0
+
+
+def torque_agreement(recording: Recording) -> float:
+    """Whether motor torque and motor acceleration point the same way, from −1 to 1; 0 if that cannot be told.
+
+    The mean cosine of the phase of acceleration against torque over all frequencies where both are coherent
+    (> 0.5), weighted by coherence and on a logarithmic frequency axis. An inertia gives 1. A shaft between
+    zero and pole turns the phase by half a turn, and so does a load against the controller at low frequency;
+    neither fills most of the axis. With fewer than five such frequencies (a single step) nothing is said.
+    """
+    if "torque_motor" not in recording or "speed_motor" not in recording or len(recording) < 256:
+        return 0.0
+    from scipy.signal import csd, welch
+
+    torque = recording["torque_motor"][:-1]
+    acceleration = np.diff(recording["speed_motor"]) / recording.dt
+    if np.ptp(torque) == 0.0 or np.ptp(acceleration) == 0.0:
+        return 0.0
+    # Sixteen half-overlapping segments or more keep the coherence of independent signals well below 0.5.
+    size = max(64, min(4096, torque.size // 8))
+    frequency, cross = csd(torque, acceleration, 1.0 / recording.dt, nperseg=size)
+    power = (
+        welch(torque, nperseg=size, fs=1.0 / recording.dt)[1]
+        * welch(acceleration, nperseg=size, fs=1.0 / recording.dt)[1]
+    )
+    used = (frequency > 0.0) & (power > 0.0)
+    cross, power, frequency = cross[used], power[used], frequency[used]
+    coherence = np.abs(cross) ** 2 / power
+    good = (coherence > 0.5) & (np.abs(cross) > 0.0)
+    if np.count_nonzero(good) < 5:
+        return 0.0
+    weight = coherence[good] / frequency[good]
+    return float(np.sum(weight * cross[good].real / np.abs(cross[good])) / np.sum(weight))

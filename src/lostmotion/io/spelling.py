@@ -1,0 +1,35 @@
+"""Names in messages: the known one that was probably meant, and lists that stay short."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable
+
+_BRACKETED = re.compile(r"\s*(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
+
+
+def split_unit(text: str) -> tuple[str, str]:
+    """``"Speed [rpm]"`` → ``("Speed", "rpm")``; round brackets count too; without brackets the unit is ""."""
+    match = _BRACKETED.fullmatch(text)
+    return (match[1], match[2]) if match else (text.strip(), "")
+
+
+def suggestion(key: str, known: Iterable[str]) -> str:
+    """The remedy for a misspelt name: the names closest to it."""
+    by_lower_case: dict[str, str] = {}
+    for name in known:
+        by_lower_case.setdefault(name.lower(), name)
+        by_lower_case.setdefault(split_unit(name)[0].lower(), name)
+    close = difflib.get_close_matches(key.lower(), by_lower_case, n=3)
+    names = list(dict.fromkeys(by_lower_case[c] for c in close))
+    if names:
+        return "Did you mean " + " or ".join(repr(n) for n in names) + "?"
+    return "Check the name against the list."
+
+
+def short_list(items: Iterable[object], limit: int = 12) -> str:
+    """Items separated by commas, cut after a dozen."""
+    texts = [str(item) for item in items]
+    more = f", … ({len(texts)} in all)" if len(texts) > limit else ""
+    return ", ".join(texts[:limit]) + more

@@ -1,0 +1,1 @@
+"""The package's own files, and how they are written whole or not at all."""

@@ -1,0 +1,216 @@
+"""output_folder: a folder of results that appears whole or not at all, and takes nobody else's files away."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import os
+import re
+import secrets
+import shutil
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+from ...errors import InvalidInput
+from ..spelling import short_list
+from .laws_and_recordings import load_json, save_json
+
+#: File in every output folder that lists what the run wrote, with hashes: whatever else lies there, or was changed, is
+#: somebody else's.
+MARKER = ".lostmotion-run.json"
+_KIND = "output_folder"
+#: Errors of the place, not of the program: no space, no quota (unknown to Windows), read-only.
+_NO_ROOM = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC), errno.EROFS)
+
+
+@contextlib.contextmanager
+def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
+    """A temporary folder beside ``path`` that takes its place when the block ends without an exception.
+
+    The files of an earlier run in ``path`` are replaced. Any other file there, or one of them that was changed
+    since, makes it refuse, unless ``force`` is given: such a file is then kept, with ``.kept`` behind its name if
+    the run wrote one of the same name. On any exception, and when the process is killed, the previous folder
+    stays as it was; what a killed run left beside it is removed, or put back, by the next run.
+
+    Parameters
+    ----------
+    path : path
+        Parents are created. A link to a folder is followed.
+    force : bool
+        Go on although files lie in ``path`` that no run has written.
+
+    Yields
+    ------
+    Path
+        The folder to write into, on the same file system as ``path``.
+
+    Raises
+    ------
+    InvalidInput
+        Before the block runs: if ``path`` is a file, the working folder or above it, holds foreign files
+        without ``force``, or cannot be written. After it: if the disk is full or the folder cannot be put in
+        place.
+    """
+    path = Path(path).resolve()
+    _clean_up(path)
+    _refuse_foreign(path, force)
+    new = _sibling(path, "new")
+    try:
+        new.mkdir(parents=True)
+    except OSError as error:
+        raise _cannot_write(path, error) from None
+    try:
+        yield new
+        save_json(new / MARKER, _KIND, {"files": {name: _hash(new / name) for name in _files(new)}})
+        _keep_foreign(path, new)
+        _swap(path, new)
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            raise _cannot_write(path, error) from error
+        raise
+    except InvalidInput as error:
+        p = error.problem
+        if not Path(p.where).is_relative_to(new):
+            raise
+        # The user knows the folder by the name that it was going to have.
+        place = path / Path(p.where).relative_to(new)
+        raise InvalidInput(str(place), p.got, p.expected, p.remedy) from error
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+
+
+def foreign_files(path: str | Path) -> list[str]:
+    """Files (and empty folders) in a folder that no run has written, or not as they are now, relative to it."""
+    path = Path(path)
+    if not path.is_dir():
+        return []
+    try:
+        files = load_json(path / MARKER, _KIND)["files"]
+        # An older version listed names alone.
+        own = {**(files if isinstance(files, dict) else dict.fromkeys(files)), MARKER: None}
+    except (InvalidInput, KeyError, TypeError):
+        own = {}
+    return [name for name in _files(path) if name not in own or own[name] not in (None, _hash(path / name))]
+
+
+def _hash(file: Path) -> str:
+    """Of the content; a link or an empty folder is known by its being one."""
+    if file.is_symlink() or not file.is_file():
+        return "no file"
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def _files(folder: Path) -> list[str]:
+    """Every file, link and empty folder below a folder, relative, sorted; empty folders end with a slash."""
+    found: list[str] = []
+    for root, folders, files in os.walk(folder):
+        place = Path(root)
+        links = [name for name in folders if (place / name).is_symlink()]
+        found += [(place / name).relative_to(folder).as_posix() for name in (*files, *links)]
+        if not folders and not files and place != folder:
+            found.append(place.relative_to(folder).as_posix() + "/")
+    return sorted(found)
+
+
+def _refuse_foreign(path: Path, force: bool) -> None:
+    if path.exists() and not path.is_dir():
+        raise InvalidInput(str(path), "a file", "a folder", "Choose another name for the output.")
+    if Path.cwd().is_relative_to(path):
+        raise InvalidInput(
+            str(path),
+            "the working folder, or one above it",
+            "a folder that can be replaced",
+            "Choose one below it.",
+        )
+    foreign = foreign_files(path)
+    if foreign and not force:
+        raise InvalidInput(
+            str(path),
+            f"{len(foreign)} files that no run has written, or that were changed since: {short_list(foreign, 5)}",
+            "a new or empty folder, or the output of an earlier run",
+            "Choose another folder, or force it: those files are kept.",
+        )
+
+
+def _keep_foreign(path: Path, new: Path) -> None:
+    """Foreign files also go into the new folder, as hard links where possible: the old one stays whole."""
+    for name in foreign_files(path):
+        if name == MARKER:
+            continue  # a marker that cannot be read is no marker
+        source, target = path / name, new / name
+        while os.path.lexists(target) and not name.endswith("/"):
+            target = target.with_name(target.name + ".kept")
+        if name.endswith("/"):
+            target.mkdir(parents=True, exist_ok=True)
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            os.link(source, target, follow_symlinks=False)
+        except (OSError, NotImplementedError):
+            shutil.copy2(source, target, follow_symlinks=False)
+
+
+def _swap(path: Path, new: Path) -> None:
+    """Put ``new`` in place of ``path``; until then path or its sibling holds the previous output."""
+    old = _sibling(path, "old")
+    try:
+        if path.exists():
+            path.rename(old)
+        new.rename(path)
+    except BaseException as error:
+        if old.exists() and not path.exists():
+            old.rename(path)
+        if isinstance(error, OSError):
+            raise _cannot_write(path, error) from error
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _sibling(path: Path, role: str) -> Path:
+    return path.with_name(f".{path.name}.{role}-{_host()}-{os.getpid()}-{secrets.token_hex(4)}")
+
+
+def _host() -> str:
+    return re.sub(r"\W", "_", socket.gethostname())
+
+
+def _clean_up(path: Path) -> None:
+    """Remove what killed runs of this machine left beside ``path``; put a previous output back in place.
+
+    A killed run leaves its ``new`` folder; one killed between the two renames of ``_swap`` also the previous
+    output as ``old``, with nothing at ``path``.
+    """
+    pattern = re.compile(rf"\.{re.escape(path.name)}\.(new|old)-{re.escape(_host())}-(\d+)-[0-9a-f]{{8}}")
+    siblings = sorted(path.parent.iterdir()) if path.parent.is_dir() else []
+    for sibling in siblings:
+        match = pattern.fullmatch(sibling.name)
+        if match is None or _alive(int(match[2])):
+            continue
+        if match[1] == "old" and not path.exists():
+            sibling.rename(path)
+        else:
+            shutil.rmtree(sibling, ignore_errors=True)
+
+
+def _alive(process: int) -> bool:
+    """Whether a process of this machine runs; where that cannot be asked without harm, True."""
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _cannot_write(path: Path, error: OSError) -> InvalidInput:
+    return InvalidInput(
+        str(path),
+        str(error.strerror or error),
+        "a place that can be written, with room for the results",
+        "Choose another folder; nothing there was changed.",
+    )

@@ -1,0 +1,1 @@
+"""Files as tables of columns with units: CSV, MAT, matrices."""

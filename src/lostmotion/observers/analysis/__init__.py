@@ -1,0 +1,1 @@
+"""About observers: noise covariances from a recording, standard deviations of the estimates."""

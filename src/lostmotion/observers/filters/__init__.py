@@ -1,0 +1,1 @@
+"""Filters that compute their covariance as they go: each is a Stepper."""

@@ -1,0 +1,1 @@
+"""Observers with a gain computed beforehand: each is a DiscreteSystem."""

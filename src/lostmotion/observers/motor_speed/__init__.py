@@ -1,0 +1,1 @@
+"""Observers of the load from the motor speed alone: each is a Stepper."""

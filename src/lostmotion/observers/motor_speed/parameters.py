@@ -1,0 +1,108 @@
+"""Parameters of the observers with one sensor, the motor speed, and corrections that only contact lets through."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...drivetrain import Drivetrain
+from ..arguments import positive
+from ..filters.tuning import FREEZE, UNKNOWN_TORQUE, Array, model_parameters
+from ..scale import scale_of
+
+#: The outputs that every observer has.
+ESTIMATES = (
+    "twist_estimated",
+    "twist_elastic_estimated",
+    "speed_motor_estimated",
+    "speed_load_estimated",
+    "torque_shaft_estimated",
+    "friction_load_estimated",
+)
+
+#: An innovation beyond this is a jump, rad/s; it grows by that rate while no sample is believed, rad/s² (chosen).
+LARGEST_INNOVATION, INNOVATION_RATE = 4.0, 800.0
+#: and the sensor's noise adds so many of its standard deviations (chosen).
+OF_NOISE = 6.0
+#: Largest share of the motor's error that a sample takes away (chosen).
+FASTEST = 0.7
+#: Of the errors of twist and load speed, and their rate over that at which the motor is followed (both chosen).
+DAMPING_RATIO, SLOWER = 0.7, 0.33
+
+
+def speed_only_parameters(
+    drivetrain: Drivetrain,
+    dt: float,
+    sensor_noise: float | Mapping[str, float] | None,
+    count_averaged: bool,
+    own: int,
+) -> Array:
+    """The parameters that ``kernels.estimators.motor_speed`` reads, and room for ``own`` more."""
+    from ...kernels.estimators import motor_speed as kernel
+    from ...kernels.estimators import two_mass_model as at
+
+    if not isinstance(sensor_noise, Mapping | None):
+        sensor_noise = {"speed_motor": sensor_noise}
+    p = np.zeros(kernel.FREE + own)
+    p[: at.OWN] = model_parameters(
+        drivetrain,
+        ("speed_motor",),
+        dt,
+        sensor_noise,
+        count_averaged,
+    )
+    p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb
+    scale = scale_of(drivetrain)
+    p[kernel.EXPECTED] = (LARGEST_INNOVATION * scale.speed + OF_NOISE * p[at.STILL] / FREEZE) / p[at.GATE]
+    p[kernel.GROWTH] = INNOVATION_RATE * scale.speed * scale.rate * dt / p[at.GATE]
+    p[kernel.NOISE], p[kernel.COARSER] = p[at.STILL] / FREEZE, OF_NOISE / p[at.GATE]
+    return p
+
+
+def load_corrections(drivetrain: Drivetrain, bandwidth: float, damping_ratio: float) -> tuple[float, float]:
+    """Corrections of twist (s) and load speed per correction of the motor speed.
+
+    Once the motor speed is followed, its correction ν shows the error of the twist, ν = −(k/J_m)·(twist error) with the
+    gap closed. Feeding ν to both gives the errors of twist and load speed the poles s² + 2ζω s + ω².
+    """
+    k, jm, jl = drivetrain.stiffness, drivetrain.inertia_motor, drivetrain.inertia_load
+    return -2.0 * damping_ratio * bandwidth * jm / k, (bandwidth**2 - k / jl) * jm / k
+
+
+def default_poles(
+    drivetrain: Drivetrain, share: float, dt: float, bandwidth: float | None, damping_ratio: float | None
+) -> tuple[float, float]:
+    """Bandwidth (1/s) and damping ratio of the errors of twist and load speed: as given, or the default.
+
+    The default bandwidth is the frequency of the load on the held shaft: so the load speed needs no correction. The
+    twist then settles at 2·damping ratio·bandwidth, by default DAMPING_RATIO, but no faster than a third of the rate at
+    which the motor speed is followed, since the correction takes that for immediate.
+    """
+    rate = math.sqrt(drivetrain.stiffness / drivetrain.inertia_load)
+    rate = rate if bandwidth is None else positive("bandwidth", bandwidth)
+    follow = -math.log(1.0 - share) / dt
+    ratio = min(DAMPING_RATIO, SLOWER * follow / (2.0 * rate))
+    return rate, ratio if damping_ratio is None else positive("damping_ratio", damping_ratio)
+
+
+def follow_share(drivetrain: Drivetrain, p: Array) -> float:
+    """Share of the motor's error that one sample takes away, at most FASTEST: the sensor's noise against the model's.
+
+    That of a Kalman filter of the motor alone with ``tuning.UNKNOWN_TORQUE`` on it: (density of the acceleration /
+    density of the sensor) to the power ¼ if it counts angles, ½ if speeds.
+    """
+    from ...kernels.estimators import two_mass_model as at
+
+    acceleration = (UNKNOWN_TORQUE["motor"] * scale_of(drivetrain).torque / drivetrain.inertia_motor) ** 2
+    power = 0.25 if p[at.AVERAGED] else 0.5
+    rate = (acceleration / (p[at.VARIANCE] * p[at.DT])) ** power
+    return min(1.0 - math.exp(-rate * p[at.DT]), FASTEST)
+
+
+def error_of_counts(p: Array) -> float:
+    """Standard deviation of the innovation that the sensor alone makes, rad/s."""
+    from ...kernels.estimators import two_mass_model as at
+
+    return math.sqrt(p[at.VARIANCE]) / p[at.SCALE]

@@ -1,0 +1,98 @@
+"""Sliding-mode observer: the motor speed is forced onto its measurement, and the force tells the twist."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ...drivetrain import Drivetrain
+from ...systems import Stepper
+from ..arguments import positive
+from ..scale import scale_of
+from .parameters import (
+    ESTIMATES,
+    FASTEST,
+    default_poles,
+    follow_share,
+    load_corrections,
+    speed_only_parameters,
+)
+
+#: Nm, as the argument, on the paper's rig (chosen).
+UNKNOWN_TORQUE = 10.0
+
+
+def sliding_mode(
+    drivetrain: Drivetrain,
+    *,
+    dt: float,
+    unknown_torque: float | None = None,
+    layer: float | None = None,
+    bandwidth: float | None = None,
+    damping_ratio: float | None = None,
+    sensor_noise: float | Mapping[str, float] | None = None,
+    count_averaged: bool = False,
+) -> Stepper:
+    """Sliding-mode observer from motor torque and motor speed.
+
+    ::
+
+        x⁺ = model(x, torque) + (l_twist, 1, l_load)·ν,   ν = dt·(unknown_torque/J_m)·sat((y − ŷ)/layer)
+
+    The corrections of twist and load speed act only in contact, and not on a load that sticks.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Two masses.
+    dt : float, s
+    unknown_torque : float, Nm, optional
+        Largest torque on the motor that the model may miss and the correction still overcomes; default
+        ``UNKNOWN_TORQUE`` on the paper's rig, for others by ``scale.scale_of``.
+    layer : float, rad/s, optional
+        Innovation at which the whole correction acts, linear below; default: so that below it the motor speed is
+        followed as fast as its noise allows (``speed_only.follow_share``).
+    bandwidth, damping_ratio : float, 1/s and –, optional
+        How errors of twist and load speed die out in contact; default √(k/J_l) and 0.7, less for a coarse encoder.
+    sensor_noise : float, rad/s, or mapping, optional
+        Standard deviation of one sample of the motor speed, or ``{"speed_motor": …}`` as in ``extended_kalman``, with
+        the same default.
+    count_averaged : bool
+        The measured motor speed is a difference of counts over dt: the innovation is that of the angle, over dt.
+
+    Returns
+    -------
+    Stepper
+        Inputs torque_motor, speed_motor; outputs ``speed_only.ESTIMATES``.
+
+    Raises
+    ------
+    InvalidInput
+        For numbers out of range.
+
+    Notes
+    -----
+    Merzouki & Cadiou 2005, Control Engineering Practice 13, 973–983: there the sliding correction is the estimate of
+    the backlash's disturbing torque; here it corrects the model that contains the backlash. Defaults chosen.
+    """
+    from ...kernels.estimators import sliding_mode as kernel
+
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 5)
+    if unknown_torque is None:
+        unknown_torque = UNKNOWN_TORQUE * scale_of(drivetrain).torque
+    reach = positive("unknown_torque", unknown_torque) / drivetrain.inertia_motor * dt
+    share = follow_share(drivetrain, p)
+    if layer is not None:
+        share = min(math.sqrt(reach / positive("layer", layer)), FASTEST)
+    p[kernel.REACH], p[kernel.LAYER] = reach, reach / share**2 if layer is None else layer
+    p[kernel.TO_ANGLE] = share * (2.0 - share) * dt
+    poles = default_poles(drivetrain, share, dt, bandwidth, damping_ratio)
+    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(drivetrain, *poles)
+    return Stepper(
+        name="sliding_mode",
+        inputs=("torque_motor", "speed_motor"),
+        outputs=ESTIMATES,
+        dt=dt,
+        parameters=p,
+        estimator="sliding_mode",
+    )

@@ -1,0 +1,1 @@
+"""Figures of frequency responses and mode shapes."""

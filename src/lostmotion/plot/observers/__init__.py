@@ -1,0 +1,1 @@
+"""Figures of observers and of how they compare."""
