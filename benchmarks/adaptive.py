@@ -28,7 +28,7 @@ RIGHT = tuple(case for case in CASES if case.name in ("nominal", "identified"))
 #: Observers that are shown; moving horizon on request.
 NAMES = (
     "Observer 1", "load torque", "load torque, fast", "H∞, load torque", "extended Kalman", "unscented Kalman",
-    "interacting models", "sliding mode", "super-twisting", "radial basis",
+    "interacting models", "sliding mode", "super-twisting", "neural network",
 )  # fmt: skip
 #: Parameters that some observers estimate.
 ESTIMATED = tuple(

@@ -158,10 +158,10 @@ def observer_rows(runs: int) -> list[tuple[str, float, float]]:
     observers = {
         "Observer 1": lm.observers.kalman(MODEL, dt=DT),
         "Observer 2": lm.observers.kalman(MODEL, measured=both, dt=DT),
-        "with load torque": lm.observers.kalman(MODEL, dt=DT, load_torque=True, count_averaged=True),
+        "with load torque": lm.observers.kalman(MODEL, dt=DT, load_torque=True, speed_from_counts=True),
         "scheduled": lm.observers.kalman(MODEL, dt=DT, contact_scheduling=True),
         "H∞ with load torque": lm.observers.h_infinity(MODEL, dt=DT, load_torque=True),
-        "disturbance": lm.observers.disturbance(MODEL, dt=DT),
+        "disturbance_observer": lm.observers.disturbance_observer(MODEL, dt=DT),
         "shaft torque": lm.observers.shaft_torque(MODEL.stiffness, dt=DT),
     }
     torque = 6.0 * np.sign(np.sin(2.0 * np.pi * 5.0 * DT * np.arange(N)))

@@ -51,7 +51,7 @@ def closed_loop(seed: int) -> tuple[lm.Recording, lm.rig.Truth]:
     levels = np.repeat([10.0, 25.0, -10.0, -25.0, 15.0, -15.0], 16667)[:100000]
     ramps = np.convolve(np.r_[np.zeros(5000), levels], np.ones(5000) / 5000.0, "valid")[:100000]
     dither = lm.signals.noise(2.0, 120.0, 0.8, 10.0, DT, seed=seed)
-    law = lm.controllers.pi(kp=10.0, ki=20.0, dt=DT, torque_limit=lm.rig.TORQUE_LIMIT)
+    law = lm.controllers.pi(kp=10.0, ki=200.0, dt=DT, torque_limit=lm.rig.TORQUE_LIMIT)
     return lm.rig.record(seed, law=law, speed_reference=ramps + dither)
 
 

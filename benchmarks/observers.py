@@ -41,7 +41,7 @@ def errors(law: Any, data: Experiment) -> tuple[float, float, float]:
 
 
 def observer(data: Experiment, **options: Any) -> Any:
-    return kalman(data.drivetrain, dt=data.sensing.dt, count_averaged=True, **options)
+    return kalman(data.drivetrain, dt=data.sensing.dt, speed_from_counts=True, **options)
 
 
 def torque_sensor(seed: int) -> list[tuple[float, float]]:
@@ -72,7 +72,7 @@ def covariances_of_rig(seed: int) -> tuple[dict[str, list[tuple[float, float, fl
     """Errors with the paper's guess and with covariances from a recording of their own, and the sensitivities."""
     recording, truth = lm.rig.record(seed, noise_seed=3)
     plant = lm.Drivetrain.two_mass(**truth.parameters)
-    found = covariances(recording.window(0.0, 3.0), plant, count_averaged=True)
+    found = covariances(recording.window(0.0, 3.0), plant, speed_from_counts=True)
     data = {name: experiment(CASE[name], seed, DURATION) for name in TRIED}
     own = {"process_covariance": found.process, "measurement_covariance": found.measurement}
     rows = {

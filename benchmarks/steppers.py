@@ -32,7 +32,7 @@ MAKERS = (
     lm.observers.moving_horizon,
     lm.observers.sliding_mode,
     lm.observers.super_twisting,
-    lm.observers.radial_basis,
+    lm.observers.neural_network,
 )
 #: Those that follow the backlash of a joint that wears.
 WEARING = (lm.observers.extended_kalman, lm.observers.unscented_kalman, lm.observers.moving_horizon)
@@ -65,7 +65,7 @@ def one_seed(seed: int) -> dict[str, list[float]]:
     given, backlash = second.only("torque_motor", "speed_motor"), truth.parameters["backlash"]
     table = {}
     for make in MAKERS:
-        observer = make(found, dt=DT, count_averaged=True)
+        observer = make(found, dt=DT, speed_from_counts=True)
         observer.run(given.window(0.0, 0.01))  # compiles
         start = time.process_time()
         result = observer.run(given)
@@ -74,7 +74,7 @@ def one_seed(seed: int) -> dict[str, list[float]]:
         if "backlash_estimated" in result:
             for factor in (0.5, 1.5):
                 off = found.with_parameters(backlash=factor * backlash)
-                end = make(off, dt=DT, count_averaged=True).run(given)["backlash_estimated"][-1]
+                end = make(off, dt=DT, speed_from_counts=True).run(given)["backlash_estimated"][-1]
                 online.append(100.0 * abs(end / backlash - 1.0))
         table[make.__name__] = [*score(result, truth.signals, backlash), max(online, default=np.nan), cost]
     return table

@@ -20,7 +20,7 @@ LEVELS = (4.0, 10.0, -4.0, -10.0, 6.0, -6.0)
 MAKERS = (
     lm.observers.kalman,
     lm.observers.moving_horizon,
-    lm.observers.radial_basis,
+    lm.observers.neural_network,
     lm.observers.interacting_models,
     lm.observers.sliding_mode,
     lm.observers.super_twisting,
@@ -44,7 +44,7 @@ def errors(stiffness: float, seed: int) -> tuple[float, list[float]]:
     shown = {"torque_motor": torque, **measure(sensors, exact.signals, DT, seed)}
     load, row = exact["speed_load"][FIRST:], []
     for make in MAKERS:
-        found = make(lm.Drivetrain.two_mass(**parameters), dt=DT, count_averaged=True).run(shown)
+        found = make(lm.Drivetrain.two_mass(**parameters), dt=DT, speed_from_counts=True).run(shown)
         wrong = found["speed_load_estimated"][FIRST:] - load
         row.append(float(100.0 * np.sqrt(np.mean(wrong**2)) / np.ptp(load)))
     return stiffness * parameters["backlash"] / float(np.sqrt(np.mean(torque**2))), row

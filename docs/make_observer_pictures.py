@@ -7,7 +7,7 @@ from pathlib import Path
 import lostmotion as lm
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment
-from lostmotion.observers.filters.tuning import SENSOR_NOISE, UNKNOWN_TORQUE
+from lostmotion.observers.filters.tuning import PROCESS_TORQUE, SENSOR_NOISE
 
 IMAGES = Path(__file__).parent / "images"
 DT, STEP = 1e-4, 1.0
@@ -30,7 +30,7 @@ def steps() -> None:
     law = lm.controllers.pi(dt=DT, torque_limit=lm.rig.TORQUE_LIMIT)
     step, _ = lm.rig.record(1, law=law, speed_reference=reference, dt=DT, noise_seed=2)
     for file, (name, measured) in OBSERVERS.items():
-        observer = lm.observers.kalman(found, measured=measured, dt=DT, count_averaged=True)
+        observer = lm.observers.kalman(found, measured=measured, dt=DT, speed_from_counts=True)
         figure = lm.plot.observer_step(
             step, observer.run(step), step_time=STEP, name=name, source="virtual rig (simulated)"
         )
@@ -43,23 +43,26 @@ def steps() -> None:
             )
 
 
-def deviations() -> None:
+def standard_deviations() -> None:
     """Observer 1, told 0.02 Nm·√s on both inertias, and the extended filter by its default, on rig 1."""
     data = experiment(next(case for case in CASES if case.name == "nominal"), 1, 1.5)
     plant, given = data.drivetrain, data.recording.only("torque_motor", "speed_motor")
-    observer = lm.observers.kalman(plant, dt=DT, count_averaged=True)
-    told = lm.observers.deviations(
+    observer = lm.observers.kalman(plant, dt=DT, speed_from_counts=True)
+    told = lm.observers.standard_deviations(
         observer, given,
         process_covariance={
-            "speed_motor": (UNKNOWN_TORQUE["motor"] / plant.inertia_motor) ** 2,
-            "speed_load": (UNKNOWN_TORQUE["load"] / plant.inertia_load) ** 2,
+            "speed_motor": (PROCESS_TORQUE["motor"] / plant.inertia_motor) ** 2,
+            "speed_load": (PROCESS_TORQUE["load"] / plant.inertia_load) ** 2,
         },
         measurement_covariance={"speed_motor": SENSOR_NOISE["speed_motor"] ** 2 * DT},
     )  # fmt: skip
     estimate = observer.run(given)
     first = told.with_signals("estimated", **{name: estimate[name] for name in estimate})
-    second = lm.observers.extended_kalman(plant, dt=DT, count_averaged=True).run(given)
-    for name, signal in (("deviations", "speed_load"), ("deviations-torque", "torque_shaft")):
+    second = lm.observers.extended_kalman(plant, dt=DT, speed_from_counts=True).run(given)
+    for name, signal in (
+        ("standard-deviations", "speed_load"),
+        ("standard-deviations-torque", "torque_shaft"),
+    ):
         exact = given.with_signals("simulated", **{signal: data.truth[signal]})
         figure = lm.plot.estimate_errors(
             {"Observer 1": first, "extended Kalman": second}, exact, signal=signal, gap=data.truth["gap"] > 0.5,
@@ -70,7 +73,7 @@ def deviations() -> None:
 
 def main() -> None:
     steps()
-    deviations()
+    standard_deviations()
 
 
 if __name__ == "__main__":

@@ -76,7 +76,7 @@ def simulated() -> lm.Recording:
     torque = 1.6 * np.sin(2.0 * np.pi * 2.0 * t)
     chain = axis()
     encoder = lm.Sensor("angle_motor", resolution=2.0 * np.pi / 2**18, difference=True)
-    observer = lm.observers.super_twisting(two_masses(chain), dt=DT, count_averaged=True)
+    observer = lm.observers.super_twisting(two_masses(chain), dt=DT, speed_from_counts=True)
     return lm.simulate(
         chain, torque_motor=torque, dt=DT, law=observer, sensors={"speed_motor": encoder}, energy=True
     )

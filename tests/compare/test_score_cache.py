@@ -38,15 +38,16 @@ def changed(tmp_path):
 
 @pytest.mark.parametrize(
     "name",
-    ["observers/kalman", "kernels/plant", "compare/experiment", "compare/contestants", "compare/scores", "compare/jobs",
-     "rig/nominal", "simulation/sensors", "identification/prediction_error", "systems/__init__",
+    ["observers/fixed_gain/kalman", "kernels/plant/event_loop", "compare/experiment",
+     "compare/contestants", "compare/scores", "compare/jobs",
+     "rig/nominal", "simulation/sensors", "identification/prediction_error/identify", "systems/__init__",
      "drivetrain/__init__", "curves"],
 )  # fmt: skip
 def test_a_score_depends_on(changed, name):
     assert changed(f"{name}.py")
 
 
-@pytest.mark.parametrize("name", ["cli/main_job", "plot/leaderboard", "compare/leaderboard"])
+@pytest.mark.parametrize("name", ["cli/main_job", "plot/observers/leaderboard", "compare/leaderboard"])
 def test_no_score_depends_on(changed, name):
     assert not changed(f"{name}.py")
 

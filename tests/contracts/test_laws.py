@@ -14,7 +14,7 @@ from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
 from lostmotion.controllers import pi, pole_placement
 from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Drivetrain, Friction
-from lostmotion.observers import disturbance, h_infinity, kalman, shaft_torque
+from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque
 from lostmotion.observers.fixed_gain.gates import POSITIVE_PART
 from lostmotion.observers.model import SENSORS
 from lostmotion.systems import DiscreteSystem, connect, one_sample_delay
@@ -41,7 +41,7 @@ OBSERVERS = {
     "kalman at 1 ms": kalman(TABLE_1, dt=1e-3),
     "kalman, dead zone": kalman(TABLE_1.with_contact("dead_zone"), dt=1e-4),
     "kalman, linear": kalman(TABLE_1.with_parameters(backlash=0.0, coulomb=0.0), dt=1e-4),
-    "kalman, lag": kalman(TABLE_1.with_parameters(lag=5e-4), dt=1e-4, count_averaged=True),
+    "kalman, lag": kalman(TABLE_1.with_parameters(lag=5e-4), dt=1e-4, speed_from_counts=True),
     "kalman, load torque": kalman(TABLE_1, dt=1e-4, load_torque=True),
     "kalman, guarded": kalman(
         TABLE_1, measured=("speed_motor", "torque_shaft"), dt=1e-4, largest_innovation={"speed_motor": 4.0}
@@ -49,9 +49,11 @@ OBSERVERS = {
     "kalman, scheduled": kalman(
         TABLE_1, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
     ),
-    "H infinity": h_infinity(TABLE_1.with_parameters(lag=3e-4), dt=1e-4, count_averaged=True),
+    "H infinity": h_infinity(TABLE_1.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True),
     "shaft torque": shaft_torque(6285.896, dt=1e-3, torque_delay=4e-4),
-    "momentum disturbance": disturbance(TABLE_1.with_parameters(lag=3e-4), dt=1e-4, count_averaged=True),
+    "disturbance observer": disturbance_observer(
+        TABLE_1.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True
+    ),
     "kalman, one-sided friction": kalman(ONE_SIDED, measured=("angle_motor", "speed_load"), dt=2e-4),
 }
 CONTROLLERS = {

@@ -25,21 +25,21 @@ DRIVETRAIN = Drivetrain.two_mass(
     viscous=0.02,
 )
 MAKERS = (
-    observers.disturbance,
+    observers.disturbance_observer,
     observers.extended_kalman,
     observers.h_infinity,
     observers.interacting_models,
     observers.kalman,
     observers.kalman_gain,
     observers.moving_horizon,
-    observers.radial_basis,
+    observers.neural_network,
     observers.shaft_torque,
     observers.sliding_mode,
     observers.super_twisting,
     observers.unscented_kalman,
 )
 #: Not made from a drivetrain and numbers alone.
-OTHERS = ("Covariances", "covariances", "deviations")
+OTHERS = ("Covariances", "covariances", "standard_deviations")
 
 NO_NUMBER = ("1 ms", True, [1e-3], math.nan, 10**400)
 NO_MAPPING = (5.0, "speed_motor", 0, ["speed_motor"], {5: 1.0}, {"wild": 1.0})
@@ -55,7 +55,7 @@ BAD = {
 #: A name that each mapping knows: its value may be wrong, too.
 KNOWN = {
     "weights": "twist", "process_covariance": "twist", "drift": "backlash", "uncertainty": "backlash",
-    "unknown_torque": "motor",
+    "process_torque": "motor",
 }  # fmt: skip
 
 
@@ -104,8 +104,8 @@ def test_a_number_and_a_flag_may_be_numpys(make):
     given = _good(make)
     if "dt" in given:
         given["dt"] = np.float64(DT)
-    if "count_averaged" in _kinds(make):
-        given["count_averaged"] = np.bool_(True)
+    if "speed_from_counts" in _kinds(make):
+        given["speed_from_counts"] = np.bool_(True)
     make(**given)
 
 
@@ -125,7 +125,8 @@ RECORDING = Recording(
 
 
 @pytest.mark.parametrize(
-    "changed", [{"drivetrain": "x"}, {"measured": "speed_motor"}, {"measured": 5}, {"count_averaged": "no"}]
+    "changed",
+    [{"drivetrain": "x"}, {"measured": "speed_motor"}, {"measured": 5}, {"speed_from_counts": "no"}],
 )
 def test_covariances_tell_a_wrong_argument(changed):
     (name,) = changed
@@ -147,6 +148,6 @@ def test_covariances_tell_a_wrong_argument(changed):
 def test_deviations_tell_a_wrong_argument(changed):
     good = {"process_covariance": {"speed_motor": 1.0}, "measurement_covariance": {"speed_motor": 1e-6}}
     with pytest.raises(InvalidInput, match="|".join(changed)):
-        observers.deviations(
+        observers.standard_deviations(
             **{"observer": observers.kalman(DRIVETRAIN, dt=DT), "data": RECORDING, **good, **changed}
         )

@@ -22,7 +22,7 @@ FIXED = {
     "kalman on both": partial(observers.kalman, measured=BOTH),
     "H infinity": observers.h_infinity,
     "H infinity, load torque": partial(observers.h_infinity, load_torque=True),
-    "disturbance": observers.disturbance,
+    "disturbance_observer": observers.disturbance_observer,
 }
 STEPPERS = {
     "extended Kalman": observers.extended_kalman,
@@ -33,7 +33,7 @@ STEPPERS = {
     "moving horizon": observers.moving_horizon,
     "sliding mode": observers.sliding_mode,
     "super-twisting": observers.super_twisting,
-    "radial basis": observers.radial_basis,
+    "neural network": observers.neural_network,
 }
 EVERY = {**FIXED, **STEPPERS}
 
@@ -82,7 +82,7 @@ def test_a_similar_drivetrain_has_similar_estimates(name, torques, angles):
             if counts
             else {}
         )
-        law = EVERY[name](Drivetrain.two_mass(**parameters), dt=DT, count_averaged=True, **tuning)
+        law = EVERY[name](Drivetrain.two_mass(**parameters), dt=DT, speed_from_counts=True, **tuning)
         found.append(law.run({n: SHOWN[n] * size[n] for n in law.inputs}))
     for signal in found[0]:
         if signal == "input_fault":
@@ -109,7 +109,7 @@ AXES = {
          "coulomb": 50.0, "viscous": 2.0}, 1e-3, 50.0, 400.0, 40.0, 2.0, 8.0, 10.0),
 }  # fmt: skip
 #: A gap that is wide against what the torque winds (docs/choosing-an-observer.md): lost, or 0.4 % flagged.
-WIDE_GAP = {"extended Kalman on both", "radial basis"}
+WIDE_GAP = {"extended Kalman on both", "neural network"}
 
 
 @pytest.fixture(scope="module", params=AXES)
@@ -127,9 +127,11 @@ def axis(request):
 @pytest.mark.parametrize("name", EVERY)
 def test_axes_of_all_sizes_are_observed_with_the_defaults(name, axis):
     kind, parameters, dt, shown, exact = axis
-    if name == "disturbance" or (kind == "test rig" and name in WIDE_GAP):
-        pytest.skip("knows no gap" if name == "disturbance" else "the gap is wide against the winding")
-    law = EVERY[name](Drivetrain.two_mass(**parameters), dt=dt, count_averaged=True)
+    if name == "disturbance_observer" or (kind == "test rig" and name in WIDE_GAP):
+        pytest.skip(
+            "knows no gap" if name == "disturbance_observer" else "the gap is wide against the winding"
+        )
+    law = EVERY[name](Drivetrain.two_mass(**parameters), dt=dt, speed_from_counts=True)
     found, true = law.run(shown.only(*law.inputs)), exact["speed_load"]
     first = true.size // 10
     error = np.sqrt(np.mean((found["speed_load_estimated"] - true)[first:] ** 2)) / np.ptp(true[first:])
@@ -157,7 +159,7 @@ def test_a_missing_motor_torque_is_followed_as_fast_as_the_drivetrain_asks(load_
         Drivetrain.two_mass(**parameters),
         dt=DT,
         measured=BOTH,
-        count_averaged=True,
+        speed_from_counts=True,
         load_torque=load_torque,
     )
     missing, after = torque.copy(), np.zeros(torque.size, dtype=bool)

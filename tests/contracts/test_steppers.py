@@ -26,7 +26,7 @@ MAKERS = (
     observers.moving_horizon,
     observers.sliding_mode,
     observers.super_twisting,
-    observers.radial_basis,
+    observers.neural_network,
 )
 ESTIMATES = ("twist", "twist_elastic", "speed_motor", "speed_load", "torque_shaft", "friction_load")
 
@@ -41,7 +41,7 @@ STARTS = np.arange(6000, 20000, 2000)
 
 def _run(make, **changed):
     data = {name: RECORDING[name] for name in ("torque_motor", "speed_motor")}
-    return make(DRIVETRAIN, dt=DT, count_averaged=True).run({**data, **changed})
+    return make(DRIVETRAIN, dt=DT, speed_from_counts=True).run({**data, **changed})
 
 
 @cache
@@ -64,7 +64,7 @@ def test_gives_the_six_estimates_and_says_what_it_is(make):
 
 @EVERY
 def test_one_sample_at_a_time_is_the_run_and_leaves_the_state_alone(make):
-    stepper = make(DRIVETRAIN, dt=DT, count_averaged=True)
+    stepper = make(DRIVETRAIN, dt=DT, speed_from_counts=True)
     short = RECORDING.window(0.5, 0.505)
     whole = stepper.run(short)
     state = stepper.init()
@@ -126,7 +126,7 @@ def test_a_missing_motor_torque_does_not_last(make):
     assert np.all(result["input_fault"][np.isnan(torque)] == 1.0)
     assert (
         np.sqrt(np.mean(_load_error(result)[after] ** 2))
-        < (2.0 if make is observers.radial_basis else 1.5) * normal
+        < (2.0 if make is observers.neural_network else 1.5) * normal
     )
 
 
@@ -140,7 +140,7 @@ def test_with_all_inputs_missing_at_once_it_is_back_soon(make, seed):
     network 20; the unscented filter took a wrong side of the gap for sure and had 13 times its error on rig 2.
     """
     data = experiment(next(case for case in CASES if case.name == "nominal"), seed, 2.5)
-    observer = make(data.drivetrain, dt=DT, count_averaged=True)
+    observer = make(data.drivetrain, dt=DT, speed_from_counts=True)
     given = {name: data.recording[name] for name in observer.inputs}
     gone, after = np.zeros(len(data.recording), dtype=bool), np.zeros(len(data.recording), dtype=bool)
     for start in range(6000, 23500, 1500):
@@ -159,7 +159,7 @@ def test_a_long_loss_of_the_speed_at_a_long_sample_time_does_not_last(make, seed
     dt = 1e-3
     torque = excitation(4.0, dt, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     recording, truth = rig.record(seed, torque_motor=torque, dt=dt)
-    observer = make(Drivetrain.two_mass(**truth.parameters, torque_limit=73.5), dt=dt, count_averaged=True)
+    observer = make(Drivetrain.two_mass(**truth.parameters, torque_limit=73.5), dt=dt, speed_from_counts=True)
     true, errors = truth.signals["speed_load"], []
     for start in (None, 1030, 1210, 1470, 1730, 1900, 2200):
         speed = recording["speed_motor"].copy()
@@ -197,7 +197,7 @@ def test_never_a_nan_for_any_input(make, data):
     speed = np.concatenate([np.full(n, y) for _, y, n in rows])
     unlimited = Drivetrain.two_mass(**TRUTH.parameters)
     averaged = data.draw(st.booleans())
-    result = make(unlimited, dt=DT, count_averaged=averaged).run(
+    result = make(unlimited, dt=DT, speed_from_counts=averaged).run(
         {"torque_motor": torque, "speed_motor": speed}
     )
     for name in result:
@@ -254,7 +254,7 @@ def _coarse(make, dt, bits):
     found = {**truth.parameters, "viscous": 0.0175}  # too short a recording to tell it
     noise = speed_of_counts(dt, 2**bits)
     given = {"sensor_noise": noise if make in MAKERS[4:] else {"speed_motor": noise}}
-    stepper = make(Drivetrain.two_mass(**found, torque_limit=73.5), dt=dt, count_averaged=True, **given)
+    stepper = make(Drivetrain.two_mass(**found, torque_limit=73.5), dt=dt, speed_from_counts=True, **given)
     result = stepper.run(recording)
     exact = truth.signals["speed_load"]
     error = (result["speed_load_estimated"] - exact)[exact.size // 4 :]
@@ -265,7 +265,7 @@ def _coarse(make, dt, bits):
 @pytest.mark.parametrize("dt", [5e-5, 1e-3, 2e-3])
 def test_works_at_other_sample_times(make, dt):
     """At most 0.2 % of the range; at 2 ms, a fifth of the period of the rig's first mode, the two that adapt 1 %."""
-    slow = make in (observers.super_twisting, observers.radial_basis) and dt > 1e-3
+    slow = make in (observers.super_twisting, observers.neural_network) and dt > 1e-3
     assert _coarse(make, dt, 20) < (0.01 if slow else 0.002)
 
 

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.rig import finer_rig, modes, motor_zeros, nominal_rig, two_mass_equivalent, varied_rig
+from lostmotion.rig import (
+    eigenfrequencies,
+    finer_rig,
+    motor_zeros,
+    nominal_rig,
+    two_mass_equivalent,
+    varied_rig,
+)
 from lostmotion.rig.nominal import (
     BACKLASH,
     COULOMB,
@@ -25,9 +32,9 @@ MODEL_LAWS = ("viscoelastic", "dead_zone")
 def test_frequencies_of_the_nominal_rig():
     rig = nominal_rig().drivetrain
     assert len(rig.inertias) >= 4
-    assert modes(rig)[0] == pytest.approx(0.0, abs=1e-3)
-    assert modes(rig)[1] == pytest.approx(100.0, abs=1.5)
-    assert modes(rig)[2] == pytest.approx(750.0, abs=20.0)
+    assert eigenfrequencies(rig)[0] == pytest.approx(0.0, abs=1e-3)
+    assert eigenfrequencies(rig)[1] == pytest.approx(100.0, abs=1.5)
+    assert eigenfrequencies(rig)[2] == pytest.approx(750.0, abs=20.0)
     assert motor_zeros(rig)[0] == pytest.approx(38.0, abs=0.5)
     assert sum(rig.inertias) == pytest.approx(0.1292, abs=1e-12)
 
@@ -98,7 +105,7 @@ def test_recording_holds_no_truth():
     recording, truth = lm.rig.record(2, torque_motor=torque())
     assert set(recording.names) == {"torque_motor", "speed_motor", "speed_load", "torque_shaft", "twist"}
     assert recording.events == () and not recording.final_state
-    assert set(recording.meta) == {"source", "rig_seed", "noise_seed", "count_averaged", "averaged"}
+    assert set(recording.meta) == {"source", "rig_seed", "noise_seed", "speed_from_counts", "averaged"}
     assert set(recording.origin.values()) == {"measured"}
     for name in ("speed_motor", "speed_load", "torque_shaft", "twist"):
         assert np.any(recording[name] != truth.signals[name])
@@ -146,7 +153,7 @@ def test_equivalent_keeps_sums_and_the_pole():
     model = lm.Drivetrain.two_mass(**found)
     assert model.inertia_motor == pytest.approx(sum(INERTIAS[:3]))
     assert model.inertia_load == INERTIAS[3]
-    assert model.pole_frequency == pytest.approx(modes(rig)[1], rel=1e-12)
+    assert model.pole_frequency == pytest.approx(eigenfrequencies(rig)[1], rel=1e-12)
     assert COULOMB < found["coulomb"] < COULOMB * 1.15
     two_gaps = lm.Drivetrain((1.0, 1.0, 1.0), (lm.Shaft(1e3, backlash=0.1), lm.Shaft(1e3, backlash=0.1)))
     with pytest.raises(lm.InvalidInput, match="two_mass_equivalent"):

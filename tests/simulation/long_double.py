@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
 from lostmotion.drivetrain import Friction
-from lostmotion.simulation.modes import GAP, PLUS, Element, Layout, relaxes
+from lostmotion.simulation.contact_states import GAP, PLUS, Element, Layout, relaxes
 
 Long = np.longdouble
 

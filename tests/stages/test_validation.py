@@ -112,7 +112,7 @@ def test_a_loop_that_never_arrives_has_no_overshoot(prepared) -> None:
 
 def test_a_pi_that_cannot_be_designed_leaves_the_law(prepared) -> None:
     material, found, _ = prepared
-    laws = design(replace(material, settings=replace(material.settings, ki=20_000.0)), found)
+    laws = design(replace(material, settings=replace(material.settings, ki=200_000.0)), found)
     assert laws.pi is None
     assert "pi.ki" in laws.pi_skipped
     assert laws.law is not None

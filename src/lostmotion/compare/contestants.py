@@ -14,7 +14,7 @@ from ..observers.filters.extended_kalman import extended_kalman
 from ..observers.filters.interacting_models import interacting_models
 from ..observers.filters.moving_horizon import moving_horizon
 from ..observers.filters.unscented_kalman import unscented_kalman
-from ..observers.motor_speed.neural_network import radial_basis
+from ..observers.motor_speed.neural_network import neural_network
 from ..observers.motor_speed.sliding_mode import sliding_mode
 from ..observers.motor_speed.super_twisting import super_twisting
 from ..recording import Recording
@@ -85,7 +85,7 @@ class MotorSpeed:
 
 
 def _kalman(d: Drivetrain, s: Sensing, measured: tuple[str, ...] = ("speed_motor",), **options: Any) -> Runs:
-    return observers.kalman(d, measured=measured, dt=s.dt, count_averaged=s.averaged, **options)
+    return observers.kalman(d, measured=measured, dt=s.dt, speed_from_counts=s.averaged, **options)
 
 
 #: Process covariance of "load torque, fast" (chosen by search: the smallest worst error of load speed and shaft
@@ -103,7 +103,7 @@ def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain,
     def made(d: Drivetrain, s: Sensing) -> Runs:
         noise = {"speed_motor": s.speed_noise, "torque_shaft": s.torque_noise}
         told = {name: noise[name] for name in options.get("measured", ("speed_motor",))}
-        return make(d, dt=s.dt, count_averaged=s.averaged, sensor_noise=told, **options)
+        return make(d, dt=s.dt, speed_from_counts=s.averaged, sensor_noise=told, **options)
 
     return made
 
@@ -132,16 +132,18 @@ CONTESTANTS: tuple[Contestant, ...] = (
         lambda d, s: _kalman(d, s, load_torque=True, contact_scheduling=True),
     ),
     Contestant("load torque, fast", "fixed gain", _fast),
-    Contestant("H∞", "fixed gain", lambda d, s: observers.h_infinity(d, dt=s.dt, count_averaged=s.averaged)),
+    Contestant(
+        "H∞", "fixed gain", lambda d, s: observers.h_infinity(d, dt=s.dt, speed_from_counts=s.averaged)
+    ),
     Contestant(
         "H∞, load torque",
         "fixed gain",
-        lambda d, s: observers.h_infinity(d, dt=s.dt, count_averaged=s.averaged, load_torque=True),
+        lambda d, s: observers.h_infinity(d, dt=s.dt, speed_from_counts=s.averaged, load_torque=True),
     ),
     Contestant(
-        "momentum disturbance",
+        "disturbance observer",
         "fixed gain",
-        lambda d, s: observers.disturbance(d, dt=s.dt, count_averaged=s.averaged),
+        lambda d, s: observers.disturbance_observer(d, dt=s.dt, speed_from_counts=s.averaged),
     ),
     Contestant("extended Kalman", "stepper", _stepper(extended_kalman)),
     Contestant(
@@ -154,5 +156,5 @@ CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("moving horizon", "stepper", _stepper(moving_horizon)),
     Contestant("sliding mode", "stepper", _stepper(sliding_mode)),
     Contestant("super-twisting", "stepper", _stepper(super_twisting)),
-    Contestant("radial basis", "stepper", _stepper(radial_basis)),
+    Contestant("neural network", "stepper", _stepper(neural_network)),
 )

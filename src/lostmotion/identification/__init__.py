@@ -5,7 +5,7 @@ from .backlash.torque_reversals import BacklashExcitation, backlash_excited
 from .backlash.two_encoders import LostMotion, lost_motion
 from .friction.breakaway import Breakaway, breakaway
 from .friction.constant_speeds import FrictionLadder, friction_ladder
-from .friction.inverse_dynamics import refine_by_simulation, rigid_drive, simulate_rigid_drive
+from .friction.inverse_dynamics import output_error_fit, rigid_drive, simulate_rigid_drive
 from .friction.result import FrictionFit
 from .friction.torque_step import torque_step
 from .prediction_error.contact_comparison import ContactComparison, compare_contacts
@@ -33,7 +33,7 @@ __all__ = [
     "identify",
     "locked_backlash",
     "lost_motion",
-    "refine_by_simulation",
+    "output_error_fit",
     "rigid_drive",
     "ring_down",
     "shaft_stiffness",

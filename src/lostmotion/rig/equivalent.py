@@ -14,7 +14,7 @@ from ..errors import InvalidInput
 LEAST_SPREAD = 1e-6
 
 
-def modes(drivetrain: Drivetrain) -> NDArray[np.float64]:
+def eigenfrequencies(drivetrain: Drivetrain) -> NDArray[np.float64]:
     """Undamped eigenfrequencies with all gaps closed, Hz, rising, the first is 0 (rigid rotation)."""
     return _frequencies(drivetrain, locked_motor=False)
 
@@ -54,7 +54,7 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
     )
     motor = math.fsum(drivetrain.inertias[: joint + 1])
     load = math.fsum(drivetrain.inertias[joint + 1 :])
-    pole = 2.0 * math.pi * float(modes(drivetrain)[1])
+    pole = 2.0 * math.pi * float(eigenfrequencies(drivetrain)[1])
     stiffness = pole**2 / (1.0 / motor + 1.0 / load)
     # In series the compliances add, and in slow motion each shaft dissipates d·(share of the twist)².
     compliance = math.fsum(1.0 / shaft.stiffness for shaft in drivetrain.shafts)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..drivetrain import Drivetrain, Friction
-from .equivalent import modes
+from .equivalent import eigenfrequencies
 from .nominal import COULOMB, INERTIAS, STIFFNESSES, STRIBECK, Rig, make_rig
 
 #: Where a parameter has no interval, it is varied by this much (chosen).
@@ -32,7 +32,7 @@ def finer_rig(model: Drivetrain, intervals: Mapping[str, tuple[float, float]], s
     rig = make_rig(inertias, STIFFNESSES, drawn["backlash"], drawn["coulomb"], drawn["viscous"], seed=seed)
     # One factor on all stiffnesses brings the first mode to that of the drawn two-mass drivetrain.
     wanted = model.with_parameters(**{n: drawn[n] for n in ("inertia_motor", "inertia_load", "stiffness")})
-    factor = (wanted.pole_frequency / float(modes(rig.drivetrain)[1])) ** 2
+    factor = (wanted.pole_frequency / float(eigenfrequencies(rig.drivetrain)[1])) ** 2
     ratio = drawn["damping"] / model.damping if model.damping > 0.0 else 0.0
     shafts = tuple(
         replace(s, stiffness=factor * s.stiffness, damping=_damping(i, model, ratio, factor, s.damping))

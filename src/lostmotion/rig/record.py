@@ -101,7 +101,7 @@ def record(
             "source": "virtual rig",
             "rig_seed": seed,
             "noise_seed": noise_seed,
-            "count_averaged": rig.sensors["speed_motor"].difference,
+            "speed_from_counts": rig.sensors["speed_motor"].difference,
             "averaged": tuple(name for name in channels if rig.sensors[name].difference),
         },
     )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Shaft
-from .modes import GAP, relaxes
+from .contact_states import GAP, relaxes
 from .tables import Mode, Plant
 
 Array = NDArray[np.float64]

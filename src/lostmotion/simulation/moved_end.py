@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from .modes import Layout
+from .contact_states import Layout
 
 Array = NDArray[np.float64]
 

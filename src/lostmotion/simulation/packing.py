@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain, Shaft
-from .modes import Element, Layout, relaxes
+from .contact_states import Element, Layout, relaxes
 
 if TYPE_CHECKING:
     from ..kernels.plant.equations import Chain

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Event, Recording
+from .contact_states import GAP
 from .inputs import last_set_point
-from .modes import GAP
 from .tables import Plant
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from .modes import GAP, MINUS, PLUS, Layout, elements, relaxes
+from .contact_states import GAP, MINUS, PLUS, Layout, elements, relaxes
 from .packing import chain_of, numbers_of
 
 Array = NDArray[np.float64]

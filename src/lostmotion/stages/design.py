@@ -93,13 +93,13 @@ def _tried(make: Callable[[], DiscreteSystem]) -> tuple[DiscreteSystem | None, P
 
 def is_averaged(recording: Recording | None, found: Found) -> bool:
     """Whether a recording's motor speed is a mean over the sample: as it says, else as identification saw it."""
-    seen = found.identification is not None and found.identification.count_averaged
-    return seen if recording is None else bool(recording.meta.get("count_averaged", seen))
+    seen = found.identification is not None and found.identification.speed_from_counts
+    return seen if recording is None else bool(recording.meta.get("speed_from_counts", seen))
 
 
 def observer(drivetrain: Drivetrain, name: str, dt: float, averaged: bool) -> DiscreteSystem:
     """Observer 1 or 2 for a recording at the sample time dt (s)."""
-    return kalman(drivetrain, measured=OBSERVERS[name], dt=dt, count_averaged=averaged)
+    return kalman(drivetrain, measured=OBSERVERS[name], dt=dt, speed_from_counts=averaged)
 
 
 def target_law(

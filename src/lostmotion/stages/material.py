@@ -39,7 +39,7 @@ class Settings:
     torque_limit: float = np.inf
     poles: tuple[complex, ...] = DEFAULT_POLES
     kp: float = 10.0
-    ki: float = 20.0
+    ki: float = 200.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
         poles=law.poles,
         kp=Settings.kp if law.kp is None else law.kp,
         # The file gives the integral gain in Nm/rad, the controller takes it relative to kp.
-        ki=Settings.ki if law.kp is None or law.ki is None else law.ki / law.kp,
+        ki=Settings.ki if law.ki is None else law.ki,
     )
     problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
     first = {use: next((r for u, r in loaded if u == use), None) for use in ("identify", "validate")}

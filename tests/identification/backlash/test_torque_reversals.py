@@ -11,7 +11,7 @@ import pytest
 from lostmotion.identification.backlash.torque_reversals import backlash_excited
 from lostmotion.recording import Recording
 
-DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[3] / ".." / "shared" / "data"))
 TIME = np.arange(10_000) * 1e-3
 
 

@@ -15,7 +15,7 @@ from lostmotion.errors import InvalidInput
 from lostmotion.identification import LostMotion, lost_motion
 from lostmotion.recording import Recording
 
-DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[3] / ".." / "shared" / "data"))
 DT, DELAY = 1e-3, 3.2e-3
 COMPLIANCE = 1.0 / 6285.9
 

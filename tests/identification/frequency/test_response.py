@@ -74,7 +74,7 @@ def test_counted_speed_is_a_mean_over_the_sample():
     mean = Recording(
         whole.time,
         {"torque_motor": whole["torque_motor"], "speed_motor": counted},
-        meta={"count_averaged": True},
+        meta={"speed_from_counts": True},
     )
     found = frequency_response(mean, segment=5.0, band=(3.0, 280.0))
     away = np.abs(found.frequency - 38.0) > 3.0
@@ -141,7 +141,7 @@ def test_speed_control_under_load_torque():
     signals = lm.simulate(
         PLANT,
         dt=dt,
-        law=lm.controllers.pi(kp=5.0, ki=20.0, dt=dt, torque_limit=200.0),
+        law=lm.controllers.pi(kp=5.0, ki=100.0, dt=dt, torque_limit=200.0),
         speed_reference=lm.signals.noise(0.5, 200.0, 2.0, duration, dt, seed=1),
         torque_load=lm.signals.noise(0.5, 200.0, 30.0, duration, dt, seed=2),
     )

@@ -10,7 +10,7 @@ import pytest
 from lostmotion.errors import InvalidInput
 from lostmotion.identification.frequency.tfestimate import mscohere, tfestimate
 
-FIXTURE = Path(__file__).parents[1] / "fixtures" / "octave_spectra.csv"
+FIXTURE = Path(__file__).parents[2] / "fixtures" / "octave_spectra.csv"
 
 
 @pytest.fixture(scope="module")

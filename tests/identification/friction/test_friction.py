@@ -15,14 +15,14 @@ from lostmotion.identification import (
     FrictionFit,
     breakaway,
     friction_ladder,
-    refine_by_simulation,
+    output_error_fit,
     rigid_drive,
     simulate_rigid_drive,
     torque_step,
 )
 from lostmotion.recording import Recording
 
-DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[3] / ".." / "shared" / "data"))
 INERTIA, COULOMB, VISCOUS, DT = 0.1292, 2.0, 0.0175, 1e-3
 
 
@@ -210,7 +210,7 @@ def test_inverse_dynamics_of_known_drives() -> None:
 
 def test_refined_values_are_those_that_made_the_motion() -> None:
     recording = wander(made(coulomb=(2.4, 1.6)), 2, 0.0)
-    refined, run = refine_by_simulation(rigid_drive(recording, asymmetric=True), recording)
+    refined, run = output_error_fit(rigid_drive(recording, asymmetric=True), recording)
     assert refined.values["inertia"] == pytest.approx(INERTIA, rel=1e-4)
     assert refined.values["coulomb_plus"] == pytest.approx(2.4, rel=1e-4)
     assert np.abs(run["angle_motor"] - recording["angle_motor"]).max() < 1e-4
@@ -268,7 +268,7 @@ def test_emps_asymmetric(emps: Recording) -> None:
 def test_emps_open_loop(emps: Recording) -> None:
     assert position_error(emps, EMPS_ASYMMETRIC) <= 2.66
     assert position_error(emps, EMPS) == pytest.approx(6.93, abs=0.25)
-    best, _ = refine_by_simulation(
+    best, _ = output_error_fit(
         rigid_drive(emps, angle="position", torque="force", asymmetric=True), emps, angle="position"
     )
     assert 1e3 * np.sqrt(np.mean((best.fitted - best.measured) ** 2)) <= 1.75

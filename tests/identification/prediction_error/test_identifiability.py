@@ -81,7 +81,7 @@ def told_of_a_held_load(torque: np.ndarray, nameplate: lm.Drivetrain) -> set[str
     assert np.max(np.abs(run["speed_load"])) < 0.5
     noise = 1e-4 * np.random.default_rng(2).standard_normal(torque.size)
     recording = run.only("torque_motor").with_signals("measured", speed_motor=run["speed_motor"] + noise)
-    found = lm.identify(recording, start=nameplate, count_averaged=False)
+    found = lm.identify(recording, start=nameplate, speed_from_counts=False)
     for name in found.names:
         low, high = found.intervals[name]
         assert low <= getattr(PLANT, name) <= high, name

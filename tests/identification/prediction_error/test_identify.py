@@ -71,7 +71,7 @@ def error(found: Identification, truth: dict[str, float], name: str) -> float:
 def test_exact_model_with_exact_speed():
     """What is left is the observer's discretisation: 0.1 % at 0.1 ms."""
     recording = simulated().only("torque_motor", "speed_motor")
-    found = lm.identify(recording, start=off_by_two(TABLE_I, 1), count_averaged=False)
+    found = lm.identify(recording, start=off_by_two(TABLE_I, 1), speed_from_counts=False)
     limits = dict.fromkeys(NAMES, 0.003) | {"viscous": 0.02, "lag": 0.02}
     assert {n: error(found, TABLE_I, n) for n in NAMES if error(found, TABLE_I, n) > limits[n]} == {}
     assert found.prediction.unmodelled_frequency is None
@@ -91,7 +91,7 @@ def test_exact_model_with_encoder_counts():
 def test_speed_taken_as_instantaneous_is_worse():
     """The mean over the sample lags by half a sample: taken as instantaneous, it shows as lag."""
     recording = counted(simulated())
-    found = lm.identify(recording, start=PLANT, count_averaged=False)
+    found = lm.identify(recording, start=PLANT, speed_from_counts=False)
     lag = found.values["lag"]
     assert lag is not None and lag - TABLE_I["lag"] == pytest.approx(0.5 * DT, rel=0.2)
     assert found.prediction.rms > found_from_counts().prediction.rms
@@ -137,7 +137,7 @@ def test_counts_are_recognised_in_a_file_that_does_not_say_so(tmp_path: Path):
     recording, truth = lm.rig.record(1)
     write_csv(tmp_path / "rig.csv", recording, names=("torque_motor", "speed_motor"))
     found = lm.identify(read_recording(tmp_path / "rig.csv"), start=off_by_two(truth.parameters, 1))
-    assert found.count_averaged is True
+    assert found.speed_from_counts is True
     low, high = found.intervals["lag"]
     assert truth.parameters["lag"] == pytest.approx(3e-4) and low <= 3e-4 <= high
 
@@ -145,9 +145,9 @@ def test_counts_are_recognised_in_a_file_that_does_not_say_so(tmp_path: Path):
 @pytest.mark.parametrize("stated", [True, False])
 def test_what_is_stated_of_counts_is_kept(stated: bool):
     recording = counted(simulated()).window(0.0, 1.0)
-    argument = lm.identify(recording, start=PLANT, count_averaged=stated)
-    meta = lm.identify(replace(recording, meta={"count_averaged": stated}), start=PLANT)
-    assert argument.count_averaged is stated and meta.count_averaged is stated
+    argument = lm.identify(recording, start=PLANT, speed_from_counts=stated)
+    meta = lm.identify(replace(recording, meta={"speed_from_counts": stated}), start=PLANT)
+    assert argument.speed_from_counts is stated and meta.speed_from_counts is stated
 
 
 def test_rig_says_what_is_poorly_known():
@@ -234,7 +234,7 @@ def test_closed_loop_with_dither():
     levels = np.repeat([10.0, 25.0, -10.0, -25.0, 15.0, -15.0], 16667)[:100000]
     smooth = np.convolve(np.r_[np.zeros(5000), levels], np.ones(5000) / 5000.0, "valid")[:100000]
     reference = smooth + lm.signals.noise(2.0, 120.0, 0.8, 10.0, DT, seed=int(rng.integers(100)))
-    law = lm.controllers.pi(kp=10.0, ki=20.0, dt=DT, torque_limit=73.5)
+    law = lm.controllers.pi(kp=10.0, ki=200.0, dt=DT, torque_limit=73.5)
     recording, truth = lm.rig.record(1, law=law, speed_reference=reference)
     found = lm.identify(recording, start=off_by_two(truth.parameters, 5))
     targets = {
@@ -253,7 +253,7 @@ def test_closed_loop_out_of_a_poor_minimum():
     levels = np.repeat([10.0, 25.0, -10.0, -25.0, 15.0, -15.0], 16667)[:100000]
     ramps = np.convolve(np.r_[np.zeros(5000), levels], np.ones(5000) / 5000.0, "valid")[:100000]
     dither = lm.signals.noise(2.0, 120.0, 0.8, 10.0, DT, seed=14)
-    law = lm.controllers.pi(kp=10.0, ki=20.0, dt=DT, torque_limit=lm.rig.TORQUE_LIMIT)
+    law = lm.controllers.pi(kp=10.0, ki=200.0, dt=DT, torque_limit=lm.rig.TORQUE_LIMIT)
     recording, truth = lm.rig.record(14, law=law, speed_reference=ramps + dither)
     signs = np.random.default_rng([14, 77]).choice([-1.0, 1.0], len(NAMES))
     values = {n: truth.parameters[n] * 2.0**s for n, s in zip(NAMES, signs, strict=True)}
@@ -266,7 +266,7 @@ def test_closed_loop_without_dither_still_finds_most():
     """Set-point ramps alone: the damping is not excited, all else is found, by two dozen reversals."""
     levels = np.repeat([10.0, 25.0, -10.0, -25.0, 15.0, -15.0], 16667)[:100000]
     reference = np.convolve(np.r_[np.zeros(5000), levels], np.ones(5000) / 5000.0, "valid")[:100000]
-    law = lm.controllers.pi(kp=10.0, ki=20.0, dt=DT, torque_limit=73.5)
+    law = lm.controllers.pi(kp=10.0, ki=200.0, dt=DT, torque_limit=73.5)
     recording, truth = lm.rig.record(1, law=law, speed_reference=reference)
     found = lm.identify(recording, start=off_by_two(truth.parameters, 5))
     assert found.sources["damping"] == "not excited"

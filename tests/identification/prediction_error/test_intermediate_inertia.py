@@ -16,7 +16,7 @@ from lostmotion.identification.prediction_error.innovations import (
 )
 from lostmotion.identification.prediction_error.intermediate_inertia import JointPredictor, with_joint_piece
 from lostmotion.kernels.innovations.intermediate_inertia import two_springs
-from lostmotion.rig import modes
+from lostmotion.rig import eigenfrequencies
 
 DT = 1e-4
 TWO = lm.Drivetrain.two_mass(
@@ -54,7 +54,7 @@ def test_the_torsional_mode_is_that_of_the_two_masses(share: float, compliance: 
     before, behind = two_springs(jm, jl, k, share, compliance)
     assert behind / before == pytest.approx(compliance / (1.0 - compliance))
     three = lm.Drivetrain(((1.0 - share) * jm, share * jm, jl), (lm.Shaft(before), lm.Shaft(behind)))
-    assert modes(three)[1] == pytest.approx(TWO.pole_frequency, rel=1e-9)
+    assert eigenfrequencies(three)[1] == pytest.approx(TWO.pole_frequency, rel=1e-9)
 
 
 def test_it_predicts_what_the_simulator_does():

@@ -94,7 +94,7 @@ def test_what_one_recording_does_not_excite_another_tells():
     torque = 4.0 + lm.signals.noise(5.0, 120.0, 0.6, 3.0, DT, seed=3)
     run = lm.simulate(PLANT, torque_motor=torque, dt=DT, state=(0.0066, 10.0, 10.0))
     one_sided = run.only("torque_motor", "speed_motor")
-    alone = lm.identify(one_sided, start=PLANT, count_averaged=False)
+    alone = lm.identify(one_sided, start=PLANT, speed_from_counts=False)
     assert alone.values["backlash"] is None
     both = lm.identify([one_sided, recorded(1)], start=PLANT)
     assert both.values["backlash"] == pytest.approx(0.012, rel=0.01)

@@ -12,7 +12,7 @@ from lostmotion.errors import InvalidInput
 from lostmotion.identification.shaft.ring_down import ring_down
 from lostmotion.recording import Recording
 
-DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[3] / ".." / "shared" / "data"))
 DT = 1e-3
 
 

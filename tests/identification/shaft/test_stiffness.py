@@ -12,7 +12,7 @@ from lostmotion.errors import InvalidInput
 from lostmotion.identification.shaft.stiffness import ShaftStiffness, shaft_stiffness
 from lostmotion.recording import Recording
 
-DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[3] / ".." / "shared" / "data"))
 STIFFNESS, DELAY, DT = 110.0, 3.7e-4, 1e-3
 
 

@@ -28,7 +28,7 @@ from lostmotion.io.tables.channels import Channel
 
 Problems = Callable[[Callable[[], object]], tuple[Problem, ...]]
 MINIMAL = '[[recording]]\nfile = "rig.csv"\n'
-DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
+DOCUMENT = Path(__file__).parents[3] / "docs" / "configuration.md"
 
 
 def read(folder: Path, text: str) -> Configuration:
@@ -54,7 +54,7 @@ def test_outline(tmp_path: Path) -> None:
         use = "validate"
         window = [2.0, "9 s"]
         resample = true
-        count_averaged = false
+        speed_from_counts = false
         time = { column = 0, unit = "s" }
         channels.speed_motor = 1
         channels.torque_motor = { column = "Iq [A]", scale = 1.9, unit = "Nm", sign = -1 }
@@ -138,7 +138,7 @@ def test_the_examples_of_the_documentation_are_valid(tmp_path: Path, monkeypatch
         (MINIMAL + "window = [3]", "line 3, recording[0].window[1]", "nothing"),
         (MINIMAL + "resample = '1 Nm'", "line 3, recording[0].resample", "'1 Nm'"),
         (MINIMAL + "resample = -1", "line 3, recording[0].resample", "-1"),
-        (MINIMAL + "count_averaged = 1", "line 3, recording[0].count_averaged", "1"),
+        (MINIMAL + "speed_from_counts = 1", "line 3, recording[0].speed_from_counts", "1"),
         (MINIMAL + "time = { sample_time = 0 }", "line 3, recording[0].time", "0"),
         (
             MINIMAL + "time = { sample_time = 1, unit = 's' }",

@@ -184,22 +184,22 @@ def test_speed_is_derived_from_counts_as_a_mean_over_the_sample(tmp_path: Path) 
     np.testing.assert_array_equal(recording["torque_motor"], TORQUE[1:])
     assert recording.origin["speed_motor"] == "derived" and recording.origin["angle_motor"] == "measured"
     assert recording.meta["speed_motor"] == "mean over the sample, from angle_motor"
-    assert recording.meta["count_averaged"] is True
+    assert recording.meta["speed_from_counts"] is True
 
 
 def test_sample_time_instead_of_a_time_column(tmp_path: Path) -> None:
     recording = read_recording(
-        write(tmp_path, lines()), time={"sample_time": "0.5 ms"}, channels=NUMBERED, count_averaged=True
+        write(tmp_path, lines()), time={"sample_time": "0.5 ms"}, channels=NUMBERED, speed_from_counts=True
     )
     np.testing.assert_allclose(recording.time, 0.0005 * np.arange(ROWS), rtol=1e-15)
-    assert recording.meta["count_averaged"] is True
+    assert recording.meta["speed_from_counts"] is True
 
 
 def test_whether_the_speed_is_a_mean_is_left_open_unless_it_is_said(tmp_path: Path) -> None:
     path = write(tmp_path, lines())
-    assert "count_averaged" not in read_recording(path, time=0, channels=NUMBERED).meta
-    said = read_recording(path, time=0, channels=NUMBERED, count_averaged=False)
-    assert said.meta["count_averaged"] is False
+    assert "speed_from_counts" not in read_recording(path, time=0, channels=NUMBERED).meta
+    said = read_recording(path, time=0, channels=NUMBERED, speed_from_counts=False)
+    assert said.meta["speed_from_counts"] is False
 
 
 @pytest.mark.parametrize(
@@ -217,9 +217,9 @@ def test_decimals_of_a_file_are_no_counts(tmp_path: Path, step: float, unit: str
     path = write(tmp_path, lines(columns=(TIME, speed, TORQUE)))
     channel = {"column": 1, "unit": unit, "counts_per_rev": 4096}
     meta = read_recording(path, time=0, channels={"speed_motor": channel}).meta
-    assert meta.get("count_averaged") is (False if known else None)
-    said = read_recording(path, time=0, channels={"speed_motor": channel}, count_averaged=True)
-    assert said.meta["count_averaged"] is True
+    assert meta.get("speed_from_counts") is (False if known else None)
+    said = read_recording(path, time=0, channels={"speed_motor": channel}, speed_from_counts=True)
+    assert said.meta["speed_from_counts"] is True
 
 
 def test_window_is_half_open_and_hides_what_lies_outside(tmp_path: Path) -> None:
@@ -412,14 +412,14 @@ def test_saved_recordings_are_read_with_their_origin_and_checked(
         TIME,
         {"speed_motor": SPEED, "torque_motor": TORQUE},
         {"speed_motor": "simulated"},
-        meta={"seed": 3, "count_averaged": True},
+        meta={"seed": 3, "speed_from_counts": True},
     )
     path = tmp_path / "rig.npz"
     save_recording(original, path)
     recording = read_recording(path, window=(0.05, 0.2))
     np.testing.assert_array_equal(recording["speed_motor"], SPEED[50:])
     assert recording.origin["speed_motor"] == "simulated"
-    assert recording.meta["seed"] == 3 and recording.meta["count_averaged"] is True
+    assert recording.meta["seed"] == 3 and recording.meta["speed_from_counts"] is True
     assert (
         problems_of(lambda: read_recording(path, channels=NUMBERED))[0].got
         == "channels for a saved recording"

@@ -82,7 +82,7 @@ def test_text_is_readable_and_has_units(tmp_path: Path) -> None:
         ("6285.896", '"stiff"', "wrong type"),
         ('"viscoelastic"', '"elastic"', r"Shaft\.contact"),
         ('kind = "drivetrain"', 'kind = "law"', "kind 'law'"),
-        ("schema_version = 1", "schema_version = 2", "schema_version 2"),
+        ("schema_version = 2", "schema_version = 3", "schema_version 3"),
         ("[[shaft]]", "[shaft]", r"\[\[shaft\]\] for each"),
         ("[actuator]", "[actuatr]", "unknown key 'actuatr'"),
         ("lag = 0.0", "lagg = 0.0", "unknown key 'lagg'"),

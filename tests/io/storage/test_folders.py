@@ -235,7 +235,7 @@ def test_a_rename_that_fails_or_is_interrupted_puts_the_old_output_back(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from lostmotion.io.folders import output_folder
+from lostmotion.io.storage.folders import output_folder
 if sys.argv[2] == "in the swap":
     rename = Path.rename
     def killed_after(self, target):

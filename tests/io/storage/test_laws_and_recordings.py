@@ -186,3 +186,14 @@ def test_law_round_trip_is_exact(tmp_path: Path) -> None:
         law.states,
     )
     assert (again.dt, again.name) == (law.dt, law.name)
+
+
+def test_a_recording_of_schema_version_1_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "old.npz"
+    save_recording(Recording([0.0, 0.1], {"speed_motor": [1.0, 2.0]}, meta={"count_averaged": True}), path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    header = json.loads(str(arrays["header"]))
+    arrays["header"] = np.array(json.dumps({**header, "schema_version": 1}))
+    np.savez(path, **arrays)
+    assert load_recording(path).meta == {"speed_from_counts": True}

@@ -10,11 +10,11 @@ from lostmotion.compare.experiment import experiment as rig_case
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import (
-    deviations,
     extended_kalman,
     interacting_models,
     kalman,
     moving_horizon,
+    standard_deviations,
     unscented_kalman,
 )
 from lostmotion.observers.filters.tuning import MODE_MEMORY, MODE_SHARE
@@ -39,12 +39,12 @@ def work(request):
 
 
 def observed(make, plant, given, counted=True, **options):
-    """Estimates and deviations; Observer 1's by ``deviations``."""
+    """Estimates and deviations; Observer 1's by ``standard_deviations``."""
     if make is not kalman:
-        result = make(plant, dt=DT, count_averaged=counted, **options).run(given)
+        result = make(plant, dt=DT, speed_from_counts=counted, **options).run(given)
         return result, result
-    law = kalman(plant, dt=DT, count_averaged=counted)
-    told = deviations(
+    law = kalman(plant, dt=DT, speed_from_counts=counted)
+    told = standard_deviations(
         law, given,
         process_covariance={
             "speed_motor": (TORQUE / plant.inertia_motor) ** 2, "speed_load": (TORQUE / plant.inertia_load) ** 2
@@ -82,7 +82,7 @@ def test_without_a_share_they_are_right_on_their_own_model(make):
     white = TORQUE / np.sqrt(DT) * rng.normal(size=(2, torque.size))
     true = simulate(PLANT, dt=DT, torque_motor=torque + white[0], torque_load=white[1])
     speed = true["speed_motor"] + SENSOR * rng.normal(size=torque.size)
-    told = {"sensor_noise": {"speed_motor": SENSOR}, "unknown_torque": UNKNOWN} if make is not kalman else {}
+    told = {"sensor_noise": {"speed_motor": SENSOR}, "process_torque": UNKNOWN} if make is not kalman else {}
     given = {"torque_motor": torque, "speed_motor": speed}
     result = observed(make, PLANT, given, counted=False, mode_share=0.0, **told)
     within, ratio = judged(*result, true["torque_shaft"], slice(3000, None))

@@ -10,7 +10,7 @@ from scipy.linalg import solve_discrete_are
 
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import deviations, disturbance, h_infinity, kalman, shaft_torque
+from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque, standard_deviations
 from lostmotion.observers.fixed_gain.kalman import covariances_of, sampled_model
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
@@ -48,7 +48,7 @@ def observer():
 
 
 def found(given, law=None, **options):
-    return deviations(
+    return standard_deviations(
         law or observer(),
         given,
         process_covariance=PROCESS,
@@ -112,16 +112,16 @@ def test_in_contact_they_settle_where_the_riccati_equation_says():
     "law",
     [
         kalman(PLANT.with_parameters(coulomb=2.0), dt=DT, load_torque=True, contact_scheduling=True),
-        kalman(PLANT, dt=DT, measured=("torque_shaft", "speed_motor"), count_averaged=True),
+        kalman(PLANT, dt=DT, measured=("torque_shaft", "speed_motor"), speed_from_counts=True),
         h_infinity(PLANT, dt=DT),
-        disturbance(PLANT, dt=DT),
+        disturbance_observer(PLANT, dt=DT),
         shaft_torque(PLANT.stiffness, dt=DT),
     ],
     ids=["scheduled", "both sensors", "H∞", "momentum", "shaft torque"],
 )
 def test_every_fixed_gain_has_them(law):
     rng = np.random.default_rng(1)
-    told = deviations(
+    told = standard_deviations(
         law,
         {name: rng.normal(size=500) for name in law.inputs},
         process_covariance=dict.fromkeys(law.states, 1.0),
@@ -143,10 +143,10 @@ def test_misuse_says_what_to_do():
         ({"samples": 1}, "at least 2"),
     ):
         with pytest.raises(InvalidInput, match=message):
-            deviations(observer(), given, **{**right, **wrong})
+            standard_deviations(observer(), given, **{**right, **wrong})
     without = replace(observer(), A=np.eye(len(observer().states)) * 1.01)
     with pytest.raises(InvalidInput, match="unit circle"):
-        deviations(without, given, **right)
+        standard_deviations(without, given, **right)
 
 
 def test_a_missing_motor_torque_counts_as_known(noisy):
@@ -156,6 +156,6 @@ def test_a_missing_motor_torque_counts_as_known(noisy):
     gone = {**given, "torque_motor": np.where(np.arange(500) < 300, given["torque_motor"], np.nan)}
     # Without modes: theirs follow the estimated torque, which the missing samples do change.
     options = {"process_covariance": PROCESS, "measurement_covariance": MEASUREMENT, "mode_share": 0.0}
-    told, wanted = (deviations(law, data, **options) for data in (gone, given))
+    told, wanted = (standard_deviations(law, data, **options) for data in (gone, given))
     for name in told:
         np.testing.assert_array_equal(told[name], wanted[name])

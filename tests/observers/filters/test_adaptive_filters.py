@@ -99,7 +99,7 @@ def test_finds_a_parameter_20_percent_off(make, name, told):
     """On the rig, from motor torque and speed, within 8 % in 2 s (the mode beyond the model biases both)."""
     rec, _, model = rig_experiment(2, 2.0)
     true = getattr(model, name)
-    result = make(model.with_parameters(**{name: told * true}), dt=DT, count_averaged=True).run(rec)
+    result = make(model.with_parameters(**{name: told * true}), dt=DT, speed_from_counts=True).run(rec)
     assert result[f"{name}_estimated"][-1] == pytest.approx(true, rel=0.08)
     assert 0.0 < result[f"{name}_deviation"][-1] < 0.02 * true
 
@@ -110,7 +110,7 @@ def test_target_with_a_parameter_20_percent_off(make, name):
     """Load speed, shaft torque and elastic twist within 1.5 % of range after 5 s."""
     for told in (0.8, 1.2):
         data = leaderboard_experiment(Case("off", "", told={name: told}), 5, 6.0)
-        observer = make(data.drivetrain, dt=DT, count_averaged=True)
+        observer = make(data.drivetrain, dt=DT, speed_from_counts=True)
         found = score(observer, replace(data, judged=slice(50000, None)))
         assert max(found[s] for s in SIGNALS) < 0.015, (told, found)
 
@@ -120,7 +120,7 @@ def test_held_parameters_stay_as_told(make, experiment):
     rec, _, model = experiment
     short = rec.window(0.0, 0.5)
     held = dict.fromkeys(FACTORS, 0.0)
-    result = make(model, dt=DT, drift=held, uncertainty=held, count_averaged=True).run(short)
+    result = make(model, dt=DT, drift=held, uncertainty=held, speed_from_counts=True).run(short)
     for name in FACTORS:
         assert np.all(result[f"{name}_estimated"] == getattr(model, name))
         assert np.all(result[f"{name}_deviation"] == 0.0)

@@ -52,7 +52,7 @@ def test_a_gap_that_is_wide_against_the_winding_is_not_lost(make, largest, stiff
     exact = simulate(stiff(stiffness, contact="dead_zone"), dt=DT, torque_motor=torque)
     sensors = {"speed_motor": Sensor("angle_motor", 2.0 * math.pi / 2**20, difference=True)}
     shown = {"torque_motor": torque, **measure(sensors, exact.signals, DT, seed)}
-    found = make(stiff(stiffness), dt=DT, count_averaged=True).run(shown)
+    found = make(stiff(stiffness), dt=DT, speed_from_counts=True).run(shown)
     load = exact["speed_load"][3000:]
     wrong = found["speed_load_estimated"][3000:] - load
     assert np.sqrt(np.mean(wrong**2)) < largest * np.ptp(load)

@@ -21,7 +21,7 @@ CHANCES = ("probability_contact_positive", "probability_gap", "probability_conta
 
 @pytest.fixture(scope="module")
 def result(experiment):
-    return interacting_models(experiment.drivetrain, dt=DT, count_averaged=True).run(experiment.recording)
+    return interacting_models(experiment.drivetrain, dt=DT, speed_from_counts=True).run(experiment.recording)
 
 
 def test_probabilities_are_probabilities(result):
@@ -54,7 +54,7 @@ def test_starts_in_the_wrong_contact(experiment):
     """The models begin with equal chances; from a drivetrain pressed on the lower side the right one is found."""
     rec = experiment.recording
     late = {name: rec[name][12345:20000] for name in ("torque_motor", "speed_motor")}
-    result = interacting_models(experiment.drivetrain, dt=DT, count_averaged=True).run(late)
+    result = interacting_models(experiment.drivetrain, dt=DT, speed_from_counts=True).run(late)
     error = result["speed_load_estimated"] - experiment.exact["speed_load"][12345:20000]
     assert np.max(np.abs(error[2000:])) < 0.01 * np.ptp(experiment.exact["speed_load"])
 
@@ -65,7 +65,7 @@ def load_errors(name, seed, duration):
     data = rig_case(case, seed, duration)
     rec = data.recording.only("torque_motor", "speed_motor")
     estimates = [
-        make(data.drivetrain, dt=DT, count_averaged=True).run(rec) for make in (interacting_models, kalman)
+        make(data.drivetrain, dt=DT, speed_from_counts=True).run(rec) for make in (interacting_models, kalman)
     ]
     errors = [(e["speed_load_estimated"] - data.truth["speed_load"])[data.judged] for e in estimates]
     return [float(np.sqrt(np.mean(error**2))) for error in errors]
@@ -108,7 +108,7 @@ def test_parts_of_a_normal_distribution_have_their_own_moments(z, deviation):
 
 def test_the_coulomb_level_is_found(experiment):
     wrong = experiment.drivetrain.with_parameters(coulomb=1.2 * experiment.drivetrain.coulomb)
-    result = interacting_models(wrong, dt=DT, count_averaged=True).run(experiment.recording)
+    result = interacting_models(wrong, dt=DT, speed_from_counts=True).run(experiment.recording)
     found = np.mean(result["coulomb_estimated"][-5000:])
     assert found == pytest.approx(experiment.drivetrain.coulomb, rel=0.1)
 
@@ -116,8 +116,8 @@ def test_the_coulomb_level_is_found(experiment):
 def test_misuse_is_refused(experiment):
     with pytest.raises(InvalidInput, match="measured"):
         interacting_models(experiment.drivetrain, dt=DT, measured=())
-    with pytest.raises(InvalidInput, match="unknown_torque"):
-        interacting_models(experiment.drivetrain, dt=DT, unknown_torque={"wheel": 1.0})
+    with pytest.raises(InvalidInput, match="process_torque"):
+        interacting_models(experiment.drivetrain, dt=DT, process_torque={"wheel": 1.0})
 
 
 @pytest.mark.parametrize(("offset", "told"), [(20.0, 0.85), (40.0, 0.95), (80.0, 0.95)])

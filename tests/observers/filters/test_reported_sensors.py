@@ -23,7 +23,7 @@ def made(case: str, seed: int, duration: float) -> Experiment:
 
 
 def run(make, data: Experiment, **options) -> Recording:
-    observer = make(data.drivetrain, dt=data.sensing.dt, count_averaged=True, **options)
+    observer = make(data.drivetrain, dt=data.sensing.dt, speed_from_counts=True, **options)
     return observer.run(data.recording.only(*observer.inputs))
 
 

@@ -66,7 +66,7 @@ def test_without_gap_and_friction_each_is_the_kalman_filter(make, averaged):
     torque = 5.0 * np.repeat(rng.normal(size=30), 10)
     true = simulate(linear, dt=DT, torque_motor=torque)
     speed = true["speed_motor"] + 0.03 * rng.normal(size=300)
-    stepper = make(linear, dt=DT, drift=HELD, uncertainty=HELD, count_averaged=averaged)
+    stepper = make(linear, dt=DT, drift=HELD, uncertainty=HELD, speed_from_counts=averaged)
     result = stepper.run({"torque_motor": torque, "speed_motor": speed})
     expected = plain_kalman(linear, stepper.parameters, torque, speed, averaged)
     names = [f"{s}_estimated" for s in ("twist", "speed_motor", "speed_load")]
@@ -91,7 +91,7 @@ def test_on_its_own_model_the_error_is_within_its_deviation(make):
 def test_estimates_the_rig(make, experiment):
     """Targets of the fixed-gain observer: 0.2 % of range for the load speed, 1.5 % for the shaft torque, F1 0.95."""
     rec, exact, model = experiment
-    result = make(model, dt=DT, count_averaged=True).run(rec.only("torque_motor", "speed_motor"))
+    result = make(model, dt=DT, speed_from_counts=True).run(rec.only("torque_motor", "speed_motor"))
     assert relative_rmse(result, exact, "speed_load") < 0.001
     assert relative_rmse(result, exact, "torque_shaft") < 0.012
     assert gap_f1(result["twist_elastic_estimated"] == 0.0, exact, model.backlash) > 0.95
@@ -104,7 +104,7 @@ def test_finds_the_backlash_from_a_start_50_percent_off(make, factor, experiment
     """Motor torque and speed under the default excitation; within 3 % from 2 s on (the target is 5 s)."""
     rec, _, model = experiment
     start = model.with_parameters(backlash=factor * model.backlash)
-    result = make(start, dt=DT, count_averaged=True).run(rec)
+    result = make(start, dt=DT, speed_from_counts=True).run(rec)
     ratio = result["backlash_estimated"][20000:] / model.backlash
     assert np.mean(np.abs(ratio - 1.0) < 0.03) > 0.99
     assert ratio[-1] == pytest.approx(1.0, abs=0.03)
@@ -115,7 +115,7 @@ def test_finds_the_backlash_of_other_rigs(seed):
     rec, _, model = rig_experiment(seed, 5.0)
     for factor in (0.5, 1.5):
         start = model.with_parameters(backlash=factor * model.backlash)
-        result = extended_kalman(start, dt=DT, count_averaged=True).run(rec)
+        result = extended_kalman(start, dt=DT, speed_from_counts=True).run(rec)
         assert result["backlash_estimated"][-1] == pytest.approx(model.backlash, rel=0.03)
 
 
@@ -157,7 +157,7 @@ def test_finds_a_load_torque_that_nobody_told_it(make):
 @pytest.mark.parametrize("make", FILTERS)
 def test_the_deviation_of_the_load_grows_in_the_gap(make, experiment):
     rec, exact, model = experiment
-    result = make(model, dt=DT, count_averaged=True).run(rec)
+    result = make(model, dt=DT, speed_from_counts=True).run(rec)
     inside = np.abs(exact["twist_3"]) < 0.4 * model.backlash
     inside[:5000] = False
     run = np.diff(np.concatenate([[0], inside.astype(int), [0]]))
@@ -173,7 +173,7 @@ def test_reads_other_sensors_too(make, experiment):
     rec, exact, model = experiment
     short = rec.window(0.0, 1.0)
     measured = ("speed_motor", "speed_load", "twist", "torque_shaft")
-    stepper = make(model, dt=DT, measured=measured, count_averaged=True)
+    stepper = make(model, dt=DT, measured=measured, speed_from_counts=True)
     assert stepper.inputs == ("torque_motor", *measured)
     result = stepper.run(short)
     assert relative_rmse(result, exact.window(0.0, 1.0), "speed_load", 2000) < 0.003
@@ -205,8 +205,8 @@ def test_misuse_is_refused(make):
         make(TABLE_1, dt=DT, sensors_noise={"speed_motor": 0.1})
     with pytest.raises(InvalidInput, match="sensor_noise"):
         make(TABLE_1, dt=DT, sensor_noise={"speed_motor": 0.0})
-    with pytest.raises(InvalidInput, match="count_averaged"):
-        make(TABLE_1, dt=DT, measured=("speed_load",), count_averaged=True)
+    with pytest.raises(InvalidInput, match="speed_from_counts"):
+        make(TABLE_1, dt=DT, measured=("speed_load",), speed_from_counts=True)
 
 
 def test_a_horizon_has_a_longest_length():
@@ -258,8 +258,8 @@ def test_a_load_that_sticks_half_of_the_time_is_followed_better_than_by_observer
     wave = np.sign(np.sin(2.0 * np.pi * 5.0 * time))
     torque = noise(2.0, 140.0, 1.2, 2.0, DT, seed=seed) + wave
     rec, truth = rig.record(seed, torque_motor=torque)
-    tracked = extended_kalman(model, dt=DT, count_averaged=True).run(rec)
-    first = kalman(model, dt=DT, count_averaged=True).run(rec)
+    tracked = extended_kalman(model, dt=DT, speed_from_counts=True).run(rec)
+    first = kalman(model, dt=DT, speed_from_counts=True).run(rec)
     errors = [relative_rmse(r, truth.signals, "speed_load") for r in (tracked, first)]
     assert errors[0] < 0.5 * errors[1]
 
@@ -267,7 +267,7 @@ def test_a_load_that_sticks_half_of_the_time_is_followed_better_than_by_observer
 def test_the_moving_horizon_knows_that_a_missing_torque_is_not_known():
     """Over its whole horizon: with the last torque held as if it were known, 38 times the normal error on this rig."""
     data = experiment(next(case for case in CASES if case.name == "nominal"), 19, 2.5)
-    observer = moving_horizon(data.drivetrain, dt=DT, count_averaged=True)
+    observer = moving_horizon(data.drivetrain, dt=DT, speed_from_counts=True)
     given = {name: data.recording[name] for name in observer.inputs}
     shown, after = given["torque_motor"].copy(), np.zeros(len(data.recording), dtype=bool)
     for start in range(6000, 24000, 3000):

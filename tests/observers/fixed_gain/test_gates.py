@@ -7,7 +7,7 @@ import pytest
 
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.observers import kalman
-from lostmotion.observers.fixed_gain.gates import LARGEST_INNOVATION, OPEN_AT
+from lostmotion.observers.fixed_gain.gates import LARGEST_CORRECTION, OPEN_AT
 from lostmotion.simulation import simulate
 
 TABLE_1 = Drivetrain.two_mass(
@@ -95,7 +95,7 @@ def test_an_outlier_counts_no_more_than_the_largest_innovation():
     def load_after(jump):
         return run_from(scheduled(), (0.02, 0.0, 0.0), jump, n=2)["speed_load_estimated"][1]
 
-    most, rest = LARGEST_INNOVATION["speed_motor"], load_after(0.0)
+    most, rest = LARGEST_CORRECTION["speed_motor"], load_after(0.0)
     # The gain in the gap is nought up to the rounding of its Riccati equation, 1e-12.
     assert load_after(1e4) == pytest.approx(load_after(most), rel=1e-6)
     assert load_after(0.5 * most) - rest == pytest.approx(0.5 * (load_after(most) - rest), rel=1e-6)
@@ -109,7 +109,7 @@ def test_without_backlash_there_is_nothing_to_schedule():
 
 
 @pytest.mark.parametrize("contact", ["viscoelastic", "dead_zone"])
-@pytest.mark.parametrize("options", [{}, {"load_torque": True}, {"count_averaged": True}])
+@pytest.mark.parametrize("options", [{}, {"load_torque": True}, {"speed_from_counts": True}])
 def test_it_finds_a_wrong_start(contact, options):
     recording = simulate(TABLE_1.with_contact(contact), dt=DT, torque_motor=noise(3.0, 5, mean=5.0))
     observer = scheduled(contact, **options)

@@ -67,7 +67,7 @@ def test_below_the_smallest_level_there_is_no_gain():
     assert _gain(found, q, r, w, 1.01 * smallest) is not None
 
 
-@pytest.mark.parametrize("options", [{}, {"count_averaged": True}, {"load_torque": True}])
+@pytest.mark.parametrize("options", [{}, {"speed_from_counts": True}, {"load_torque": True}])
 def test_far_from_the_level_it_is_the_kalman_observer(options):
     a, b = h_infinity(TABLE_1, dt=DT, margin=1e5, **options), kalman(TABLE_1, dt=DT, **options)
     assert a.states == b.states and a.outputs == b.outputs

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from lostmotion import rig
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import disturbance, h_infinity, kalman
+from lostmotion.observers import disturbance_observer, h_infinity, kalman
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 
@@ -34,9 +34,11 @@ MAKERS = {
     "kalman on both": partial(kalman, measured=BOTH),
     "H infinity": h_infinity,
     "H infinity, load torque": partial(h_infinity, load_torque=True),
-    "disturbance": disturbance,
+    "disturbance_observer": disturbance_observer,
 }
-LAWS = {name: [make(plant, dt=DT, count_averaged=True) for plant in PLANTS] for name, make in MAKERS.items()}
+LAWS = {
+    name: [make(plant, dt=DT, speed_from_counts=True) for plant in PLANTS] for name, make in MAKERS.items()
+}
 OBSERVERS = {name: laws[0] for name, laws in LAWS.items()}
 every = pytest.mark.parametrize("law", OBSERVERS.values(), ids=OBSERVERS.keys())
 
@@ -100,12 +102,12 @@ def on_the_rigs(name):
 def test_bad_samples_of_the_motor_speed_are_predicted_through_flagged_and_soon_forgotten(name, fault):
     ratio, flagged, wrongly = compared(on_the_rigs(name), "speed_motor", fault)
     assert ratio < 1.5
-    if name == "disturbance" and fault == "jump":
+    if name == "disturbance_observer" and fault == "jump":
         return  # its own errors of late are nearly as large
     # The momentum observer soon expects whatever it is shown: zero after a small jump looks like standstill to it.
-    least = {"frozen": 0.9, "zero": 0.9 if name == "disturbance" else 0.97}.get(fault, 0.999)
+    least = {"frozen": 0.9, "zero": 0.9 if name == "disturbance_observer" else 0.97}.get(fault, 0.999)
     assert flagged > least
-    assert wrongly < (0.03 if name == "disturbance" else 1e-3)
+    assert wrongly < (0.03 if name == "disturbance_observer" else 1e-3)
 
 
 @pytest.mark.parametrize("fault", ["missing", "frozen", "zero", "jump", "dropped"])
@@ -143,7 +145,7 @@ def test_a_coarse_encoder_is_not_taken_for_torque(name, most):
 def test_the_torque_that_follows_the_motor_speed_is_stable(lag, averaged, dt):
     """The torque put into the law: the motor follows soon, and the load's swing dies out."""
     plant = PLANT.with_parameters(lag=lag, backlash=0.0, coulomb=0.0)
-    law = kalman(plant, dt=dt, count_averaged=averaged)
+    law = kalman(plant, dt=dt, speed_from_counts=averaged)
     row = [check.input for check in law.checks].index("torque_motor")
     poles = replace(law, A=law.A + law.B[:, :1] @ law.P[[row]]).poles()
     swing = abs(poles - 1.0) < 0.3

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from lostmotion.drivetrain import Drivetrain, Friction
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import h_infinity, kalman, kalman_gain, radial_basis
+from lostmotion.observers import h_infinity, kalman, kalman_gain, neural_network
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 from lostmotion.systems import connect
@@ -253,7 +253,7 @@ def test_count_averaged_speed(dt):
     data = {"torque_motor": recording["torque_motor"], "speed_motor": averaged}
     right, wrong = (
         rms(
-            kalman(TABLE_1, dt=dt, count_averaged=c).run(data)["speed_load_estimated"]
+            kalman(TABLE_1, dt=dt, speed_from_counts=c).run(data)["speed_load_estimated"]
             - recording["speed_load"]
         )
         for c in (True, False)
@@ -273,7 +273,7 @@ def test_count_averaged_speed(dt):
         ({"process_covariance": {"speed": 1.0}}, "process_covariance"),
         ({"measurement_covariance": {"speed_motor": 0.0}}, "positive numbers"),
         ({"process_covariance": {"twist": float("nan")}}, "process_covariance"),
-        ({"measured": ("twist",), "count_averaged": True}, "count_averaged"),
+        ({"measured": ("twist",), "speed_from_counts": True}, "speed_from_counts"),
         ({"dt": 0.0}, "dt"),
         ({"dt": -1e-3}, "dt"),
     ],
@@ -303,7 +303,7 @@ def test_a_lag_far_below_the_sample_time_is_none(lag: float) -> None:
         assert np.max(np.abs(lagging[name] - plain[name])) < 0.01 * np.ptp(plain[name]), name
 
 
-@pytest.mark.parametrize("make", [kalman, h_infinity, radial_basis])
+@pytest.mark.parametrize("make", [kalman, h_infinity, neural_network])
 def test_a_sample_too_long_for_the_shaft_is_refused(make):
     """Beyond, the gap term that is held over a sample swings up; without a gap nothing is held."""
     stiff = TABLE_1.with_parameters(stiffness=(1.6 / 1e-3) ** 2 / (1.0 / 0.0182 + 1.0 / 0.111))

@@ -8,7 +8,7 @@ from rig_runs import gap_f1, relative_rmse
 
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import kalman, radial_basis, sliding_mode, super_twisting
+from lostmotion.observers import kalman, neural_network, sliding_mode, super_twisting
 from lostmotion.observers.motor_speed.parameters import load_corrections
 from lostmotion.simulation import simulate
 
@@ -19,9 +19,9 @@ TABLE_1 = Drivetrain.two_mass(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("make", [sliding_mode, super_twisting, radial_basis])
+@pytest.mark.parametrize("make", [sliding_mode, super_twisting, neural_network])
 def test_estimates_the_rig(make, experiment):
-    result = make(experiment.drivetrain, dt=DT, count_averaged=True).run(experiment.recording)
+    result = make(experiment.drivetrain, dt=DT, speed_from_counts=True).run(experiment.recording)
     assert relative_rmse(result, experiment.exact, "speed_load") < 0.002
     assert relative_rmse(result, experiment.exact, "torque_shaft") < 0.015
     in_gap = result["twist_elastic_estimated"] == 0.0
@@ -31,8 +31,8 @@ def test_estimates_the_rig(make, experiment):
 @pytest.mark.parametrize("make", [sliding_mode, super_twisting])
 def test_stands_wrong_friction_better_than_observer_1(make, experiment):
     wrong = experiment.drivetrain.with_parameters(coulomb=0.5 * experiment.drivetrain.coulomb)
-    first = kalman(wrong, dt=DT, count_averaged=True).run(experiment.recording)
-    result = make(wrong, dt=DT, count_averaged=True).run(experiment.recording)
+    first = kalman(wrong, dt=DT, speed_from_counts=True).run(experiment.recording)
+    result = make(wrong, dt=DT, speed_from_counts=True).run(experiment.recording)
     errors = [relative_rmse(r, experiment.exact, "speed_load") for r in (result, first)]
     assert errors[0] < 0.5 * errors[1]
 
@@ -75,8 +75,10 @@ def test_the_networks_learn_what_the_model_misses(wrong, gain, experiment):
     """In the third second the error is a fraction of that of Observer 1, which has the same gain and learns nothing."""
     start = experiment.drivetrain
     start = start.with_parameters(**{name: f * getattr(start, name) for name, f in wrong.items()})
-    learned = radial_basis(start, dt=DT, learning_time=1.0, count_averaged=True).run(experiment.recording)
-    first = kalman(start, dt=DT, count_averaged=True).run(experiment.recording)
+    learned = neural_network(start, dt=DT, learning_time=1.0, speed_from_counts=True).run(
+        experiment.recording
+    )
+    first = kalman(start, dt=DT, speed_from_counts=True).run(experiment.recording)
     errors = [relative_rmse(r, experiment.exact, "speed_load", 20000) for r in (learned, first)]
     assert errors[0] < gain * errors[1]
     if "backlash" in wrong:
@@ -84,12 +86,12 @@ def test_the_networks_learn_what_the_model_misses(wrong, gain, experiment):
         assert found == pytest.approx(experiment.drivetrain.backlash, rel=0.1)
 
 
-@pytest.mark.parametrize("make", [sliding_mode, super_twisting, radial_basis])
+@pytest.mark.parametrize("make", [sliding_mode, super_twisting, neural_network])
 def test_misuse_is_refused(make):
     argument = {
         sliding_mode: "unknown_torque",
         super_twisting: "torque_rate",
-        radial_basis: "friction_error",
+        neural_network: "friction_error",
     }[make]
     with pytest.raises(InvalidInput, match=argument):
         make(TABLE_1, dt=DT, **{argument: -1.0})

@@ -267,8 +267,8 @@ def test_a_batch_depends_on_its_own_layer_and_all_below():
 
 
 def test_sources_that_change_change_the_hash(tmp_path):
-    for folder in ("kernels", "plot"):
-        (tmp_path / folder).mkdir()
+    for folder in ("kernels/plant", "plot/frequency"):
+        (tmp_path / folder).mkdir(parents=True)
     hashes = []
     for name in ("curves.py", "kernels/plant/event_loop.py", "plot/frequency/bode.py"):
         (tmp_path / name).write_text("")

@@ -83,5 +83,5 @@ def sampling(recording: Recording, input: str, output: str, input_held: bool | N
     elif output.startswith("speed_") and output not in recording and angle in recording:
         source, power = angle, 1
     usually = input in ("torque_motor", "torque_load") or input.endswith("_reference")
-    averaged = source.startswith("speed_") and bool(recording.meta.get("count_averaged"))
+    averaged = source.startswith("speed_") and bool(recording.meta.get("speed_from_counts"))
     return Sampling(recording.dt, source, power, usually if input_held is None else input_held, averaged)

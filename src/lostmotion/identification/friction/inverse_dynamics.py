@@ -158,7 +158,7 @@ def simulate_rigid_drive(
     )
 
 
-def refine_by_simulation(
+def output_error_fit(
     found: FrictionFit, recording: Recording, *, angle: str = "angle_motor"
 ) -> tuple[FrictionFit, Recording]:
     """The same parameters fitted to the angle that the torque alone would lead to, from rest at the first sample.
@@ -188,7 +188,7 @@ def refine_by_simulation(
     covariance = sandwich(np.ascontiguousarray(best.jac.T), np.asarray(best.fun))
     margins = student_factor(len(names)) * np.sqrt(np.diag(covariance)) * scale
     values, intervals, sources, problems = told(
-        tuple(names), start + scale * best.x, margins, _given_inertia(found), "refine_by_simulation"
+        tuple(names), start + scale * best.x, margins, _given_inertia(found), "output_error_fit"
     )
     run = simulated(best.x)
     return (

@@ -100,10 +100,10 @@ def _shown(predictor: Predictor, residual: Array, angle: Array, speed: Array, nu
     """What the recording's sensor would show: counts where it has counts, else white noise as large as usual."""
     rng = np.random.default_rng([number, 40])
     step = count_step(predictor.speed)
-    if step is not None and predictor.count_averaged:
+    if step is not None and predictor.speed_from_counts:
         count = step * predictor.dt
         angle = np.floor(angle / count + rng.uniform()) * count
-    if predictor.count_averaged:
+    if predictor.speed_from_counts:
         speed = np.concatenate(
             # The first count difference of a piece is not known: the one after it stands for it.
             [
@@ -111,7 +111,7 @@ def _shown(predictor: Predictor, residual: Array, angle: Array, speed: Array, nu
                 for a in (angle[p] for p in predictor.pieces)
             ]
         )
-    if step is None or not predictor.count_averaged:
+    if step is None or not predictor.speed_from_counts:
         # By the median, which moments without a good prediction do not raise.
         usual = 1.4826 * float(np.median(np.abs(residual[predictor.settled()])))
         speed = speed + usual * rng.standard_normal(speed.size)

@@ -55,7 +55,7 @@ def compare_contacts(
     *,
     start: Drivetrain,
     fixed: Collection[str] = (),
-    count_averaged: bool | None = None,
+    speed_from_counts: bool | None = None,
 ) -> ContactComparison:
     """Identify under the laws "viscoelastic" and "dead_zone", and compare how well they predict the motor speed.
 
@@ -69,7 +69,12 @@ def compare_contacts(
 
     found = {
         law: identify(
-            recording, start=start, fixed=fixed, contact=law, joint_piece=False, count_averaged=count_averaged
+            recording,
+            start=start,
+            fixed=fixed,
+            contact=law,
+            joint_piece=False,
+            speed_from_counts=speed_from_counts,
         )
         for law in CONTACTS
     }

@@ -135,7 +135,7 @@ def higher_mode(predictor: Predictor, stage: Stage) -> float | None:
     settled = predictor.settled()
     rest, speed = predictor.speed_residual(stage.fit.residual)[settled], predictor.speed[settled]
     pole = predictor.drivetrain(stage.fit.theta).pole_frequency
-    return unmodelled_mode(rest, speed, predictor.dt, predictor.count_averaged, pole)
+    return unmodelled_mode(rest, speed, predictor.dt, predictor.speed_from_counts, pole)
 
 
 def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box) -> Stage:

@@ -46,7 +46,7 @@ def identify(
     load_torque: bool = False,
     contact: str = "viscoelastic",
     joint_piece: bool = True,
-    count_averaged: bool | None = None,
+    speed_from_counts: bool | None = None,
     progress: Progress | None = None,
 ) -> Identification:
     """Find the two-mass drivetrain whose observer predicts the motor speed, and what else is measured, best.
@@ -88,9 +88,9 @@ def identify(
         Contact law of the observer; see ``compare_contacts``.
     joint_piece : bool
         Whether a joint piece is tried; not with further channels, a load torque or the dead-zone law.
-    count_averaged : bool, optional
+    speed_from_counts : bool, optional
         Whether the speeds are an encoder's count difference, so a mean over the sample before. Default: what
-        ``recording.meta["count_averaged"]`` says, else found from the quantisation of the signal.
+        ``recording.meta["speed_from_counts"]`` says, else found from the quantisation of the signal.
     progress : callable, optional
         Called with a fraction from 0 to 1 and a text.
 
@@ -118,9 +118,9 @@ def identify(
     pieces = join(recordings, ("torque_motor", *measured))
     wide = load_torque or contact != "viscoelastic" or len(measured) > 1
     warnings.check_length(pieces.time.size, pieces.dt, MIN_ROWS, MIN_TIME)
-    predictor = _predictor(pieces, recordings[0], start, count_averaged)
+    predictor = _predictor(pieces, recordings[0], start, speed_from_counts)
     coarse: list[Problem] = []
-    if predictor.count_averaged and not wide:
+    if predictor.speed_from_counts and not wide:
         rows, coarse = warnings.rows_to_join(predictor.speed, pieces.dt, start.pole_frequency)
         if rows > 1:
             pieces = pieces.joined(rows)
@@ -143,7 +143,7 @@ def identify(
     ambiguous = _second_minimum(predictor, second, stage, box)
     if wide:
         say(0.7, "fitting all channels")
-        channels = _channel_predictor(predictor, pieces, recordings[0], measured, contact, count_averaged)
+        channels = _channel_predictor(predictor, pieces, recordings[0], measured, contact, speed_from_counts)
         predictor, stage = refine(channels, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
     result = _result(pieces, predictor, *told(predictor, stage, start, box, total), start, fixed, total)
@@ -180,16 +180,18 @@ def _check(start: Drivetrain, fixed: Collection[str], measured: Sequence[str], c
 
 
 def _predictor(
-    pieces: Pieces, recording: Recording, start: Drivetrain, count_averaged: bool | None
+    pieces: Pieces, recording: Recording, start: Drivetrain, speed_from_counts: bool | None
 ) -> Predictor:
     speed = pieces.signals["speed_motor"]
-    if count_averaged is None:
-        count_averaged = bool(recording.meta.get("count_averaged", warnings.count_step(speed) is not None))
+    if speed_from_counts is None:
+        speed_from_counts = bool(
+            recording.meta.get("speed_from_counts", warnings.count_step(speed) is not None)
+        )
     skip = min(int(SETTLING / pieces.dt), pieces.bounds[1] // 10)
     later = int(SETTLING_LATER / pieces.dt)
     base = start.with_contact("viscoelastic")
     torque = pieces.signals["torque_motor"]
-    return Predictor(torque, speed, pieces.dt, count_averaged, base, skip, pieces.bounds, later)
+    return Predictor(torque, speed, pieces.dt, speed_from_counts, base, skip, pieces.bounds, later)
 
 
 def _second_minimum(predictor: Predictor, second: Array | None, stage: Stage, box: Box) -> list[Problem]:
@@ -209,16 +211,16 @@ def _channel_predictor(
     recording: Recording,
     measured: Sequence[str],
     contact: str,
-    count_averaged: bool | None,
+    speed_from_counts: bool | None,
 ) -> ChannelPredictor:
     channels = {name: pieces.signals[name] for name in measured if name != "speed_motor"}
-    averaged = ["speed_motor"] if predictor.count_averaged else []
+    averaged = ["speed_motor"] if predictor.speed_from_counts else []
     if "speed_load" in channels:
-        stated = recording.meta.get("count_averaged") if count_averaged is None else count_averaged
+        stated = recording.meta.get("speed_from_counts") if speed_from_counts is None else speed_from_counts
         if warnings.count_step(channels["speed_load"]) is not None if stated is None else stated:
             averaged.append("speed_load")
     return ChannelPredictor(
-        predictor.torque, predictor.speed, predictor.dt, predictor.count_averaged,
+        predictor.torque, predictor.speed, predictor.dt, predictor.speed_from_counts,
         predictor.base.with_contact(contact), predictor.skip, predictor.bounds, predictor.skip_later,
         channels=channels, averaged=tuple(averaged),
     )  # fmt: skip
@@ -278,5 +280,5 @@ def _result(
         prediction=prediction,
         names=names,
         covariance=values.covariance,
-        count_averaged=predictor.count_averaged,
+        speed_from_counts=predictor.speed_from_counts,
     )

@@ -42,7 +42,7 @@ class Predictor:
     ----------
     torque, speed : (n,) arrays, Nm and rad/s
     dt : float, s
-    count_averaged : bool
+    speed_from_counts : bool
         The speed is a mean over the sample before.
     base : Drivetrain
         Two masses; what is not identified (friction of the motor) stays as it is here.
@@ -59,7 +59,7 @@ class Predictor:
     torque: Array
     speed: Array
     dt: float
-    count_averaged: bool
+    speed_from_counts: bool
     base: Drivetrain
     skip: int
     bounds: tuple[int, ...] = ()
@@ -126,7 +126,7 @@ class Predictor:
         }  # fmt: skip
         return kalman(
             self.drivetrain(theta), dt=self.dt, process_covariance=process,
-            measurement_covariance={"speed_motor": 1.0}, count_averaged=self.count_averaged,
+            measurement_covariance={"speed_motor": 1.0}, speed_from_counts=self.speed_from_counts,
         )  # fmt: skip
 
     def residual(self, theta: Array, bandwidth: Bandwidth) -> Array:
@@ -145,7 +145,7 @@ class Predictor:
         gains = (bandwidth.motor, bandwidth.load)
         bounds = np.array(self.bounds, dtype=np.int64)
         residual = innovations(
-            self._parameters(thetas), gains, self.dt, self.count_averaged, bounds, self.torque, self.speed
+            self._parameters(thetas), gains, self.dt, self.speed_from_counts, bounds, self.torque, self.speed
         )
         for settling in self.settling():
             residual[:, settling] = 0.0

@@ -61,7 +61,7 @@ class JointPredictor(Predictor):
             (self.share, self.compliance),
             (bandwidth.motor, bandwidth.load),
             self.dt,
-            self.count_averaged,
+            self.speed_from_counts,
             np.array(self.bounds, dtype=np.int64),
             self.torque,
             self.speed,
@@ -116,7 +116,7 @@ def with_joint_piece(
 
 def _joint(predictor: Predictor) -> JointPredictor:
     return JointPredictor(
-        predictor.torque, predictor.speed, predictor.dt, predictor.count_averaged, predictor.base, predictor.skip,
+        predictor.torque, predictor.speed, predictor.dt, predictor.speed_from_counts, predictor.base, predictor.skip,
         predictor.bounds, predictor.skip_later, joined=predictor.joined,
     )  # fmt: skip
 

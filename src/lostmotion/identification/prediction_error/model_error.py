@@ -39,7 +39,7 @@ FRICTION_ALLOWANCE = 0.015
 
 
 def unmodelled_mode(
-    residual: Array, speed: Array, dt: float, count_averaged: bool, pole_frequency: float
+    residual: Array, speed: Array, dt: float, speed_from_counts: bool, pole_frequency: float
 ) -> float | None:
     """Frequency (Hz) of the residual's peak above the torsional mode, if one stands out of the noise.
 
@@ -50,14 +50,14 @@ def unmodelled_mode(
     ----------
     residual, speed : (n,) arrays, rad/s
     dt : float, s
-    count_averaged : bool
+    speed_from_counts : bool
     pole_frequency : float, Hz
     """
     from scipy.signal import welch
 
     rows = min(1024, residual.size)
     frequency, power = welch(residual, fs=1.0 / dt, nperseg=rows)
-    colour = 2.0 * np.sin(np.pi * frequency * dt) ** 2 if count_averaged else np.ones(frequency.size)
+    colour = 2.0 * np.sin(np.pi * frequency * dt) ** 2 if speed_from_counts else np.ones(frequency.size)
     upper = (frequency > 0.25 / dt) & (frequency < 0.45 / dt)
     level = float(np.median(power[upper] / colour[upper]))
     band = (frequency > 2.5 * pole_frequency) & (frequency < min(HIGHEST_MODE * pole_frequency, 0.45 / dt))

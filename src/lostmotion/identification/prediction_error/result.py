@@ -76,7 +76,7 @@ class Identification:
         Identified parameters in the order of ``covariance``.
     covariance : (m, m) array
         Of the logarithms of the parameters (of lag + sample time for the lag); statistical part alone.
-    count_averaged : bool
+    speed_from_counts : bool
         Whether the motor speed was taken as a mean over the sample before: as stated, else as found from its
         quantisation. Observers of the same sensor need it too.
     """
@@ -89,7 +89,7 @@ class Identification:
     prediction: Prediction
     names: tuple[str, ...] = ()
     covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
-    count_averaged: bool = False
+    speed_from_counts: bool = False
 
     def __post_init__(self) -> None:
         for name in ("values", "intervals", "sources"):

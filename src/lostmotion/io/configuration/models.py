@@ -49,7 +49,7 @@ class RecordingModel(_Model):
         | None
     ) = None
     resample: Annotated[float | bool | None, BeforeValidator(value.resample)] = None
-    count_averaged: Annotated[bool | None, Field(strict=True)] = None
+    speed_from_counts: Annotated[bool | None, Field(strict=True)] = None
 
     @model_validator(mode="after")
     def _window_in_order(self) -> RecordingModel:

@@ -37,7 +37,7 @@ class RecordingSource:
     channels : mapping of signal → Channel
     window : (start, stop), s, optional
     resample : float (s), bool or None
-    count_averaged : bool or None
+    speed_from_counts : bool or None
     """
 
     file: Path
@@ -46,7 +46,7 @@ class RecordingSource:
     channels: Mapping[str, Channel] = field(default_factory=dict)
     window: tuple[float, float] | None = None
     resample: float | bool | None = None
-    count_averaged: bool | None = None
+    speed_from_counts: bool | None = None
 
     def read(self) -> Recording:
         """The recording in SI; raises ``InputProblems`` with all its errors."""
@@ -56,7 +56,7 @@ class RecordingSource:
             channels=self.channels or None,
             window=self.window,
             resample=self.resample,
-            count_averaged=self.count_averaged,
+            speed_from_counts=self.speed_from_counts,
         )
 
 

@@ -28,7 +28,7 @@ def read_recording(
     channels: Mapping[str, Any] | None = None,
     window: tuple[float, float] | None = None,
     resample: str | float | bool | None = None,
-    count_averaged: bool | None = None,
+    speed_from_counts: bool | None = None,
 ) -> Recording:
     """Read a CSV, a MATLAB file up to version 7, or a recording that the package has saved (.npz).
 
@@ -44,7 +44,7 @@ def read_recording(
         Only start ≤ time < stop is read and checked.
     resample : str, float or bool
         Sample time of a new raster (``"0.1 ms"``, or s), True for the median step: linear interpolation.
-    count_averaged : bool, optional
+    speed_from_counts : bool, optional
         Whether the file's motor speed is a mean over the last sample (count difference / step). Default: not
         said, and ``identify`` finds it, unless the file itself says it, the speed is derived here (then it
         is), or the file's numbers are rounded to decimals, which would look like counts (then it is not).
@@ -53,7 +53,7 @@ def read_recording(
     -------
     Recording
         SI; origin ``measured`` or ``derived``. ``meta`` holds ``file``, ``sha256``, ``sources``, ``problems``
-        (the warnings), ``count_averaged`` where it is known, and for each derived speed how it was made. A
+        (the warnings), ``speed_from_counts`` where it is known, and for each derived speed how it was made. A
         speed that is missing is the difference of its angle over the last sample; the first row has none and
         is left out.
 
@@ -78,10 +78,10 @@ def read_recording(
         raise InputProblems([error.problem]) from None
     meta.update(file=where, sha256=hashlib.sha256(data).hexdigest(), sources=raw.sources)
     recording = _with_derived_speeds(Recording(raw.time, raw.signals, origin, meta=meta))
-    if count_averaged is None and raw.rounded:
+    if speed_from_counts is None and raw.rounded:
         # Else the decimals of the file would be taken for the counts of an encoder.
-        count_averaged = False
-    said = {} if count_averaged is None else {"count_averaged": bool(count_averaged)}
+        speed_from_counts = False
+    said = {} if speed_from_counts is None else {"speed_from_counts": bool(speed_from_counts)}
     problems = (*raw.warnings, *check_recording(recording))
     return replace(recording, meta={**recording.meta, **said, "problems": problems})
 
@@ -132,7 +132,7 @@ def _with_derived_speeds(recording: Recording) -> Recording:
     speeds = {s: np.diff(recording[a]) / np.diff(recording.time) for s, a in missing.items()}
     meta = {**recording.meta, **{s: f"mean over the sample, from {a}" for s, a in missing.items()}}
     if "speed_motor" in missing:
-        meta["count_averaged"] = True
+        meta["speed_from_counts"] = True
     return replace(
         recording,
         time=recording.time[1:],

@@ -28,6 +28,9 @@ SCHEMA_VERSION = 2
 #: Versions that are still read; what differs is brought up to date by the type that the content makes.
 READABLE = (1, SCHEMA_VERSION)
 
+#: Keys of a recording's meta that schema version 1 calls otherwise.
+_RENAMED = {"count_averaged": "speed_from_counts"}
+
 
 def save_json(path: str | Path, kind: str, data: Mapping[str, Any]) -> None:
     """Write a mapping as JSON with its kind and the schema version on top.
@@ -124,13 +127,14 @@ def load_recording(path: str | Path) -> Recording:
             "Copy it again; save a spreadsheet as CSV.",
         ) from None
     header = unwrapped(header, "recording", str(path))
+    meta = {_RENAMED.get(key, key): value for key, value in _untagged(header["meta"]).items()}
     return Recording(
         arrays["time"],
         {n.removeprefix("signal/"): values for n, values in arrays.items() if n.startswith("signal/")},
         header["origin"],
         tuple(Event(*event) for event in header["events"]),
         _untagged(header["final_state"]),
-        _untagged(header["meta"]),
+        meta,
     )
 
 

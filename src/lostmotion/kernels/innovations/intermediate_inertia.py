@@ -120,7 +120,7 @@ def _run(step, gain, c1, lead, half, level_motor, level_load, torque, speed, res
 
 
 @njit(cache=True, nogil=True)
-def _one(parameters, joint, bandwidth, dt, count_averaged, bounds, torque, speed, residual):
+def _one(parameters, joint, bandwidth, dt, speed_from_counts, bounds, torque, speed, residual):
     """Innovations for one set of parameters; the observer starts anew with each piece of the recording."""
     n = _STATES
     block, step = np.zeros((n + 4, n + 4)), np.zeros((n + 4, n + 4))
@@ -132,7 +132,7 @@ def _one(parameters, joint, bandwidth, dt, count_averaged, bounds, torque, speed
     phi[:n, :n] = step[:n, :n]
     phi[n, 1] = 1.0
     c, gain = np.zeros((1, n + 1)), np.zeros((n + 1, 1))
-    c1 = 0.5 if count_averaged else 1.0
+    c1 = 0.5 if speed_from_counts else 1.0
     c[0, 1], c[0, n] = c1, 1.0 - c1
     predictor_gain(phi, c, noise, np.full(1, 1.0 / dt), gain)
     lead = parameters[3] / parameters[2] + 0.5 * dt
@@ -143,17 +143,17 @@ def _one(parameters, joint, bandwidth, dt, count_averaged, bounds, torque, speed
 
 
 @njit(cache=True, nogil=True)
-def joint_innovations(parameters, joint, bandwidth, dt, count_averaged, bounds, torque, speed):
+def joint_innovations(parameters, joint, bandwidth, dt, speed_from_counts, bounds, torque, speed):
     """Innovations (m, n), a row for each row of ``parameters``.
 
     Parameters
     ----------
     joint : (2,) tuple
         ``share`` and ``compliance``, see ``two_springs``.
-    parameters, bandwidth, dt, count_averaged, bounds, torque, speed
+    parameters, bandwidth, dt, speed_from_counts, bounds, torque, speed
         As for ``prediction_error.innovations``.
     """
     residuals = np.empty((parameters.shape[0], torque.size))
     for i in range(parameters.shape[0]):
-        _one(parameters[i], joint, bandwidth, dt, count_averaged, bounds, torque, speed, residuals[i])
+        _one(parameters[i], joint, bandwidth, dt, speed_from_counts, bounds, torque, speed, residuals[i])
     return residuals

@@ -234,7 +234,7 @@ def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed,
 
 
 @njit(cache=True, nogil=True)
-def _one(parameters, bandwidth, dt, count_averaged, bounds, torque, speed, residual):
+def _one(parameters, bandwidth, dt, speed_from_counts, bounds, torque, speed, residual):
     """Innovations for one set of parameters; the observer starts anew with each piece."""
     block, step, density = np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((4, 4))
     phi, noise, gain = np.zeros((5, 5)), np.zeros((5, 5)), np.zeros((5, 1))
@@ -245,7 +245,7 @@ def _one(parameters, bandwidth, dt, count_averaged, bounds, torque, speed, resid
         for j in range(4):
             phi[i, j] = step[i, j]
     phi[4, 1] = 1.0
-    c1 = 0.5 if count_averaged else 1.0
+    c1 = 0.5 if speed_from_counts else 1.0
     c4 = 1.0 - c1
     c = np.zeros((1, 5))
     c[0, 1], c[0, 4] = c1, c4
@@ -258,7 +258,7 @@ def _one(parameters, bandwidth, dt, count_averaged, bounds, torque, speed, resid
 
 
 @njit(cache=True, nogil=True)
-def innovations(parameters, bandwidth, dt, count_averaged, bounds, torque, speed):
+def innovations(parameters, bandwidth, dt, speed_from_counts, bounds, torque, speed):
     """Innovations y − ŷ of the observer over a recording, (m, n): a row for each row of ``parameters``.
 
     The states are twist, speed_motor, speed_load, torque_actuator and the speed_motor of the sample before::
@@ -276,7 +276,7 @@ def innovations(parameters, bandwidth, dt, count_averaged, bounds, torque, speed
     bandwidth : (2,) tuple or array, 1/s
         Roots of the process densities of speed_motor and speed_load, for a density of 1 of the measurement.
     dt : float, s
-    count_averaged : bool
+    speed_from_counts : bool
         ŷ is the mean of the last two speeds.
     bounds : (p + 1,) int array
         First row of each of p pieces, each with its own start, and the number of rows.
@@ -284,5 +284,5 @@ def innovations(parameters, bandwidth, dt, count_averaged, bounds, torque, speed
     """
     residuals = np.empty((parameters.shape[0], torque.size))
     for i in range(parameters.shape[0]):
-        _one(parameters[i], bandwidth, dt, count_averaged, bounds, torque, speed, residuals[i])
+        _one(parameters[i], bandwidth, dt, speed_from_counts, bounds, torque, speed, residuals[i])
     return residuals

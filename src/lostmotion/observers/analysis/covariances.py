@@ -63,11 +63,13 @@ class Covariances:
     sensitivity: Mapping[str, float]
     converged: bool
 
-    def observer(self, drivetrain: Drivetrain, *, dt: float, count_averaged: bool = False) -> DiscreteSystem:
+    def observer(
+        self, drivetrain: Drivetrain, *, dt: float, speed_from_counts: bool = False
+    ) -> DiscreteSystem:
         """The observer with these covariances."""
         return kalman(
             drivetrain, measured=tuple(self.measurement), dt=dt, process_covariance=self.process,
-            measurement_covariance=self.measurement, count_averaged=count_averaged,
+            measurement_covariance=self.measurement, speed_from_counts=speed_from_counts,
         )  # fmt: skip
 
 
@@ -77,7 +79,7 @@ def covariances(
     *,
     measured: Sequence[str] = ("speed_motor",),
     searched: Sequence[str] = SEARCHED,
-    count_averaged: bool | None = None,
+    speed_from_counts: bool | None = None,
 ) -> Covariances:
     """Find the covariances under which the recording is most likely.
 
@@ -97,8 +99,8 @@ def covariances(
     measured : sequence of str
     searched : sequence of str
         States whose process covariance is searched for; all others get 0.
-    count_averaged : bool, optional
-        As in ``kalman``; default: what ``recording.meta["count_averaged"]`` says.
+    speed_from_counts : bool, optional
+        As in ``kalman``; default: what ``recording.meta["speed_from_counts"]`` says.
 
     Returns
     -------
@@ -117,10 +119,10 @@ def covariances(
     from scipy.optimize import minimize
 
     drivetrain, measured = two_masses(drivetrain), sensors(measured, SENSORS)
-    if count_averaged is None:
-        count_averaged = bool(recording.meta.get("count_averaged", False)) and "speed_motor" in measured
-    flag("count_averaged", count_averaged)
-    problem = _Problem(recording, drivetrain, measured, tuple(searched), count_averaged)
+    if speed_from_counts is None:
+        speed_from_counts = bool(recording.meta.get("speed_from_counts", False)) and "speed_motor" in measured
+    flag("speed_from_counts", speed_from_counts)
+    problem = _Problem(recording, drivetrain, measured, tuple(searched), speed_from_counts)
     start = problem.start()
     limit = np.log(FARTHEST)
     options: Any = {
@@ -145,7 +147,7 @@ class _Problem:
 
     def __init__(
         self, recording: Recording, drivetrain: Drivetrain, measured: tuple[str, ...], searched: tuple[str, ...],
-        count_averaged: bool,
+        speed_from_counts: bool,
     ) -> None:  # fmt: skip
         unknown = sorted(set(searched) - set(PROCESS_COVARIANCE))
         if unknown or not searched or len(set(searched)) < len(searched):
@@ -165,7 +167,7 @@ class _Problem:
                 "Record longer.",
             )
         self.drivetrain, self.measured, self.searched = drivetrain, measured, searched
-        self.count_averaged = count_averaged
+        self.speed_from_counts = speed_from_counts
 
     def start(self) -> Array:
         process = [PROCESS_COVARIANCE[name] or 1.0 for name in self.searched]
@@ -182,7 +184,11 @@ class _Problem:
 
     def _design(self, theta: Array) -> tuple[SampledModel, Array, Array]:
         design = sampled_model(
-            self.drivetrain, self.measured, self.data.dt, self.count_averaged, "torque_load" in self.searched
+            self.drivetrain,
+            self.measured,
+            self.data.dt,
+            self.speed_from_counts,
+            "torque_load" in self.searched,
         )
         return (design, *covariances_of(design, *self._named(theta)))
 

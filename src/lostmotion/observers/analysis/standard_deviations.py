@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 SAMPLES = 200
 
 
-def deviations(
+def standard_deviations(
     observer: DiscreteSystem,
     data: Recording | Mapping[str, ArrayLike],
     *,
@@ -51,8 +51,8 @@ def deviations(
     Parameters
     ----------
     observer : DiscreteSystem
-        Of ``kalman``, ``h_infinity``, ``disturbance``, ``shaft_torque``, or made by hand; its inputs but torque_motor
-        are sensors.
+        Of ``kalman``, ``h_infinity``, ``disturbance_observer``, ``shaft_torque``, or made by hand; its inputs but
+        torque_motor are sensors.
     data : Recording, or mapping of input name → (n,) array
         As for ``observer.run``.
     process_covariance : mapping of state → variance
@@ -87,11 +87,13 @@ def deviations(
 
     if not isinstance(observer, DiscreteSystem):
         expected, remedy = "a fixed-gain observer", "A filter gives its deviations beside its estimates."
-        raise InvalidInput("deviations.observer", repr(observer), expected, remedy)
+        raise InvalidInput("standard_deviations.observer", repr(observer), expected, remedy)
     if not (isinstance(samples, int) and samples >= 2):
-        raise InvalidInput("deviations.samples", repr(samples), "a whole number, at least 2", "Give more.")
+        raise InvalidInput(
+            "standard_deviations.samples", repr(samples), "a whole number, at least 2", "Give more."
+        )
     sensors = tuple(name for name in observer.inputs if name != "torque_motor")
-    modes = mode_numbers("deviations.mode_share", mode_share, observer.dt)
+    modes = mode_numbers("standard_deviations.mode_share", mode_share, observer.dt)
     q = _densities("process_covariance", observer.states, observer.states, process_covariance)
     r = _densities("measurement_covariance", observer.inputs, sensors, measurement_covariance)
     noise = q * observer.dt, r / observer.dt
@@ -119,13 +121,19 @@ def _densities(
     where: str, names: tuple[str, ...], noisy: tuple[str, ...], given: Mapping[str, float]
 ) -> Array:
     """In the order of ``names``; only those in ``noisy`` may have one."""
-    given = mapping(f"deviations.{where}", given)
+    given = mapping(f"standard_deviations.{where}", given)
     unknown = sorted(set(given) - set(noisy))
     if unknown:
-        raise InvalidInput(f"deviations.{where}", f"{unknown}", f"names out of {noisy}", "Check the names.")
-    values = np.array([number(f"deviations.{where}[{name!r}]", given.get(name, 0.0)) for name in names])
+        raise InvalidInput(
+            f"standard_deviations.{where}", f"{unknown}", f"names out of {noisy}", "Check the names."
+        )
+    values = np.array(
+        [number(f"standard_deviations.{where}[{name!r}]", given.get(name, 0.0)) for name in names]
+    )
     if not np.all(np.isfinite(values) & (values >= 0.0)):
-        raise InvalidInput(f"deviations.{where}", f"{given}", "zero or positive numbers", "Give variances.")
+        raise InvalidInput(
+            f"standard_deviations.{where}", f"{given}", "zero or positive numbers", "Give variances."
+        )
     return values
 
 
@@ -161,7 +169,7 @@ def _settled(observer: DiscreteSystem, process: Array, sensor: Array) -> Array:
     radius = float(np.max(np.abs(observer.poles()), initial=0.0))
     if not radius < 1.0:
         raise InvalidInput(
-            "deviations.observer", f"a pole at {radius:g}", "all poles within the unit circle",
+            "standard_deviations.observer", f"a pole at {radius:g}", "all poles within the unit circle",
             "Take an observer that corrects all its states.",
         )  # fmt: skip
     covariance = np.diag(process) + (observer.B * sensor) @ observer.B.T

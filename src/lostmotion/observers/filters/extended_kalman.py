@@ -78,7 +78,7 @@ UNCERTAINTY: Mapping[str, float] = MappingProxyType(
 #: Torque that the model leaves out, as the root of its density, Nm·√s. Chosen on virtual rigs 1 to 4: with less on the
 #: motor a filter grows too sure of itself, with more it follows an unknown load torque worse and finds the gap worse
 #: under control.
-UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.05, "load": 0.02})
+PROCESS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.05, "load": 0.02})
 
 #: Standard deviations at the start: of the twist beside the gap, rad, and of both speeds, rad/s; and what the twist
 #: wanders in a piece of a sample, rad, so that no variance vanishes (all chosen).
@@ -111,7 +111,7 @@ def extended_kalman(
     dt : float, s
         Sample time.
     **tuning
-        See ``tuning.Tuning``; defaults ``UNKNOWN_TORQUE``, ``DRIFT``, ``UNCERTAINTY``. Stiffness and inertias are
+        See ``tuning.Tuning``; defaults ``PROCESS_TORQUE``, ``DRIFT``, ``UNCERTAINTY``. Stiffness and inertias are
         held between half and twice of what the drivetrain says.
 
     Returns
@@ -136,7 +136,7 @@ def extended_kalman(
         inputs=("torque_motor", *measured),
         outputs=TRACKING_OUTPUTS,
         dt=dt,
-        parameters=tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning),
+        parameters=tracking_parameters(drivetrain, measured, dt, PROCESS_TORQUE, tuning),
         estimator="extended_kalman",
     )
 
@@ -145,24 +145,24 @@ def tracking_parameters(
     drivetrain: Drivetrain,
     measured: tuple[str, ...],
     dt: float,
-    unknown_torque: Mapping[str, float],
+    process_torque: Mapping[str, float],
     tuning: Tuning,
     wandering: Mapping[str, float] = DRIFT,
 ) -> Array:
     """The parameter array of a filter with wandering parameters.
 
-    ``unknown_torque`` and ``wandering``, the drift, are its defaults for a drivetrain of the paper's size.
+    ``process_torque`` and ``wandering``, the drift, are its defaults for a drivetrain of the paper's size.
     """
     from ...kernels.estimators import two_mass_model as at
 
     tuning = checked_names(tuning)
     p = model_parameters(
-        drivetrain, measured, dt, tuning.get("sensor_noise"), tuning.get("count_averaged", False)
+        drivetrain, measured, dt, tuning.get("sensor_noise"), tuning.get("speed_from_counts", False)
     )
     p[at.MODE_SHARE], p[at.MODE_RATE] = mode_numbers("mode_share", tuning.get("mode_share", MODE_SHARE), dt)
     size = scale_of(drivetrain).torque
-    default = {name: value * size for name, value in unknown_torque.items()}
-    torque = chosen("unknown_torque", default, tuning.get("unknown_torque"), zero=True)
+    default = {name: value * size for name, value in process_torque.items()}
+    torque = chosen("process_torque", default, tuning.get("process_torque"), zero=True)
     wander, known = (
         chosen(where, {**usual, "torque_load": usual["torque_load"] * size}, given, zero=True)
         for where, usual, given in (

@@ -34,9 +34,9 @@ OUTPUTS = (
     "coulomb_deviation",
 )
 
-#: As ``tuning.UNKNOWN_TORQUE``, Nm·√s, and ``extended_kalman.DRIFT``, Nm in 1 s (chosen on virtual rigs with even
+#: As ``tuning.PROCESS_TORQUE``, Nm·√s, and ``extended_kalman.DRIFT``, Nm in 1 s (chosen on virtual rigs with even
 #: seeds: with a twist that wanders, the motor's inertia 20 % off and an unknown load torque need these).
-UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.03, "load": 0.01})
+PROCESS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.03, "load": 0.01})
 DRIFT: Mapping[str, float] = MappingProxyType({"torque_load": 0.7})
 
 #: How far the twist wanders beside the model in contact and in the gap, rad/√s (chosen): the gap lies beyond a piece of
@@ -68,7 +68,7 @@ def interacting_models(
     Parameters
     ----------
     drivetrain, measured, dt, **tuning
-        As in ``extended_kalman``, with other defaults: ``UNKNOWN_TORQUE``, ``DRIFT``. Of ``drift`` and ``uncertainty``
+        As in ``extended_kalman``, with other defaults: ``PROCESS_TORQUE``, ``DRIFT``. Of ``drift`` and ``uncertainty``
         only ``torque_load`` and ``coulomb`` count; the rest is fixed.
 
     Returns
@@ -94,7 +94,7 @@ def interacting_models(
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.GAP_PROCESS + 1)
-    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning, DRIFT)
+    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, PROCESS_TORQUE, tuning, DRIFT)
     angle = scale_of(drivetrain).angle
     p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + (START_TWIST * angle) ** 2
     for place in (at.START, at.START_VARIANCE, at.PROCESS):

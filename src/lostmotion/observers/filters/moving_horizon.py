@@ -11,7 +11,7 @@ from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...systems import Stepper
 from ..arguments import positive
-from .extended_kalman import TRACKING_OUTPUTS, UNKNOWN_TORQUE, tracking_parameters
+from .extended_kalman import PROCESS_TORQUE, TRACKING_OUTPUTS, tracking_parameters
 from .tuning import Tuning, measured_sensors
 
 #: Most samples of a horizon, and Gauss–Newton passes for each new sample (chosen: 200 µs per sample).
@@ -62,7 +62,7 @@ def moving_horizon(
 
     measured = measured_sensors(measured)
     p = np.zeros(kernel.PASSES + 1)
-    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, UNKNOWN_TORQUE, tuning)
+    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, PROCESS_TORQUE, tuning)
     nodes = max(3, round(positive("horizon", horizon) / dt))
     if nodes > MAX_NODES:
         raise InvalidInput(

@@ -26,9 +26,9 @@ class Tuning(TypedDict, total=False):
     Attributes
     ----------
     sensor_noise : mapping of signal → float
-        Standard deviation of one sample, in the signal's unit; default ``SENSOR_NOISE``, with ``count_averaged`` that
-        of a 20-bit encoder at this sample time (``speed_of_counts(dt, counts)`` gives it for another one).
-    unknown_torque : mapping
+        Standard deviation of one sample, in the signal's unit; default ``SENSOR_NOISE``, with ``speed_from_counts``
+        that of a 20-bit encoder at this sample time (``speed_of_counts(dt, counts)`` gives it for another one).
+    process_torque : mapping
         Torque on ``motor`` and ``load`` that the model leaves out, as the root of its density, Nm·√s: 0.02 is 0.63 Nm
         held for 1 ms each.
     drift, uncertainty : mapping
@@ -38,7 +38,7 @@ class Tuning(TypedDict, total=False):
         Standard deviation that modes beyond the model give to the shaft torque, as a share of its own standard
         deviation over the last ``MODE_MEMORY``. Counts in torque_shaft_deviation alone; default ``MODE_SHARE``, zero
         where the model is the plant.
-    count_averaged : bool
+    speed_from_counts : bool
         The measured motor speed is a difference of counts over dt: the sum of its samples, an angle, is filtered, in
         which a count has one error instead of two. Default False.
 
@@ -46,11 +46,11 @@ class Tuning(TypedDict, total=False):
     """
 
     sensor_noise: Mapping[str, float] | None
-    unknown_torque: Mapping[str, float] | None
+    process_torque: Mapping[str, float] | None
     drift: Mapping[str, float] | None
     uncertainty: Mapping[str, float] | None
     mode_share: float
-    count_averaged: bool
+    speed_from_counts: bool
 
 
 #: Sensors of the steppers, in the order of their kinds in ``kernels.estimators.two_mass_model``.
@@ -80,7 +80,7 @@ MODE_SHARE, MODE_MEMORY = 0.073, 0.02
 COUNTS = 2**20
 
 #: Torque that the model does not know, as the root of its density, Nm·√s: 0.02 is 0.63 Nm held for 1 ms each (chosen).
-UNKNOWN_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.02, "load": 0.02})
+PROCESS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.02, "load": 0.02})
 
 #: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit: the virtual
 #: rig's modes beyond the model throw 0.6 rad/s at hard impacts. A sensor is frozen if the model has moved by FREEZE of
@@ -166,14 +166,14 @@ def model_parameters(
     measured: tuple[str, ...],
     dt: float,
     sensor_noise: Mapping[str, float] | None,
-    count_averaged: bool,
+    speed_from_counts: bool,
 ) -> Array:
     """The part of the parameter array that ``kernels.estimators.two_mass_model`` reads; the rest is zero."""
     from ...kernels.estimators import two_mass_model as at
 
     drivetrain, dt = two_masses(drivetrain), sample_time(dt)
-    if flag("count_averaged", count_averaged) and "speed_motor" not in measured:
-        raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
+    if flag("speed_from_counts", speed_from_counts) and "speed_motor" not in measured:
+        raise InvalidInput("speed_from_counts", "True", "speed_motor among the measured signals", "Drop it.")
     shaft, friction = drivetrain.shaft, drivetrain.frictions[1]
     split = pieces(drivetrain, dt)
     rows = step_matrix(drivetrain, dt / split)
@@ -190,13 +190,13 @@ def model_parameters(
     p[at.RATIO_PLUS] = friction.coulomb_plus / level if level > 0.0 else 1.0
     p[at.RATIO_MINUS] = friction.coulomb_minus / level if level > 0.0 else 1.0
     p[at.REST_MOTOR], p[at.REST_LOAD] = 1.0 / abs(rows[1, 6]), 1.0 / abs(rows[2, 7])
-    p[at.AVERAGED] = float(count_averaged)
+    p[at.AVERAGED] = float(speed_from_counts)
     p[at.TORQUE_BOUND] = 2.0 * limit if math.isfinite(limit) else 1e30
     p[at.GATE], p[at.HOLD], p[at.DT] = GATE, max(1.0, round(HOLD / dt)), dt
     p[at.N_SENSORS], p[at.FROZEN_HOLD] = len(measured), max(3.0, round(FROZEN_HOLD / dt))
     p[at.MISSING_TORQUE] = MISSING_TORQUE * scale.speed * scale.rate
     p[at.WORST], p[at.BLIND_TWIST] = WORST * scale.speed, BLIND_TWIST * scale.speed
-    _fill_sensors(p, measured, dt, drivetrain, sensor_noise, count_averaged)
+    _fill_sensors(p, measured, dt, drivetrain, sensor_noise, speed_from_counts)
     return p
 
 
@@ -206,14 +206,14 @@ def _fill_sensors(
     dt: float,
     drivetrain: Drivetrain,
     sensor_noise: Mapping[str, float] | None,
-    count_averaged: bool,
+    speed_from_counts: bool,
 ) -> None:
     """What each sensor shows and how well; a speed from counts is judged by the angle turned, which has one error."""
     from ...kernels.estimators import two_mass_model as at
 
     scale, stiffness = scale_of(drivetrain), drivetrain.stiffness
     usual = {**SENSOR_NOISE, "torque_shaft": SENSOR_NOISE["torque_shaft"] * scale.torque}
-    if count_averaged:
+    if speed_from_counts:
         usual["speed_motor"] = speed_of_counts(dt)
     mismatch = sized(MISMATCH, scale)
     noise = chosen("sensor_noise", usual, sensor_noise, zero=False)
@@ -223,7 +223,7 @@ def _fill_sensors(
             "sensor_noise", f"{others}", f"names out of {measured}", "Measure them, or drop them."
         )
     for i, name in enumerate(measured):
-        counted = count_averaged and name == "speed_motor"
+        counted = speed_from_counts and name == "speed_motor"
         unit = dt if counted else 1.0
         p[at.KIND + i], p[at.SCALE + i] = STEPPER_SENSORS.index(name), unit
         error = (noise[name] * unit) ** 2

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 #: Largest innovation that a gate lets through, per signal in SI units (chosen: larger than any healthy one), and the
 #: shaft torque from which on it does, Nm (chosen). A drivetrain of another size gets them by ``scale.scale_of``.
-LARGEST_INNOVATION = {
+LARGEST_CORRECTION = {
     "speed_motor": 100.0, "speed_load": 100.0, "twist": 0.1, "torque_shaft": 1000.0, "angle_motor": 1.0
 }  # fmt: skip
 
@@ -48,7 +48,7 @@ def with_gates(
     shaft = model.drivetrain.shaft
     scale = scale_of(model.drivetrain)
     half, width = 0.5 * shaft.backlash, OPEN_AT * scale.torque / shaft.stiffness
-    largest = sized(LARGEST_INNOVATION, scale)
+    largest = sized(LARGEST_CORRECTION, scale)
     n_w, n_x, n_u = len(law.curves), len(law.states), len(law.inputs)
     n_gates = 3 * len(measured)
     f, g = np.zeros((n_gates, n_x)), np.zeros((n_gates, n_u))

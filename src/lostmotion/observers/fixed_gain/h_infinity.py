@@ -39,7 +39,7 @@ def h_infinity(
     margin: float = MARGIN,
     process_covariance: Mapping[str, float] | None = None,
     measurement_covariance: Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    speed_from_counts: bool = False,
     load_torque: bool = False,
     largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
@@ -57,7 +57,7 @@ def h_infinity(
     Parameters
     ----------
     drivetrain, measured, dt, process_covariance, measurement_covariance : as in ``kalman``
-    count_averaged, load_torque, largest_innovation
+    speed_from_counts, load_torque, largest_innovation
         As in ``kalman``.
     weights : mapping of state → 1/unit, optional
         What shall be estimated well; default ``WEIGHTS``.
@@ -83,7 +83,7 @@ def h_infinity(
     margin = number("h_infinity.margin", margin)
     if not (math.isfinite(margin) and margin > 1.0):
         raise InvalidInput("h_infinity.margin", repr(margin), "a number above 1", "Choose 1.1 to 10.")
-    design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
+    design = sampled_model(drivetrain, measured, dt, speed_from_counts, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)
     w = _weight_rows(
         design, _weights(drivetrain) if weights is None else mapping("h_infinity.weights", weights)

@@ -101,7 +101,7 @@ def kalman(
     dt: float,
     process_covariance: Mapping[str, float] | None = None,
     measurement_covariance: Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    speed_from_counts: bool = False,
     load_torque: bool = False,
     contact_scheduling: bool = False,
     largest_innovation: Mapping[str, float] | None = None,
@@ -130,7 +130,7 @@ def kalman(
     measurement_covariance : mapping of measured signal → variance, optional
         Continuous-time density, (unit of the signal)²·s, default ``MEASUREMENT_COVARIANCE``: the variance of one sample
         times dt.
-    count_averaged : bool
+    speed_from_counts : bool
         The measured motor speed is a mean over the last sample (a count difference divided by dt): it is
         compared with the mean of the last two estimated speeds, and the gain is that of the system with this
         memory.
@@ -142,8 +142,8 @@ def kalman(
         see there is predicted, not corrected. See ``gates``.
     largest_innovation : mapping of measured signal → float, optional
         Largest difference between measured and expected value that is believed, in the signal's unit; names that are
-        left out keep the default ``checks.LARGEST_INNOVATION``. Choose it several times the innovations of healthy
-        samples. A sample beyond it, a missing and a frozen one are predicted through, see ``InputCheck``;
+        left out keep the default ``input_checks.LARGEST_INNOVATION``. Choose it several times the innovations of
+        healthy samples. A sample beyond it, a missing and a frozen one are predicted through, see ``InputCheck``;
         ``without_checks()`` gives an observer that believes everything.
 
     Returns
@@ -166,7 +166,7 @@ def kalman(
     continuous; the discrete gain: Kalman 1960, J. Basic Engineering 82, 35–45. Load torque as a state, gain by contact
     and checks are additions; their defaults are chosen.
     """
-    design = sampled_model(drivetrain, measured, dt, count_averaged, load_torque)
+    design = sampled_model(drivetrain, measured, dt, speed_from_counts, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)
     gain = predictor_gain(design, design.model.A, q, r)
     if flag("contact_scheduling", contact_scheduling):
@@ -214,19 +214,19 @@ def sampled_model(
     drivetrain: Drivetrain,
     measured: Sequence[str],
     dt: float,
-    count_averaged: bool = False,
+    speed_from_counts: bool = False,
     load_torque: bool = False,
 ) -> SampledModel:
     """The model of a fixed-gain observer; parameters as in ``kalman``."""
     model = observer_model(drivetrain, measured, flag("load_torque", load_torque))
     measured, dt = tuple(measured), sample_time(dt)
-    if flag("count_averaged", count_averaged) and "speed_motor" not in measured:
-        raise InvalidInput("count_averaged", "True", "speed_motor among the measured signals", "Drop it.")
+    if flag("speed_from_counts", speed_from_counts) and "speed_motor" not in measured:
+        raise InvalidInput("speed_from_counts", "True", "speed_motor among the measured signals", "Drop it.")
     _check_turn(drivetrain, dt)
     c = np.array([model.measurement_row(signal) for signal in measured])
     phi, gamma = zero_order_hold(model.A, np.hstack([model.B, model.E_gap, model.E_motor, model.E_load]), dt)
     assembly = Assembly(model, phi, gamma, dt)
-    if count_averaged:
+    if speed_from_counts:
         c = np.hstack([c, np.zeros((len(measured), 1))])
         c[measured.index("speed_motor"), [1, -1]] = 0.5
         assembly.add_state("speed_motor_previous", model.row(speed_motor=1.0))

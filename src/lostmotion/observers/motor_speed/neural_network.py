@@ -30,7 +30,7 @@ AFTER_BLACKOUT: Mapping[str, float] = MappingProxyType(
 )
 
 
-def radial_basis(
+def neural_network(
     drivetrain: Drivetrain,
     *,
     dt: float,
@@ -40,7 +40,7 @@ def radial_basis(
     speed_range: float | None = None,
     twist_range: float | None = None,
     sensor_noise: float | Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    speed_from_counts: bool = False,
 ) -> Stepper:
     """Observer 1 with two networks: one adds to the friction over the load speed, one to the gap curve over the twist.
 
@@ -65,7 +65,7 @@ def radial_basis(
     speed_range, twist_range : float, rad/s and rad
         The networks cover ± these (defaults ``SPEED_RANGE``, by ``scale.scale_of``, and 1.5 backlashes), denser at
         low speeds; beyond, the curves go on as constants.
-    sensor_noise, count_averaged
+    sensor_noise, speed_from_counts
         As in ``sliding_mode``.
 
     Returns
@@ -87,7 +87,7 @@ def radial_basis(
     from ...kernels.estimators import neural_network as kernel
 
     own = kernel.END_BASIS - kernel.FREE + kernel.N_GAP
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, own)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, own)
     scale, backlash = scale_of(drivetrain), drivetrain.backlash
     twist_range = max(1.5 * backlash, TWIST_RANGE * scale.angle) if twist_range is None else twist_range
     gap_error = max(0.5 * backlash, GAP_ERROR * scale.angle) if gap_error is None else gap_error
@@ -95,8 +95,8 @@ def radial_basis(
     speed_range = SPEED_RANGE * scale.speed if speed_range is None else speed_range
     gap, friction = positive("gap_error", gap_error), positive("friction_error", friction_error)
     share = dt / positive("learning_time", learning_time)
-    p[kernel.GAIN : kernel.GAIN + 5] = _gain(drivetrain, dt, count_averaged)
-    p[kernel.FAST_GAIN : kernel.FAST_GAIN + 5] = _gain(drivetrain, dt, count_averaged, AFTER_BLACKOUT)
+    p[kernel.GAIN : kernel.GAIN + 5] = _gain(drivetrain, dt, speed_from_counts)
+    p[kernel.FAST_GAIN : kernel.FAST_GAIN + 5] = _gain(drivetrain, dt, speed_from_counts, AFTER_BLACKOUT)
     p[kernel.TWIST_RANGE] = positive("twist_range", twist_range)
     p[kernel.SPEED_RANGE] = positive("speed_range", speed_range)
     p[kernel.STEP_GAP], p[kernel.STEP_FRICTION] = gap**2 * share, friction**2 * share
@@ -106,7 +106,7 @@ def radial_basis(
     kernel.basis(1.0, kernel.GAP_CENTRES, ends)
     p[kernel.END_BASIS :] = ends[kernel.N_GAP + 1 :] - ends[: kernel.N_GAP][::-1]
     return Stepper(
-        name="radial_basis",
+        name="neural_network",
         inputs=("torque_motor", "speed_motor"),
         outputs=OUTPUTS,
         dt=dt,
@@ -116,10 +116,10 @@ def radial_basis(
 
 
 def _gain(
-    drivetrain: Drivetrain, dt: float, count_averaged: bool, process: Mapping[str, float] | None = None
+    drivetrain: Drivetrain, dt: float, speed_from_counts: bool, process: Mapping[str, float] | None = None
 ) -> Array:
     """Observer 1's gain on twist, speed_motor, speed_load, torque_actuator, speed_motor_previous."""
-    observer = kalman(drivetrain, dt=dt, count_averaged=count_averaged, process_covariance=process)
+    observer = kalman(drivetrain, dt=dt, speed_from_counts=speed_from_counts, process_covariance=process)
     column = observer.B[:, observer.inputs.index("speed_motor")]
     order = ("twist", "speed_motor", "speed_load", "torque_actuator", "speed_motor_previous")
     at = {name: float(column[i]) for i, name in enumerate(observer.states)}

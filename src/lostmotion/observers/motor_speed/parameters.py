@@ -9,7 +9,7 @@ import numpy as np
 
 from ...drivetrain import Drivetrain
 from ..arguments import positive
-from ..filters.tuning import FREEZE, UNKNOWN_TORQUE, Array, model_parameters
+from ..filters.tuning import FREEZE, PROCESS_TORQUE, Array, model_parameters
 from ..scale import scale_of
 
 #: The outputs that every observer has.
@@ -23,7 +23,7 @@ ESTIMATES = (
 )
 
 #: An innovation beyond this is a jump, rad/s; it grows by that rate while no sample is believed, rad/s² (chosen).
-LARGEST_INNOVATION, INNOVATION_RATE = 4.0, 800.0
+JUMP_LIMIT, JUMP_LIMIT_RATE = 4.0, 800.0
 #: and the sensor's noise adds so many of its standard deviations (chosen).
 OF_NOISE = 6.0
 #: Largest share of the motor's error that a sample takes away (chosen).
@@ -36,7 +36,7 @@ def speed_only_parameters(
     drivetrain: Drivetrain,
     dt: float,
     sensor_noise: float | Mapping[str, float] | None,
-    count_averaged: bool,
+    speed_from_counts: bool,
     own: int,
 ) -> Array:
     """The parameters that ``kernels.estimators.motor_speed`` reads, and room for ``own`` more."""
@@ -51,12 +51,12 @@ def speed_only_parameters(
         ("speed_motor",),
         dt,
         sensor_noise,
-        count_averaged,
+        speed_from_counts,
     )
     p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb
     scale = scale_of(drivetrain)
-    p[kernel.EXPECTED] = (LARGEST_INNOVATION * scale.speed + OF_NOISE * p[at.STILL] / FREEZE) / p[at.GATE]
-    p[kernel.GROWTH] = INNOVATION_RATE * scale.speed * scale.rate * dt / p[at.GATE]
+    p[kernel.EXPECTED] = (JUMP_LIMIT * scale.speed + OF_NOISE * p[at.STILL] / FREEZE) / p[at.GATE]
+    p[kernel.GROWTH] = JUMP_LIMIT_RATE * scale.speed * scale.rate * dt / p[at.GATE]
     p[kernel.NOISE], p[kernel.COARSER] = p[at.STILL] / FREEZE, OF_NOISE / p[at.GATE]
     return p
 
@@ -90,12 +90,12 @@ def default_poles(
 def follow_share(drivetrain: Drivetrain, p: Array) -> float:
     """Share of the motor's error that one sample takes away, at most FASTEST: the sensor's noise against the model's.
 
-    That of a Kalman filter of the motor alone with ``tuning.UNKNOWN_TORQUE`` on it: (density of the acceleration /
+    That of a Kalman filter of the motor alone with ``tuning.PROCESS_TORQUE`` on it: (density of the acceleration /
     density of the sensor) to the power ¼ if it counts angles, ½ if speeds.
     """
     from ...kernels.estimators import two_mass_model as at
 
-    acceleration = (UNKNOWN_TORQUE["motor"] * scale_of(drivetrain).torque / drivetrain.inertia_motor) ** 2
+    acceleration = (PROCESS_TORQUE["motor"] * scale_of(drivetrain).torque / drivetrain.inertia_motor) ** 2
     power = 0.25 if p[at.AVERAGED] else 0.5
     rate = (acceleration / (p[at.VARIANCE] * p[at.DT])) ** power
     return min(1.0 - math.exp(-rate * p[at.DT]), FASTEST)

@@ -31,7 +31,7 @@ def sliding_mode(
     bandwidth: float | None = None,
     damping_ratio: float | None = None,
     sensor_noise: float | Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    speed_from_counts: bool = False,
 ) -> Stepper:
     """Sliding-mode observer from motor torque and motor speed.
 
@@ -57,7 +57,7 @@ def sliding_mode(
     sensor_noise : float, rad/s, or mapping, optional
         Standard deviation of one sample of the motor speed, or ``{"speed_motor": …}`` as in ``extended_kalman``, with
         the same default.
-    count_averaged : bool
+    speed_from_counts : bool
         The measured motor speed is a difference of counts over dt: the innovation is that of the angle, over dt.
 
     Returns
@@ -77,7 +77,7 @@ def sliding_mode(
     """
     from ...kernels.estimators import sliding_mode as kernel
 
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 5)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, 5)
     if unknown_torque is None:
         unknown_torque = UNKNOWN_TORQUE * scale_of(drivetrain).torque
     reach = positive("unknown_torque", unknown_torque) / drivetrain.inertia_motor * dt

@@ -35,7 +35,7 @@ def super_twisting(
     bandwidth: float | None = None,
     damping_ratio: float | None = None,
     sensor_noise: float | Mapping[str, float] | None = None,
-    count_averaged: bool = False,
+    speed_from_counts: bool = False,
 ) -> Stepper:
     """Super-twisting observer from motor torque and motor speed.
 
@@ -57,7 +57,7 @@ def super_twisting(
     unknown_torque : float, Nm, optional
         How large it may be. Defaults ``TORQUE_RATE`` and ``UNKNOWN_TORQUE`` on the paper's rig, for others by
         ``scale.scale_of``.
-    bandwidth, damping_ratio, sensor_noise, count_averaged
+    bandwidth, damping_ratio, sensor_noise, speed_from_counts
         As in ``sliding_mode``.
 
     Returns
@@ -79,7 +79,7 @@ def super_twisting(
     """
     from ...kernels.estimators import super_twisting as kernel
 
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, count_averaged, 8)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, 8)
     jm = drivetrain.inertia_motor
     scale = scale_of(drivetrain)
     torque_rate = TORQUE_RATE * scale.torque * scale.rate if torque_rate is None else torque_rate

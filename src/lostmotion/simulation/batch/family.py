@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
+from ..contact_states import relaxes
 from ..inputs import check_lengths, last_set_point, plant_inputs, possible_inputs
-from ..modes import relaxes
 from ..moved_end import started
 from ..packing import numbers_of
 from ..plant_run import PlantRun

@@ -15,7 +15,7 @@ from scipy.linalg import expm
 from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft
 from lostmotion.kernels.plant.layout import ELEMENT_ROWS, HEADER
 from lostmotion.kernels.plant.taylor_series import ORDER
-from lostmotion.simulation.modes import elements
+from lostmotion.simulation.contact_states import elements
 from lostmotion.simulation.tables import Mode, Plant
 
 DT = 1e-4

@@ -1,4 +1,4 @@
-"""Are the observers as sure as they should be? python benchmarks/deviations.py --seeds 20
+"""Are the observers as sure as they should be? python benchmarks/standard_deviations.py --seeds 20
 
 How often the truth lies within twice the stated standard deviation (Gauss: 95 %), and the deviation's root mean square
 over that of the error; 3 s. First on a plant that is the observers' own model under noises that they are told and
@@ -18,7 +18,7 @@ import numpy as np
 import lostmotion as lm
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment
-from lostmotion.observers.filters.tuning import UNKNOWN_TORQUE
+from lostmotion.observers.filters.tuning import PROCESS_TORQUE
 
 DT, DURATION = 1e-4, 3.0
 FILTERS = (
@@ -30,14 +30,14 @@ FILTERS = (
 SIGNALS = ("speed_load", "torque_shaft")
 WORK = ("nominal", "sticking", "under control")
 #: Of one sample, on the model as plant: torques (Nm) and motor speed (rad/s).
-NOISE = {name: level / DT**0.5 for name, level in UNKNOWN_TORQUE.items()}
+NOISE = {name: level / DT**0.5 for name, level in PROCESS_TORQUE.items()}
 SENSOR = 0.03
 #: Errors below this are no errors: in the gap the shaft torque is zero up to rounding.
 ROUNDING = 1e-9
 
 
 def of_fixed_gain(law, given, process, measurement, **options):
-    told = lm.observers.deviations(
+    told = lm.observers.standard_deviations(
         law, given, process_covariance=process, measurement_covariance=measurement, **options
     )
     return law.run(given), told
@@ -60,9 +60,9 @@ def rms(values) -> float:
 
 
 def physical_noises(plant) -> tuple[dict[str, float], dict[str, float]]:
-    """Process and measurement covariance of ``UNKNOWN_TORQUE`` on both inertias and SENSOR."""
+    """Process and measurement covariance of ``PROCESS_TORQUE`` on both inertias and SENSOR."""
     process = {
-        f"speed_{place}": (UNKNOWN_TORQUE[place] / inertia) ** 2
+        f"speed_{place}": (PROCESS_TORQUE[place] / inertia) ** 2
         for place, inertia in (("motor", plant.inertia_motor), ("load", plant.inertia_load))
     }
     return process, {"speed_motor": SENSOR**2 * DT}
@@ -89,7 +89,7 @@ def on_the_model(seed: int) -> dict[str, list[tuple[float, float]]]:
     }
     for make in FILTERS:
         known = make(
-            plant, dt=DT, sensor_noise={"speed_motor": SENSOR}, unknown_torque=UNKNOWN_TORQUE, mode_share=0.0
+            plant, dt=DT, sensor_noise={"speed_motor": SENSOR}, process_torque=PROCESS_TORQUE, mode_share=0.0
         )
         estimate = known.run(given)
         results[make.__name__] = judged(estimate, estimate, true, rows)
@@ -99,8 +99,8 @@ def on_the_model(seed: int) -> dict[str, list[tuple[float, float]]]:
 def on_the_rig(work: str, seed: int) -> dict[str, list[tuple[float, float]]]:
     data = experiment(next(c for c in CASES if c.name == work), seed, DURATION)
     given = data.recording.only("torque_motor", "speed_motor")
-    found = lm.observers.covariances(given, data.drivetrain, count_averaged=True)
-    law = lm.observers.kalman(data.drivetrain, dt=DT, count_averaged=True)
+    found = lm.observers.covariances(given, data.drivetrain, speed_from_counts=True)
+    law = lm.observers.kalman(data.drivetrain, dt=DT, speed_from_counts=True)
     noises = {
         "kalman, 0.02 Nm·√s and 0.03 rad/s": physical_noises(data.drivetrain),
         "kalman, covariances from data": (found.process, found.measurement),
@@ -110,7 +110,7 @@ def on_the_rig(work: str, seed: int) -> dict[str, list[tuple[float, float]]]:
         for name, noise in noises.items()
     }
     for make in FILTERS:
-        estimate = make(data.drivetrain, dt=DT, count_averaged=True).run(given)
+        estimate = make(data.drivetrain, dt=DT, speed_from_counts=True).run(given)
         results[make.__name__] = judged(estimate, estimate, data.truth, data.judged)
     return results
 

@@ -29,12 +29,12 @@ OUTPUTS = (
 )
 
 
-def disturbance(
+def disturbance_observer(
     drivetrain: Drivetrain,
     *,
     dt: float,
     bandwidth: float | None = None,
-    count_averaged: bool = False,
+    speed_from_counts: bool = False,
     largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
     """Shaft torque and load speed from the motor's momentum alone: knows inertia, stiffness and lag, no gap.
@@ -56,7 +56,7 @@ def disturbance(
         Sample time.
     bandwidth : float, 1/s
         How fast the estimate follows; default ``BANDWIDTH`` on the paper's rig, for others with its mode's frequency.
-    count_averaged : bool
+    speed_from_counts : bool
         The measured motor speed is a mean over the last sample.
     largest_innovation : mapping of measured signal → float, optional
         As in ``kalman``.
@@ -78,10 +78,10 @@ def disturbance(
     """
     drivetrain, dt = two_masses(drivetrain), sample_time(dt)
     bandwidth = BANDWIDTH * scale_of(drivetrain).rate if bandwidth is None else bandwidth
-    bandwidth = number("disturbance.bandwidth", bandwidth)
+    bandwidth = number("disturbance_observer.bandwidth", bandwidth)
     if not (math.isfinite(bandwidth) and bandwidth > 0.0):
         raise InvalidInput(
-            "disturbance.bandwidth", repr(bandwidth), "a positive rate in 1/s", "Check the unit."
+            "disturbance_observer.bandwidth", repr(bandwidth), "a positive rate in 1/s", "Check the unit."
         )
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag
     decay = drivetrain.viscous_motor / inertia
@@ -89,7 +89,7 @@ def disturbance(
     states = ["momentum_motor", "torque_shaft", "torque_shaft_rate"]
     phi, gamma = zero_order_hold(a, [[1.0], [0.0], [0.0]], dt)
     c = np.array([[1.0 / inertia, 0.0, 0.0]])
-    if flag("count_averaged", count_averaged):
+    if flag("speed_from_counts", speed_from_counts):
         phi = np.pad(np.vstack([phi, c]), ((0, 0), (0, 1)))
         gamma = np.vstack([gamma, [[0.0]]])
         c = np.array([[0.5 / inertia, 0.0, 0.0, 0.5]])
@@ -106,7 +106,7 @@ def disturbance(
     rows[2, 0], rows[2, 2] = 1.0 / inertia, -1.0 / drivetrain.stiffness
     law = DiscreteSystem(
         inputs=("torque_motor", "speed_motor"), outputs=OUTPUTS, states=tuple(states), dt=dt, A=full, B=b, C=rows,
-        name="disturbance",
+        name="disturbance_observer",
     )  # fmt: skip
     # The shaft torque as a straight line is a prediction for a sample or two, and 20 ms later far off; it also follows
     # a frozen motor within a millisecond, so that repetition must tell it.

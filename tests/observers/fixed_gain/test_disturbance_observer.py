@@ -7,7 +7,7 @@ import pytest
 
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.observers import disturbance
+from lostmotion.observers import disturbance_observer
 from lostmotion.simulation import simulate
 
 RIGID = Drivetrain.two_mass(
@@ -30,7 +30,7 @@ def test_slow_torque_and_load_speed(lag, averaged):
     speed = recording["speed_motor"]
     if averaged:
         speed = np.diff(recording["angle_motor"], prepend=0.0) / DT
-    observer = disturbance(plant, dt=DT, count_averaged=averaged)
+    observer = disturbance_observer(plant, dt=DT, speed_from_counts=averaged)
     found = observer.run({"torque_motor": recording["torque_motor"], "speed_motor": speed})
     late = slice(10_000, None)
     for signal, limit in (("torque_shaft", 2e-3), ("speed_load", 2e-4)):
@@ -41,7 +41,7 @@ def test_slow_torque_and_load_speed(lag, averaged):
     )
     # Without the lag in the model the torque would be wrong.
     if lag:
-        ignorant = disturbance(RIGID, dt=DT, count_averaged=averaged)
+        ignorant = disturbance_observer(RIGID, dt=DT, speed_from_counts=averaged)
         other = ignorant.run({"torque_motor": recording["torque_motor"], "speed_motor": speed})
         assert rms(other["torque_shaft_estimated"][late] - recording["torque_shaft"][late]) > 3.0 * rms(
             found["torque_shaft_estimated"][late] - recording["torque_shaft"][late]
@@ -50,7 +50,7 @@ def test_slow_torque_and_load_speed(lag, averaged):
 
 @pytest.mark.parametrize("averaged", [False, True])
 def test_poles_are_where_they_were_asked_for(averaged):
-    poles = disturbance(RIGID, dt=DT, bandwidth=800.0, count_averaged=averaged).poles()
+    poles = disturbance_observer(RIGID, dt=DT, bandwidth=800.0, speed_from_counts=averaged).poles()
     # A pole of multiplicity n is known to the n-th root of rounding.
     np.testing.assert_allclose(poles, np.exp(-0.08), atol=2e-3)
     np.testing.assert_allclose(np.prod(poles).real, np.exp(-0.08 * poles.size), rtol=1e-6)
@@ -60,7 +60,7 @@ def test_in_the_gap_it_takes_the_motor_for_the_load():
     plant = RIGID.with_parameters(backlash=0.2)
     recording = simulate(plant, dt=DT, torque_motor=np.full(300, 1.0))
     assert not recording["torque_shaft"].any()
-    found = disturbance(plant, dt=DT).run(recording)
+    found = disturbance_observer(plant, dt=DT).run(recording)
     assert found["speed_load_estimated"][-1] == pytest.approx(recording["speed_motor"][-1], rel=0.02)
     assert recording["speed_load"][-1] == 0.0
 
@@ -68,4 +68,4 @@ def test_in_the_gap_it_takes_the_motor_for_the_load():
 @pytest.mark.parametrize("arguments", [{"bandwidth": 0.0}, {"bandwidth": float("inf")}, {"dt": -1.0}])
 def test_misuse(arguments):
     with pytest.raises(InvalidInput):
-        disturbance(RIGID, **{"dt": DT, **arguments})
+        disturbance_observer(RIGID, **{"dt": DT, **arguments})

@@ -21,7 +21,7 @@ MAKERS = (
     observers.moving_horizon,
     observers.sliding_mode,
     observers.super_twisting,
-    observers.radial_basis,
+    observers.neural_network,
 )
 EVERY = pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
 MODEL = Drivetrain.two_mass(**TABLE_I)
@@ -68,7 +68,7 @@ def test_a_stepper_that_watches(make):
 @pytest.mark.parametrize("delay", [0, 1])
 def test_pole_placement_on_the_estimates_of_a_stepper(make, delay):
     """The observer reads the torque that acts, also where the controller makes it in the same sample."""
-    law = make(MODEL, dt=DT, count_averaged=True)
+    law = make(MODEL, dt=DT, speed_from_counts=True)
     loop = lm.simulate(
         PLANT, dt=DT, law=[law, controller()], speed_reference=reference(2000), delay=delay, sensors=ENCODER
     )
@@ -93,7 +93,7 @@ def test_several_observers_watch_one_controller():
     kalman = observers.kalman(MODEL, dt=DT)
     watching = [
         make(MODEL, dt=DT)
-        for make in (observers.extended_kalman, observers.sliding_mode, observers.radial_basis)
+        for make in (observers.extended_kalman, observers.sliding_mode, observers.neural_network)
     ]
     renamed = [law.renamed({name: f"{name}_{law.name}" for name in law.outputs}) for law in watching]
     arguments = {"dt": DT, "speed_reference": reference(500)}
