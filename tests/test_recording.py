@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.recording import Event, Recording, unit_of
+from lostmotion.events import Event
+from lostmotion.recording import Recording, unit_of
 
 TIME = np.arange(10) * 0.1
 
@@ -20,6 +21,20 @@ def recording() -> Recording:
         final_state={"state": (1.0,)},
         meta={"seed": 3},
     )
+
+
+def test_arrays_that_nobody_can_write_are_taken_as_they_are():
+    """A part of a writable array is copied, for it can change."""
+    own = np.arange(10.0)
+    own.setflags(write=False)
+    assert Recording(TIME, {"speed_motor": own})["speed_motor"] is own
+    base = np.zeros((10, 2))
+    part = base[:, 0]
+    part.setflags(write=False)
+    made = Recording(TIME, {"speed_motor": part})
+    base[0, 0] = 99.0
+    assert made["speed_motor"][0] == 0.0
+    assert made.only("speed_motor")["speed_motor"] is made["speed_motor"]
 
 
 def test_arrays_are_copied_and_read_only():

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .curves import PiecewiseLinear
     from .drivetrain import Actuator, Drivetrain, Friction, Gear, Shaft
     from .errors import InputProblems, InvalidInput, LostMotionError, Problem
+    from .events import Event
     from .identification import Identification, identify, ring_down, shaft_stiffness
     from .io import (
         load_drivetrain,
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
         save_law,
         save_recording,
     )
-    from .recording import Event, Recording
+    from .recording import Recording
     from .simulation import BatchResult, Sensor, simulate, simulate_batch
     from .systems import DiscreteSystem, Stepper, connect, one_sample_delay
 
@@ -45,7 +46,7 @@ _HOME = {
     "BatchResult": "simulation",
     "DiscreteSystem": "systems",
     "Drivetrain": "drivetrain",
-    "Event": "recording",
+    "Event": "events",
     "Friction": "drivetrain",
     "Gear": "drivetrain",
     "Identification": "identification",

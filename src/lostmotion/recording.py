@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InvalidInput
+from .events import NO_EVENTS, Event, Events
 
 #: Unit of every signal name that the package knows. An ending ``_estimated`` or ``_reference`` changes nothing.
 SIGNAL_UNITS: Mapping[str, str] = MappingProxyType(
@@ -48,38 +49,25 @@ def unit_of(signal: str) -> str:
     return known.get(bare, "")
 
 
-@dataclass(frozen=True)
-class Event:
-    """One change of contact or friction state.
-
-    Parameters
-    ----------
-    time : float, s
-    kind : {"impact", "separation", "stick", "slip"}
-    place : str
-        ``shaft 1`` … or ``friction 1`` …, counted from the motor.
-    speed : float, rad/s
-        Of a shaft the rate of its twist, of a friction the speed of its inertia.
-    energy : float, J
-        Of an impact: ½·J·speed² with J = J₁J₂/(J₁ + J₂) of the inertias at the shaft's ends; else 0.
-    """
-
-    time: float
-    kind: str
-    place: str
-    speed: float
-    energy: float = 0.0
-
-
 def _read_only(values: ArrayLike) -> NDArray[np.float64]:
+    """The values as an array that nobody can write: copied, unless they are one already."""
+    if isinstance(values, np.ndarray) and values.dtype == np.float64 and not _writable(values):
+        return values
     array = np.array(values, dtype=float)
     array.setflags(write=False)
     return array
 
 
+def _writable(array: NDArray[Any]) -> bool:
+    """Whether anyone can write an array, by its own name or by that of the array that it is a part of."""
+    return array.flags.writeable or (
+        array.base is not None and not (isinstance(array.base, np.ndarray) and not _writable(array.base))
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Signals on one time axis; arrays are copied and read-only.
+    """Signals on one time axis. Arrays are read-only; those that somebody could still write are copied.
 
     Parameters
     ----------
@@ -90,7 +78,7 @@ class Recording:
         at the row's time.
     origin : mapping of name → {"measured", "simulated", "estimated", "derived", "reference"}
         Where each signal comes from; missing names count as "measured".
-    events : tuple of Event
+    events : Events
         Contact and friction changes (simulations only).
     final_state : mapping
         State after the last sample (simulations only), to go on from.
@@ -106,13 +94,13 @@ class Recording:
     time: NDArray[np.float64]
     signals: Mapping[str, NDArray[np.float64]]
     origin: Mapping[str, str] = field(default_factory=dict)
-    events: tuple[Event, ...] = ()
+    events: Events = NO_EVENTS
     final_state: Mapping[str, Any] = field(default_factory=dict)
     meta: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         time = _read_only(self.time)
-        if time.ndim != 1 or time.size < 2 or not np.all(np.diff(time) > 0):
+        if time.ndim != 1 or time.size < 2 or not np.all(time[1:] > time[:-1]):
             raise InvalidInput(
                 "Recording.time",
                 f"shape {time.shape}",
@@ -132,7 +120,7 @@ class Recording:
         object.__setattr__(self, "signals", MappingProxyType(signals))
         for name in ("origin", "final_state", "meta"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
-        object.__setattr__(self, "events", tuple(self.events))
+        object.__setattr__(self, "events", Events.of(self.events))
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         try:
@@ -168,14 +156,12 @@ class Recording:
         """
         merged: list[Event] = []
         latest: dict[str, tuple[int, float]] = {}
-        for event in self.events:
-            if event.kind != "impact":
-                continue
+        for event in self.events.of_kind("impact"):
             index, before = latest.get(event.place, (-1, -np.inf))
             if event.time - before < merge:
                 first = merged[index]
                 speed = max(first.speed, event.speed, key=abs)
-                merged[index] = replace(first, speed=speed, energy=first.energy + event.energy)
+                merged[index] = first._replace(speed=speed, energy=first.energy + event.energy)
             else:
                 index = len(merged)
                 merged.append(event)
@@ -210,11 +196,12 @@ class Recording:
                 f"at least two samples between {self.time[0]:g} and {self.time[-1]:g} s",
                 "Choose a window inside the recording.",
             )
+        events = self.events
         return replace(
             self,
             time=self.time[keep],
             signals={name: values[keep] for name, values in self.signals.items()},
-            events=tuple(e for e in self.events if start <= e.time < stop),
+            events=events.only((events.time >= start) & (events.time < stop)),
             final_state={},
         )
 
@@ -232,6 +219,6 @@ class Recording:
             self,
             signals={name: self[name] for name in names},
             origin={n: o for n, o in self.origin.items() if n in names},
-            events=(),
+            events=NO_EVENTS,
             final_state={},
         )

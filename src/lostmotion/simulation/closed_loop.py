@@ -78,27 +78,28 @@ def _simulate_joined(
     """The kernel with one DiscreteSystem."""
     drivetrain, dt, length, names = run.plant.drivetrain, run.plant.dt, run.length, run.plant.layout.inputs
     wiring = _Wiring(run, law, given, sensors, names)
-    from ..kernels.loop.one_law import LoopTables, run_closed_loop
-    from ..kernels.loop.two_mass import run_closed_loop_two_mass
+    run.keep_states(of_all=energy)
+    from ..kernels.loop.closed_loop import run_with_law
+    from ..kernels.loop.one_law import LoopTables
 
     law_state, tables = law.init(), law.tables()
-    torque = np.zeros((length, len(names)))
-    measured = np.zeros((length, len(law.inputs)))
-    outputs = np.zeros((length + delay, len(law.outputs)))
+    torque = np.empty((length, len(names)))
+    measured = np.empty((length, len(law.inputs)))
+    outputs = np.empty((length + delay, len(law.outputs)))
+    outputs[:delay] = 0.0
     noise = disturbance(sensors, law.inputs, length, seed)
     last = np.full(len(law.inputs), np.nan)
     columns, faults = np.column_stack(list(given.values())), np.zeros(length, dtype=np.int64)
     limit, step = drivetrain.actuator.torque_limit, drivetrain.actuator.rate_limit * dt
-    usual = (run.plant.layout.states, len(names), len(run.plant.elements)) == (4, 1, 2)
-    kernel = run_closed_loop_two_mass if usual else run_closed_loop
+    loop = LoopTables(
+        wiring.tables(last, noise), columns, wiring.drive, every, delay, limit, step, dt, tables.code,
+        tables.numbers, law_state, torque, measured, outputs, faults,
+    )  # fmt: skip
+    values = np.empty((len(run.plant.signal_names()), length))
     run.finish(
-        lambda plant: kernel(
-            plant, run.s, run.digits,
-            LoopTables(
-                wiring.tables(last, noise), columns, wiring.drive, every, delay, limit, step, dt, tables.code,
-                tables.numbers, law_state, torque, measured, outputs, faults,
-            ),
-            run.work, run.states, run.modes, run.events, run.cursor,
+        lambda entered: run_with_law(
+            entered, run.two_mass, run.s, run.digits, loop, run.work, run.states, run.modes, run.events,
+            run.cursor, values,
         )
     )  # fmt: skip
     made = {name: outputs[delay : length + delay, i] for i, name in enumerate(law.outputs)}
@@ -107,7 +108,7 @@ def _simulate_joined(
     made |= {f"{name}_measured": measured[:, i] for i, name in enumerate(law.inputs) if name in sensors}
     if law.checks:
         made[f"input_fault_{law.name}"] = (faults != 0).astype(float)
-    return run.recording(made, torque, energy, law=law_state[: len(law.states)].copy())
+    return run.recording(made, torque, values, energy, law=law_state[: len(law.states)].copy())
 
 
 def _laws(law: Law | Sequence[Law]) -> tuple[Law, ...]:
@@ -238,10 +239,6 @@ class _Wiring:
         sensors: Mapping[str, Sensor],
         names: tuple[str, ...],
     ) -> None:
-        self.plant = run.plant
-        # Of the signals, in every mode that was entered; see ``kernels.plant.signals``.
-        self._rows: list[Array] = []
-        self._spans: list[NDArray[np.int64]] = []
         self.signals = run.plant.signal_names()
         columns = list(given)
         self.sensors = [sensors.get(name, Sensor(name)) for name in law.inputs]
@@ -269,14 +266,8 @@ class _Wiring:
 
     def tables(self, last: Array, noise: Array) -> SensorTables:
         from ..kernels.loop.one_law import SensorTables
-        from ..kernels.plant.signals import spans
 
-        for mode in self.plant.modes[len(self._rows) :]:
-            self._rows.append(self.plant.signal_rows(mode))
-            self._spans.append(spans(self._rows[-1]))
         return SensorTables(
-            signal=np.array(self._rows),
-            span=np.array(self._spans),
             source=self.source,
             resolution=self._resolution,
             difference=self._difference,

@@ -76,21 +76,20 @@ class MixedLoop:
         noise = disturbance(self.sensors, inputs, length, seed)
         last = np.full(len(inputs), np.nan)
         trial, good = np.zeros(laws.state.size), np.zeros(len(inputs))
-        cursor = np.append(run.cursor, 0.0)
-        rows: list[Array] = []  # of the modes entered so far, made once for each
+        readings = self._readings(run, last, noise)
+        run.keep_states(of_all=True)
 
-        def kernel(plant: Any) -> int:
+        def kernel(entered: Any) -> int:
             status = int(
                 run_mixed_loop(
-                    plant, run.s, run.digits, columns, drive, steps, tables, laws,
-                    self._readings(run, rows, last, noise), run.plant.dt, run.work, run.states, run.modes,
+                    entered, run.s, run.digits, columns, drive, steps, tables, laws,
+                    readings._replace(signal=entered.signal), run.plant.dt, run.work, run.states, run.modes,
                     torque, measured, outputs, faults, trial, good,
-                    run.events, cursor,
+                    run.events, run.cursor,
                 )
             )  # fmt: skip
-            run.cursor[:] = cursor[: run.cursor.size]
             if status == ALGEBRAIC_LOOP:
-                raise self._algebraic_loop(int(cursor[0]))
+                raise self._algebraic_loop(int(run.cursor[0]))
             return status
 
         run.finish(kernel)
@@ -165,17 +164,16 @@ class MixedLoop:
             "Give it to simulate.",
         )  # fmt: skip
 
-    def _readings(self, run: PlantRun, rows: list[Array], last: Array, noise: Array) -> Readings:
+    def _readings(self, run: PlantRun, last: Array, noise: Array) -> Readings:
         from ..kernels.loop import several_laws as kernel
 
-        rows += [run.plant.signal_rows(mode) for mode in run.plant.modes[len(rows) :]]
         kinds = {"plant": kernel.PLANT, "given": kernel.GIVEN, "made": kernel.MADE, "acting": kernel.ACTING}
         sources = [self._source(name, run) for name in self.inputs]
         sensors = [self.sensors.get(name, Sensor(name)) for name in self.inputs]
         return kernel.Readings(
             kind=np.array([kinds[kind] for kind, _ in sources], dtype=np.int64),
             at=np.array([at for _, at in sources], dtype=np.int64),
-            signal=np.array(rows),
+            signal=np.zeros((0, 0, 0)),  # of each call's contact states
             resolution=np.array([s.resolution for s in sensors], dtype=float),
             difference=np.array([int(s.difference) for s in sensors], dtype=np.int64),
             last=last,
@@ -236,7 +234,7 @@ class MixedLoop:
         states = tuple(
             laws.state[a:b].copy() for a, b in zip(laws.state_start[:-1], laws.state_start[1:], strict=True)
         )
-        return run.recording(made, torque, energy, **({"law": states} if states else {}))
+        return run.recording(made, torque, run.signals(), energy, **({"law": states} if states else {}))
 
 
 def _distinct(names: Sequence[str]) -> list[str]:

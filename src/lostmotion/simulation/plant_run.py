@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,20 @@ from numpy.typing import NDArray
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..recording import Event, Recording
-from .contact_states import GAP
+from ..recording import Recording
+from .event_rows import events_of
 from .inputs import last_set_point
 from .tables import Plant
 
+Array = NDArray[np.float64]
+
+#: Samples whose states are kept at once where only signals are wanted (chosen by trying 1 to 64 thousand: they fit a
+#: core's own cache).
+BLOCK = 4096
+
 
 class PlantRun:
-    """The arrays of one simulation, and the loop that builds modes and event space as the kernel asks for them."""
+    """The arrays of one simulation, and the loop that makes room for contact states and events as the kernel asks."""
 
     def __init__(
         self,
@@ -36,12 +43,10 @@ class PlantRun:
         self.s = np.zeros(layout.columns)
         self.s[-1] = 1.0
         self.digits = self._start(state)
-        self.plant.enter(self.digits)
         self.work = new_work(layout.states)
-        self.states = np.zeros((length + 1, layout.states))
-        self.modes = np.zeros(length + 1, dtype=np.int64)
-        self.events = np.zeros((1024, EVENT_COLUMNS + layout.states))
-        self.cursor = np.array([0.0, 0.0, 0.0, 0.0, last_set_point(state)])
+        self.keep_states(of_all=False)
+        self.events = np.empty((4096, EVENT_COLUMNS + layout.states))
+        self.cursor = np.array([0.0, 0.0, 0.0, 0.0, last_set_point(state), 0.0])
 
     def _start(self, state: Sequence[float] | Mapping[str, Any] | None) -> NDArray[np.int64]:
         layout = self.plant.layout
@@ -69,18 +74,30 @@ class PlantRun:
             x[:expected] = start
         return self.plant.start_digits(x)
 
-    def finish(self, kernel: Any) -> None:
+    def keep_states(self, *, of_all: bool) -> None:
+        """Room for the states of all samples, or of one block: the kernel works block by block as there is room."""
+        rows = (self.length if of_all else min(self.length, BLOCK)) + 1
+        self.states = np.empty((rows, self.plant.layout.states))
+        self.modes = np.empty(rows, dtype=np.int64)
+
+    @property
+    def two_mass(self) -> bool:
+        """Whether the kernels for two masses, one torque and two elements know the plant."""
+        layout = self.plant.layout
+        return (layout.states, len(layout.inputs), len(self.plant.elements)) == (4, 1, 2)
+
+    def finish(self, kernel: Callable[[Any], int]) -> None:
         """Runs the kernel to the end of the recording; numba compiles or loads it on the first call."""
         from ..kernels.plant.event_loop import CHATTERING, DONE, NEED_EVENT_SPACE, NEED_MODE
 
         while True:
-            status = kernel(self.plant.tables())
+            status = kernel(self.plant.entered())
             if status == DONE:
                 return
             if status == NEED_MODE:
-                self.plant.enter(self.digits)
+                self.plant.grow()
             elif status == NEED_EVENT_SPACE:
-                self.events = np.concatenate([self.events, np.zeros_like(self.events)])
+                self.events = np.concatenate([self.events, np.empty_like(self.events)])
             elif status == CHATTERING:
                 raise InvalidInput(
                     "simulate",
@@ -89,71 +106,60 @@ class PlantRun:
                     "Give the shaft some damping, or check inertias and stiffness for wrong units.",
                 )
 
-    def signals(self) -> dict[str, NDArray[np.float64]]:
-        """All signals at every sample, the one after the last torque included: (n + 1,) each."""
-        from ..kernels.plant.signals import same, signals_of, spans
+    def signals(self) -> Array:
+        """(signals, n): all signals of the plant, from the states of all samples."""
+        from ..kernels.plant.signals import fill_signals
 
-        rows = np.array([self.plant.signal_rows(mode) for mode in self.plant.modes])
-        values = signals_of(self.states, self.modes, self.plant.row_of_mode, rows, spans(rows), same(rows))
-        return dict(zip(self.plant.signal_names(), values, strict=True))
-
-    def event_list(self) -> tuple[Event, ...]:
-        found = []
-        rows = self.events[: int(self.cursor[2]), :5]
-        for (time, element, old, new, speed), skip in zip(rows.tolist(), _passing(rows), strict=True):
-            part = self.plant.elements[int(element)]
-            if skip or part.kind not in ("shaft", "friction"):
-                continue
-            if part.kind == "shaft":
-                kind = "impact" if int(new) != GAP else "separation"
-            elif int(new) == part.rest:
-                kind = "stick"
-            elif int(old) == part.rest:
-                kind = "slip"
-            else:
-                continue  # from one segment of the friction curve to the next
-            energy = self._impact_energy(part.index, float(speed)) if kind == "impact" else 0.0
-            place = f"{part.kind} {part.index + 1}"
-            found.append(Event(float(time * self.plant.dt), kind, place, float(speed), energy))
-        return tuple(found)
-
-    def _impact_energy(self, shaft: int, speed: float) -> float:
-        """½·J·speed² with the reduced inertia of the shaft's ends; a held end counts as infinitely heavy."""
-        held = self.plant.drivetrain.locked_inertia
-        inertias = self.plant.drivetrain.inertias
-        inverse = sum(1.0 / inertias[i] for i in (shaft, shaft + 1) if i != held)
-        return 0.5 * speed**2 / inverse
+        values = np.empty((len(self.plant.signal_names()), self.length))
+        fill_signals(self.plant.entered(), self.states, self.modes, 0, self.length, values)
+        return values
 
     def recording(
-        self, made: Mapping[str, NDArray[np.float64]], inputs: NDArray[np.float64], energy: bool, **final: Any
+        self, made: Mapping[str, Array], inputs: Array, values: Array, energy: bool, **final: Any
     ) -> Recording:
-        """The finished run: `made` holds (n,) torques and law outputs, beside the plant's own signals."""
-        plant_signals = {name: values[:-1] for name, values in self.signals().items()}
-        signals = {**made, **plant_signals}
+        """The finished run.
+
+        Parameters
+        ----------
+        made : mapping of name → (n,) array
+            Torques and law outputs.
+        inputs : (n, M) array
+            Torques on the plant.
+        values : (signals, n) array
+            The plant's own signals.
+        """
+        plant, events = self.plant, self.events[: int(self.cursor[2])]
+        signals = {**made, **dict(zip(plant.signal_names(), values, strict=True))}
         if energy:
             from .energy import energies
 
-            count = int(self.cursor[2])
-            signals |= energies(self.plant, self.states, self.modes, inputs, self.events[:count])
+            signals |= energies(plant, self.states, self.modes, inputs, events)
+        last = self.states[(self.length - 1) % (len(self.states) - 1) + 1]
         return Recording(
-            time=np.arange(self.length, dtype=float) * self.plant.dt,
-            signals=signals,
-            origin={name: "simulated" for name in signals},
-            events=self.event_list(),
+            time=time_axis(self.length, plant.dt),
+            signals={name: read_only(array) for name, array in signals.items()},
+            origin=dict.fromkeys(signals, "simulated"),
+            events=events_of(plant, events),
             final_state={
-                "names": self.plant.layout.names(),
-                "state": tuple(float(v) for v in self.states[-1]),
-                "digits": tuple(int(d) for d in self.digits),
+                "names": plant.layout.names(),
+                "state": tuple(last.tolist()),
+                "digits": tuple(self.digits.tolist()),
                 "torque_motor": float(inputs[-1, 0]),
                 **final,
             },
         )
 
 
-def _passing(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Pairs of events that enter and leave one digit at once: a speed that passes through rest does not stick."""
-    again = (rows[1:, :2] == rows[:-1, :2]).all(axis=1) & (rows[1:, 2] == rows[:-1, 3])
-    passing = np.zeros(len(rows), dtype=bool)
-    passing[1:] |= again
-    passing[:-1] |= again
-    return passing
+@lru_cache(maxsize=1)
+def time_axis(length: int, dt: float) -> Array:
+    """0, dt, 2 dt, …, s; the last one is kept, since simulations come in series."""
+    return read_only(np.arange(length, dtype=float) * dt)
+
+
+def read_only(array: Array) -> Array:
+    """An array of our own, handed over: nobody writes it any more, nor what it is a part of."""
+    part: Any = array
+    while isinstance(part, np.ndarray):
+        part.setflags(write=False)
+        part = part.base
+    return array

@@ -117,19 +117,21 @@ def simulate(
 
             torques = {name: values.get(name, np.zeros(length)) for name in names}
             return MixedLoop((), (), (), torques, {}, moved).simulate(run, seed, energy)
-    inputs = np.column_stack([values.get(name, np.zeros(length)) for name in names])
-    inputs[:, 0] = _set_point(drivetrain, inputs[:, 0], dt, state)
-    from ..kernels.loop.two_mass import run_open_loop_two_mass
-    from ..kernels.plant.event_loop import run_open_loop
+    columns = [np.zeros(length) if name not in values else values[name] for name in names]
+    columns[0] = _set_point(drivetrain, columns[0], dt, state)
+    inputs = np.column_stack(columns)
+    run.keep_states(of_all=energy)
+    from ..kernels.loop.open_loop import run_blocks
 
-    usual = (run.plant.layout.states, len(names), len(run.plant.elements)) == (4, 1, 2)
-    kernel = run_open_loop_two_mass if usual else run_open_loop
+    signals = np.empty((len(run.plant.signal_names()), length))
     run.finish(
-        lambda tables: kernel(
-            tables, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events, run.cursor
+        lambda entered: run_blocks(
+            entered, run.two_mass, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events,
+            run.cursor, signals,
         )
-    )
-    return run.recording({name: inputs[:, j] for j, name in enumerate(names)}, inputs, energy)
+    )  # fmt: skip
+    made = {name: inputs[:, j] for j, name in enumerate(names)}
+    return run.recording(made, inputs, signals, energy)
 
 
 def _set_point(
@@ -137,7 +139,8 @@ def _set_point(
 ) -> NDArray[np.float64]:
     """The torque set-point within the actuator's limits."""
     actuator = drivetrain.actuator
-    torque = np.clip(torque, -actuator.torque_limit, actuator.torque_limit)
+    if math.isfinite(actuator.torque_limit):
+        torque = np.clip(torque, -actuator.torque_limit, actuator.torque_limit)
     if math.isfinite(actuator.rate_limit):
         from ..kernels.plant.actuator import limit_rate
 

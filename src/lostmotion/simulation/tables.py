@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 #: Most combinations of contact and friction states (chosen: 8 MB for the table of rows).
 _MOST_MODES = 1_000_000
+#: Contact states for which there is room at first (chosen: all nine of two masses; longer chains enter few of theirs).
+ROOM = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,40 +140,57 @@ class Plant:
         self.row_of_mode = np.full(count, -1, dtype=np.int64)
         self.chain = chain_of(self.layout, self.elements)
         self.numbers = numbers_of(drivetrain, dt)
+        self.size = block_size.py_func(self.layout.states, self.layout.columns, len(digits), ORDER)
         self._work = new_mode_work(self.chain)
-        self.block_size = block_size.py_func(self.layout.states, self.layout.columns, len(digits), ORDER)
-        self._flat = np.zeros((min(count, 16), self.block_size))
-        self._digits: list[tuple[int, ...]] = []
-        self._rows: list[Array] = []
+        self._count = np.zeros(1, dtype=np.int64)
+        self._make_room(min(count, ROOM))
+
+    def _make_room(self, room: int) -> None:
+        """Arrays for so many contact states; those that stand are kept."""
+        shapes = {
+            "flat": (self.size,),
+            "rows": self._work.rows.shape,
+            "digits": (len(self.elements),),
+            "signal": (len(self.signal_weights), self.layout.columns),
+            "span": (len(self.signal_weights), 2),
+        }
+        built = int(self._count[0])
+        kept = {name: getattr(self, f"_{name}")[:built] for name in shapes if built}
+        for name, shape in shapes.items():
+            kind = np.int64 if name in ("digits", "span") else np.float64
+            array = np.zeros((room, *shape), dtype=kind)
+            if built:
+                array[:built] = kept[name]
+            setattr(self, f"_{name}", array)
 
     @property
     def modes(self) -> list[Mode]:
-        """The modes built so far, in the order of ``row_of_mode``."""
+        """The contact states entered so far, in the order of ``row_of_mode``."""
         layout = self.layout
         return [
-            Mode(digits, rows, block, layout.n, layout.states, self.dt)
-            for digits, rows, block in zip(self._digits, self._rows, self._flat, strict=False)
+            Mode(
+                tuple(self._digits[i].tolist()),
+                self._rows[i],
+                self._flat[i],
+                layout.n,
+                layout.states,
+                self.dt,
+            )
+            for i in range(int(self._count[0]))
         ]
 
     def enter(self, digits: Sequence[int] | NDArray[np.int64]) -> None:
-        """Builds the mode of these digits if it does not stand yet."""
+        """Builds the tables of the contact state of these digits if they do not stand yet."""
+        from ..kernels.plant.entered import enter
+
         digits = np.asarray(digits, dtype=np.int64)
-        mode = int(np.dot(self.radix, digits)) if len(digits) else 0
-        if self.row_of_mode[mode] < 0:
-            self._build(digits)
-            self.row_of_mode[mode] = len(self._digits) - 1
+        if not enter(self.entered(), digits):
+            self.grow()
+            enter(self.entered(), digits)
 
-    def _build(self, digits: NDArray[np.int64]) -> None:
-        from ..kernels.plant.contact_states import build_mode
-
-        row = len(self._digits)
-        if row == len(self._flat):
-            self._flat = np.concatenate([self._flat, np.zeros_like(self._flat)])
-        build_mode(
-            self.chain, self.numbers, digits, self._flat.reshape(-1), row * self.block_size, *self._work
-        )
-        self._digits.append(tuple(digits.tolist()))
-        self._rows.append(self._work.rows.copy())
+    def grow(self) -> None:
+        """Room for twice as many contact states."""
+        self._make_room(2 * len(self._flat))
 
     def start_digits(self, x: Array) -> NDArray[np.int64]:
         """The mode in which a state lies; sets the shaft angle of the physical law in x where the twist tells it."""
@@ -210,8 +229,26 @@ class Plant:
             "reset_slot": reset_slot,
         }
 
+    def entered(self) -> Any:
+        """The kernels' view of the contact states entered so far; stale after ``grow``."""
+        from ..kernels.plant.entered import Entered
+
+        return Entered(
+            tables=self.tables(),
+            chain=self.chain,
+            numbers=self.numbers,
+            weights=self.signal_weights,
+            work=self._work,
+            rows=self._rows,
+            digits=self._digits,
+            signal=self._signal,
+            span=self._span,
+            count=self._count,
+            size=self.size,
+        )
+
     def tables(self) -> Any:
-        """The kernel's view of the modes built so far."""
+        """Their tables alone, see ``kernels.plant.layout``."""
         from ..kernels.plant.layout import PlantTables
         from ..kernels.plant.taylor_series import ORDER
 
@@ -259,13 +296,6 @@ class Plant:
         if n > 2:
             rows += [unit[layout.twist(i)] for i in range(n - 1)] + shaft_torques
         return np.array(rows)
-
-    def signal_rows(self, mode: Mode) -> Array:
-        """(signals, C) rows over [x, inputs, 1] in a mode."""
-        columns = self.layout.columns
-        return np.asarray(
-            self.signal_weights[:, :columns] + self.signal_weights[:, columns:] @ mode.shaft_torques
-        )
 
 
 def check_modes(digits: Sequence[int]) -> int:

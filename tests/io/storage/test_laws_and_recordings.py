@@ -12,6 +12,7 @@ import pytest
 
 from lostmotion.curves import dead_zone, saturation
 from lostmotion.errors import InvalidInput, Problem
+from lostmotion.events import Event
 from lostmotion.io.storage.laws_and_recordings import (
     load_json,
     load_law,
@@ -20,7 +21,7 @@ from lostmotion.io.storage.laws_and_recordings import (
     save_law,
     save_recording,
 )
-from lostmotion.recording import Event, Recording
+from lostmotion.recording import Recording
 from lostmotion.systems import DiscreteSystem
 
 PROBLEM = Problem("warning", "here", "this", "that", "Do it.")

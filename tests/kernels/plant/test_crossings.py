@@ -10,6 +10,7 @@ import lostmotion as lm
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.kernels.numerics.vectors import LANES
 from lostmotion.kernels.plant.crossings import first_crossing
+from lostmotion.kernels.plant.entered import enter as enter_one
 from lostmotion.kernels.plant.layout import MAX_ORDER
 from lostmotion.simulation.tables import Plant
 
@@ -84,11 +85,16 @@ def test_swing_and_remainder_decide(monkeypatch, rows):
     assert events[0].kind == "separation"
     assert events[0].time == pytest.approx(period / 3.0, rel=1e-9)
 
-    build = Plant._build
+    enter = Plant.entered
 
-    def without(self, digits):
-        build(self, digits)
-        self.modes[-1].table[:, rows] = 0.0
+    def without(self):
+        """All contact states entered beforehand, and the rows struck out."""
+        found = enter(self)
+        for digit in range(3):
+            enter_one(found, np.array([digit]))
+        for mode in self.modes:
+            mode.table[:, rows] = 0.0
+        return found
 
-    monkeypatch.setattr(Plant, "_build", without)
+    monkeypatch.setattr(Plant, "entered", without)
     assert lm.simulate(plant, **arguments).events == ()

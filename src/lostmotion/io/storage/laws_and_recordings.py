@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import InvalidInput, Problem
-from ...recording import Event, Recording
+from ...events import Event, Events
+from ...recording import Recording
 from .whole_files import read_bytes, write_bytes
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def save_recording(recording: Recording, path: str | Path) -> None:
         "kind": "recording",
         "schema_version": SCHEMA_VERSION,
         "origin": dict(recording.origin),
-        "events": [[e.time, e.kind, e.place, e.speed] for e in recording.events],
+        "events": [list(event) for event in recording.events],
         "final_state": _plain(recording.final_state, f"{path}, final_state", tagged=True),
         "meta": _plain(recording.meta, f"{path}, meta", tagged=True),
     }
@@ -132,7 +133,7 @@ def load_recording(path: str | Path) -> Recording:
         arrays["time"],
         {n.removeprefix("signal/"): values for n, values in arrays.items() if n.startswith("signal/")},
         header["origin"],
-        tuple(Event(*event) for event in header["events"]),
+        Events.of(Event(*event) for event in header["events"]),
         _untagged(header["final_state"]),
         meta,
     )

@@ -115,11 +115,13 @@ def run_variants(
                 given = scratch.inputs[:count]
                 if usual:
                     status = run_open_loop_two_mass(
-                        tables, s, digits, given, scratch.work, scratch.states, scratch.modes, scratch.events, cursor
+                        tables, s, digits, given, 0, count, scratch.work, scratch.states, scratch.modes, scratch.events,
+                        cursor,
                     )  # fmt: skip
                 else:
                     status = run_open_loop(
-                        tables, s, digits, given, scratch.work, scratch.states, scratch.modes, scratch.events, cursor
+                        tables, s, digits, given, 0, count, scratch.work, scratch.states, scratch.modes, scratch.events,
+                        cursor,
                     )  # fmt: skip
                 if status == NEED_MODE:
                     if built * size == flat.size:

@@ -23,13 +23,11 @@ from ..plant.layout import COMPILED, Array, Indices, block_size, mode_number, pl
 class SensorTables(NamedTuple):
     """How each input of the law is made from the plant and from the outside.
 
-    Input i is ``signal[mode's row, source[i]] @ s`` for source[i] ≥ 0, else column −1 − source[i] of the given
-    signals. Then: resolution[i] > 0 rounds down to whole steps; difference[i] = 1 takes the difference to the sample
-    before over dt; last comes disturbance[k, i] (noise and bias; NaN is a drop-out).
+    Input i is the plant's signal source[i] for source[i] ≥ 0, see ``Entered.signal``, else column −1 − source[i] of the
+    given signals. Then: resolution[i] > 0 rounds down to whole steps; difference[i] = 1 takes the difference to the
+    sample before over dt; last comes disturbance[k, i] (noise and bias; NaN is a drop-out).
     """
 
-    signal: Array  # (rows, signals, C)
-    span: Indices  # (rows, signals, 2): first column that is not zero, and the one after the last
     source: Indices
     resolution: Array
     difference: Indices
@@ -104,13 +102,13 @@ class _Places(NamedTuple):
 
 
 @njit(inline="always", **COMPILED)
-def loop_places(loop):
+def loop_places(entered, loop):
     s = loop.sensors
     return _Places(
-        address(s.signal), address(s.span), address(s.source), address(s.resolution), address(s.difference),
+        address(entered.signal), address(entered.span), address(s.source), address(s.resolution), address(s.difference),
         address(s.last), address(s.disturbance), s.disturbance.shape[1] if s.disturbance.shape[0] > 1 else 0,
         address(s.exact),
-        s.signal.shape[1], s.signal.shape[2], address(loop.given), loop.given.shape[1], address(loop.drive),
+        entered.signal.shape[1], entered.signal.shape[2], address(loop.given), loop.given.shape[1], address(loop.drive),
         loop.every, loop.delay, loop.limit, loop.step, loop.dt * loop.every, loop.code, address(loop.numbers),
         address(loop.state), address(loop.torque), address(loop.measured), address(loop.outputs),
         address(loop.faults), loop.torque.shape[1], loop.measured.shape[1], loop.outputs.shape[1],
@@ -178,20 +176,22 @@ def control(p, m, s, k, last):
 
 
 @njit(**COMPILED)
-def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
-    """Any plant with a law in the loop; as ``plant.run_open_loop``, and
+def run_closed_loop(entered, s, digits, loop, first, stop, work, states, modes, events, cursor):
+    """Any plant with a law in the loop; as ``event_loop.run_open_loop``, and
 
     Parameters
     ----------
+    entered : Entered
     loop : LoopTables
     cursor : (5,) array
-        As in ``plant.run_open_loop``, then the torque of the last sample.
+        As in ``event_loop.run_open_loop``, then the torque of the last sample.
     """
+    tb = entered.tables
     E = digits.size
     M = loop.torque.shape[1]
     C = s.size
     N = C - M - 1
-    row, radix, idle, places, p = tb.row, tb.radix, tb.idle, places_of(tb, work), loop_places(loop)
+    row, radix, idle, places, p = tb.row, tb.radix, tb.idle, places_of(tb, work), loop_places(entered, loop)
     base, x, change = places.flat, address(s), address(work)
     size = block_size(N, C, E, tb.order)
     k = int(cursor[0])
@@ -201,7 +201,7 @@ def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
     last = cursor[4]
     status = DONE
     mode = mode_number(radix, digits, E)
-    while k < loop.torque.shape[0]:
+    while k < stop:
         m = row[mode]
         if m < 0:
             status = NEED_MODE
@@ -209,8 +209,8 @@ def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
         quiet = False
         if not begun:
             for i in range(N):
-                states[k, i] = s[i]
-            modes[k] = mode
+                states[k - first, i] = s[i]
+            modes[k - first] = mode
             last = control(p, m, x, k, last)
             quiet = no_crossing(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
@@ -228,6 +228,6 @@ def run_closed_loop(tb, s, digits, loop, work, states, modes, events, cursor):
     cursor[0], cursor[1], cursor[2], cursor[3], cursor[4] = k, start, count, begun, last
     if status == DONE:
         for i in range(N):
-            states[k, i] = s[i]
-        modes[k] = mode
+            states[k - first, i] = s[i]
+        modes[k - first] = mode
     return status

@@ -14,6 +14,7 @@ from numba.typed import List
 
 from ..estimators.runner import STEP, checked_step
 from ..law.step import law_step
+from ..plant.entered import enter
 from ..plant.event_loop import DONE, NEED_MODE, run_open_loop
 from ..plant.layout import Array, Indices, mode_number
 
@@ -46,7 +47,7 @@ class Readings(NamedTuple):
 
     kind: Indices
     at: Indices  # row of `signal`, column of `given`, output, or torque
-    signal: Array  # (modes' rows, signals, C)
+    signal: Array  # (room, signals, C), see ``Entered``
     resolution: Array
     difference: Indices
     last: Array
@@ -212,13 +213,14 @@ def _keep(laws, readings, drive, m, s, given, k, last, outputs, trial):
 
 @njit(cache=True, error_model="numpy")
 def run_mixed_loop(
-    tb, s, digits, given, drive, steps, tables, laws, readings, dt, work, states, modes, torque, measured, outputs,
+    entered, s, digits, given, drive, steps, tables, laws, readings, dt, work, states, modes, torque, measured, outputs,
     faults, trial, good, events, cursor,
 ):  # fmt: skip
-    """The plant with laws in the loop; as ``plant.run_open_loop``, and
+    """The plant with laws in the loop; as ``event_loop.run_open_loop``, and
 
     Parameters
     ----------
+    entered : Entered
     given : (n, G) array
         Signals from outside.
     steps, tables : typed lists
@@ -227,14 +229,15 @@ def run_mixed_loop(
         Filled: the torques that act in sample k, the laws' inputs at their last step, what they made then, and their
         faults.  trial, good : scratch for all states, for all inputs.
     cursor : (6,) array
-        As in ``plant.run_open_loop``, then the set-point of the last sample, then the samples that the laws have done.
+        As in ``event_loop.run_open_loop``, then the set-point of the last sample, then the samples that the laws have
+        done.
     """
-    k = int(cursor[0])
+    tb, k = entered.tables, int(cursor[0])
     while k < torque.shape[0]:
         if int(cursor[5]) <= k:
-            m = tb.row[mode_number(tb.radix, digits, digits.size)]
-            if m < 0:
+            if not enter(entered, digits):
                 return NEED_MODE
+            m = tb.row[mode_number(tb.radix, digits, digits.size)]
             if drive.slot >= 0:
                 s[drive.slot] = drive.speed[k]
             last = cursor[4]
@@ -247,7 +250,9 @@ def run_mixed_loop(
                 torque[k, j] = _torque(drive, j, given, outputs, k, last)
             cursor[4] = torque[k, 0]
             cursor[5] = k + 1
-        status = run_open_loop(tb, s, digits, torque[: k + 1], work, states, modes, events, cursor)
+        status = run_open_loop(tb, s, digits, torque, 0, k + 1, work, states, modes, events, cursor)
+        if status == NEED_MODE and enter(entered, digits):
+            continue
         if status != DONE:
             return status
         k += 1

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from numba import njit
 
-from ..numerics.vectors import absolute, add, address, fused, load, multiply, splat, spread, store
+from ..numerics.vectors import (
+    absolute,
+    add,
+    address,
+    fused,
+    load,
+    multiply,
+    splat,
+    spread,
+    store,
+    write_integer,
+)  # fmt: skip
 from ..plant.enclosure import ALL, no_crossing, within
 from ..plant.event_loop import DONE, NEED_MODE, finish_sample
 from ..plant.layout import COMPILED, INNER, block_size, mode_number, places_of
@@ -34,11 +45,12 @@ def _finish(places, address_s, digits, radix, start, k, events, count):
 
 
 @njit(**COMPILED)
-def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, cursor):
+def run_open_loop_two_mass(tb, s, digits, inputs, first, stop, work, states, modes, events, cursor):
     """`run_open_loop` for four states, one input, two elements, with the state in registers (half the time)."""
     row, radix = tb.row, tb.radix
     places = places_of(tb, work)
-    base, address_s, change, rows = places.flat, address(s), address(work), address(states)
+    base, address_s, change = places.flat, address(s), address(work)
+    rows, number = address(states) - 8 * 4 * first, address(modes) - 8 * first
     size = block_size(4, 6, 2, tb.order)
     k = int(cursor[0])
     start = cursor[1]
@@ -49,10 +61,10 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
     m = row[mode]
     at = base + 8 * m * size
     x = load(address_s, 0)
-    while k < inputs.shape[0]:
+    while k < stop:
         if m >= 0 and not begun:
             store(rows, 4 * k, x)
-            modes[k] = mode
+            write_integer(number, k, mode)
             x0, x1, x2, v = spread(x, 0), spread(x, 1), spread(x, 2), splat(inputs[k, 0])
             g = four_rows(at, 4, x0, x1, x2, v)
             d = four_rows(at, 8, x0, x1, x2, v)
@@ -84,16 +96,18 @@ def run_open_loop_two_mass(tb, s, digits, inputs, work, states, modes, events, c
         store(address_s, 0, x)
     if status == DONE:
         store(rows, 4 * k, x)
-        modes[k] = mode
+        write_integer(number, k, mode)
     return status
 
 
 @njit(**COMPILED)
-def run_closed_loop_two_mass(tb, s, digits, loop, work, states, modes, events, cursor):
+def run_closed_loop_two_mass(entered, s, digits, loop, first, stop, work, states, modes, events, cursor):
     """`run_closed_loop` for four states, one torque, two elements: `run_open_loop_two_mass` with a law."""
+    tb = entered.tables
     row, radix = tb.row, tb.radix
-    places, p = places_of(tb, work), loop_places(loop)
-    base, address_s, change, rows = places.flat, address(s), address(work), address(states)
+    places, p = places_of(tb, work), loop_places(entered, loop)
+    base, address_s, change = places.flat, address(s), address(work)
+    rows, number = address(states) - 8 * 4 * first, address(modes) - 8 * first
     size = block_size(4, 6, 2, tb.order)
     k = int(cursor[0])
     start = cursor[1]
@@ -105,14 +119,14 @@ def run_closed_loop_two_mass(tb, s, digits, loop, work, states, modes, events, c
     m = row[mode]
     at = base + 8 * m * size
     x = load(address_s, 0)
-    while k < loop.torque.shape[0]:
+    while k < stop:
         if m < 0:
             status = NEED_MODE
             break
         if not begun:
             store(rows, 4 * k, x)
             store(address_s, 0, x)
-            modes[k] = mode
+            write_integer(number, k, mode)
             last = control(p, m, address_s, k, last)
             x0, x1, x2, v = spread(x, 0), spread(x, 1), spread(x, 2), splat(last)
             g = four_rows(at, 4, x0, x1, x2, v)
@@ -139,5 +153,5 @@ def run_closed_loop_two_mass(tb, s, digits, loop, work, states, modes, events, c
         store(address_s, 0, x)
     if status == DONE:
         store(rows, 4 * k, x)
-        modes[k] = mode
+        write_integer(number, k, mode)
     return status

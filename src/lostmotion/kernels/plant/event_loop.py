@@ -236,14 +236,16 @@ def finish_sample(places, s, digits, start, k, events, space, count, N, C, E, id
 
 
 @njit(**COMPILED)
-def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
-    """Any plant with torques given: fills states (n + 1, N) and modes (n + 1,); returns a status.
+def run_open_loop(tb, s, digits, inputs, first, stop, work, states, modes, events, cursor):
+    """Any plant with torques given: samples `first` to `stop`; returns a status.
 
     Parameters
     ----------
     s : (C,) array
         [x, v, 1], changed in place.  digits : (E,) int64, changed in place.
     inputs : (n, M) array
+    states : (stop − first + 1 or more, N), modes : likewise, int64
+        Filled from the sample `first` on, the one after the last included.
     work : (W,) array
         See `new_work`.
     events : (space, EVENT_COLUMNS + N) array
@@ -258,6 +260,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     row, radix = tb.row, tb.radix
     places, idle = places_of(tb, work), tb.idle
     base, x, change = places.flat, address(s), address(work)
+    kept, number = address(states) - 8 * N * first, address(modes) - 8 * first
     size = block_size(N, C, E, tb.order)
     k = int(cursor[0])
     start = cursor[1]
@@ -265,7 +268,7 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
     begun = cursor[3] != 0.0
     status = DONE
     mode = mode_number(radix, digits, E)
-    while k < inputs.shape[0]:
+    while k < stop:
         m = row[mode]
         if m < 0:
             status = NEED_MODE
@@ -274,8 +277,8 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
         if not begun:
             for j in range(M):
                 write(x, N + j, inputs[k, j])
-            copy_state(x, address(states) + 8 * k * N, N)
-            modes[k] = mode
+            copy_state(x, kept + 8 * k * N, N)
+            write_integer(number, k, mode)
             quiet = no_crossing(base + 8 * m * size, x, change, N, C, E, idle)
         if quiet:
             add_change(x, change, N)
@@ -291,6 +294,6 @@ def run_open_loop(tb, s, digits, inputs, work, states, modes, events, cursor):
         k += 1
     cursor[0], cursor[1], cursor[2], cursor[3] = k, start, count, begun
     if status == DONE:
-        copy_state(x, address(states) + 8 * k * N, N)
-        modes[k] = mode
+        copy_state(x, kept + 8 * k * N, N)
+        write_integer(number, k, mode)
     return status

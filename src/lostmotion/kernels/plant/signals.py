@@ -1,51 +1,63 @@
-"""Signals of a plant out of its states: in every mode a row over states, inputs and one."""
+"""Signals of a plant out of its states: in every contact state a row over states, inputs and one."""
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+
+#: No fastmath: a signal is the same sum in the same order wherever it is worked out.
+_COMPILED = {"cache": True, "error_model": "numpy", "nogil": True}
 
 
-def same(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(signals,): whether a signal's row is the same in all modes of (modes, signals, C)."""
-    return np.asarray((rows == rows[:1]).all(axis=(0, 2)))
-
-
-def spans(rows: NDArray[np.float64]) -> NDArray[np.int64]:
-    """(…, 2): first column of each row of (…, C) that is not zero, and the one after the last; 0, 0 where all are."""
-    used = rows != 0.0
-    stop = np.where(used.any(axis=-1), rows.shape[-1] - np.argmax(used[..., ::-1], axis=-1), 0)
-    return np.stack([np.argmax(used, axis=-1), stop], axis=-1).astype(np.int64)
-
-
-@njit(cache=True, error_model="numpy")
-def signals_of(states, modes, row_of_mode, rows, span, alike):
-    """(signals, n) values at n samples; inputs count as zero.
+@njit(**_COMPILED)
+def fill_signals(entered, states, modes, first, count, values):
+    """`count` samples of all signals, from the sample `first` on; states and modes are those of these samples.
 
     Parameters
     ----------
-    states : (n, N) array
-    modes : (n,) int64 array
-    row_of_mode : (modes,) int64 array
-    rows : (entered modes, signals, C) array, C ≥ N + 1: over states, inputs, one
-    span : (entered modes, signals, 2) int64 array, see ``spans``
-    alike : (signals,) array of bool, see ``same``
+    entered : Entered
+    states : (count or more, N), modes : likewise, int64
+    values : (signals, n) array
+        Written; inputs count as zero.
     """
-    values = np.empty((rows.shape[1], states.shape[0]))
-    n_states, one = states.shape[1], rows.shape[2] - 1
-    for j in range(rows.shape[1]):
-        first, stop = span[0, j, 0], min(span[0, j, 1], n_states)
-        if first < n_states and stop <= first + 1 and alike[j]:
-            # As most signals, it is one state in all modes, and not worth a look at the mode.
-            factor = rows[0, j, first]
-            for k in range(states.shape[0]):
-                values[j, k] = factor * states[k, first] + rows[0, j, one]
-        else:
-            for k in range(states.shape[0]):
-                m = row_of_mode[modes[k]]
-                total = 0.0
-                for c in range(span[m, j, 0], min(span[m, j, 1], n_states)):
-                    total += rows[m, j, c] * states[k, c]
-                values[j, k] = total + rows[m, j, one]
-    return values
+    columns = entered.signal.shape[2]
+    differs = False
+    for j in range(values.shape[0]):
+        alike = True
+        for m in range(columns, entered.weights.shape[1]):
+            alike = alike and entered.weights[j, m] == 0.0
+        if alike:
+            _fill(entered.signal[0, j], entered.span[0, j], states, 0, count, values[j], first)
+        differs = differs or not alike
+    k = 0
+    while differs and k < count:
+        mode, stop = modes[k], k + 1
+        while stop < count and modes[stop] == mode:
+            stop += 1
+        row = entered.tables.row[mode]
+        for j in range(values.shape[0]):
+            for m in range(columns, entered.weights.shape[1]):
+                if entered.weights[j, m] != 0.0:
+                    _fill(entered.signal[row, j], entered.span[row, j], states, k, stop, values[j], first)
+                    break
+        k = stop
+
+
+@njit(**_COMPILED)
+def _fill(row, span, states, start, stop, values, first):
+    """The samples `start` to `stop` of one signal in one contact state."""
+    a, b, constant = span[0], min(span[1], states.shape[1]), row[row.size - 1]
+    if b - a == 1:
+        factor = row[a]
+        for k in range(start, stop):
+            values[first + k] = factor * states[k, a] + constant
+    elif b - a == 4:
+        w, x, y, z = row[a], row[a + 1], row[a + 2], row[a + 3]
+        for k in range(start, stop):
+            total = w * states[k, a] + x * states[k, a + 1] + y * states[k, a + 2] + z * states[k, a + 3]
+            values[first + k] = total + constant
+    else:
+        for k in range(start, stop):
+            total = 0.0
+            for c in range(a, b):
+                total += row[c] * states[k, c]
+            values[first + k] = total + constant

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, LostMotionError
+from ...events import KINDS
 from ...recording import Recording
 from ..inputs import check_lengths, check_sample_time, check_signal
 from ..simulate import simulate
@@ -21,8 +22,6 @@ from .family import TorqueRun, kinship
 
 Array = NDArray[np.float64]
 
-#: In the order of ``kernels.batch.summary``.
-EVENT_KINDS = ("impact", "separation", "stick", "slip")
 #: Times at which a signal is kept for its quantiles (chosen: a picture's width).
 TIMES = 200
 
@@ -58,7 +57,7 @@ class Chunk:
             final_state=np.full((count, width), np.nan),
             peak=np.full((len(work.signals), count), np.nan),
             rms=np.full((len(work.signals), count), np.nan),
-            events=np.full((len(EVENT_KINDS), count), np.nan),
+            events=np.full((len(KINDS), count), np.nan),
             samples=np.full((len(work.quantiles), count, work.time.size), np.nan),
             time=work.time,
         )
@@ -168,8 +167,7 @@ class Work:
             v for n, v in zip(state["names"], state["state"], strict=True) if n.startswith(("twist", "speed"))
         ]
         chunk.final_state[i, : len(moved)] = moved
-        kinds = [event.kind for event in recording.events]
-        chunk.events[:, i] = [kinds.count(kind) for kind in EVENT_KINDS]
+        chunk.events[:, i] = [recording.events.count_of(kind) for kind in KINDS]
         for j, name in enumerate(self.signals):
             if name in recording:
                 chunk.peak[j, i] = np.max(np.abs(recording[name]))

@@ -99,7 +99,7 @@ class TorqueRun:
             chain=plant.chain,
             radix=plant.radix,
             modes=plant.row_of_mode.size,
-            size=plant.block_size,
+            size=plant.size,
             order=ORDER,
             idle=layout.angle_motor,
             inputs=np.column_stack(given),

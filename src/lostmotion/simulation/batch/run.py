@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
-from .chunk import EVENT_KINDS, Chunk, Work
+from ...events import KINDS
+from .chunk import Chunk, Work
 from .store import Store
 
 Array = NDArray[np.float64]
@@ -226,7 +227,7 @@ def _gather(chunks: Sequence[Chunk], work: Work, size: int) -> BatchResult:
         final_state=np.concatenate(final),
         peak=columns([chunk.peak for chunk in chunks], work.signals),
         rms=columns([chunk.rms for chunk in chunks], work.signals),
-        events=columns([chunk.events for chunk in chunks], EVENT_KINDS),
+        events=columns([chunk.events for chunk in chunks], KINDS),
         quantile_time=work.time,
         samples=columns([chunk.samples for chunk in chunks], work.quantiles),
     )
