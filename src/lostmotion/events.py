@@ -84,8 +84,14 @@ class Events(Sequence[Event]):
 
     def only(self, which: NDArray[np.bool_] | slice | Indices) -> Events:
         """The events that a mask, a slice or numbers choose."""
-        columns = (self.time, self.kind, self.place, self.speed, self.energy)
-        return Events(*(column[which] for column in columns), self.places)
+        return Events(
+            self.time[which],
+            self.kind[which],
+            self.place[which],
+            self.speed[which],
+            self.energy[which],
+            self.places,
+        )
 
     def of_kind(self, kind: str) -> Events:
         """The events of one kind."""

@@ -123,15 +123,15 @@ def simulate(
     run.keep_states(of_all=energy)
     from ..kernels.loop.open_loop import run_blocks
 
-    signals = np.empty((len(run.plant.signal_names()), length))
+    own = np.empty((len(run.plant.signal_names()), length))
     run.finish(
         lambda entered: run_blocks(
             entered, run.two_mass, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events,
-            run.cursor, signals,
+            run.cursor, own,
         )
     )  # fmt: skip
     made = {name: inputs[:, j] for j, name in enumerate(names)}
-    return run.recording(made, inputs, signals, energy)
+    return run.recording(made, inputs, own, energy)
 
 
 def _set_point(

@@ -142,26 +142,13 @@ class Plant:
         self.numbers = numbers_of(drivetrain, dt)
         self.size = block_size.py_func(self.layout.states, self.layout.columns, len(digits), ORDER)
         self._work = new_mode_work(self.chain)
-        self._count = np.zeros(1, dtype=np.int64)
-        self._make_room(min(count, ROOM))
-
-    def _make_room(self, room: int) -> None:
-        """Arrays for so many contact states; those that stand are kept."""
-        shapes = {
-            "flat": (self.size,),
-            "rows": self._work.rows.shape,
-            "digits": (len(self.elements),),
-            "signal": (len(self.signal_weights), self.layout.columns),
-            "span": (len(self.signal_weights), 2),
-        }
-        built = int(self._count[0])
-        kept = {name: getattr(self, f"_{name}")[:built] for name in shapes if built}
-        for name, shape in shapes.items():
-            kind = np.int64 if name in ("digits", "span") else np.float64
-            array = np.zeros((room, *shape), dtype=kind)
-            if built:
-                array[:built] = kept[name]
-            setattr(self, f"_{name}", array)
+        self._built = np.zeros(1, dtype=np.int64)
+        room, signals = min(count, ROOM), len(self.signal_weights)
+        self._flat = np.zeros((room, self.size))
+        self._rows = np.zeros((room, *self._work.rows.shape))
+        self._digits = np.zeros((room, len(digits)), dtype=np.int64)
+        self._signal = np.zeros((room, signals, self.layout.columns))
+        self._span = np.zeros((room, signals, 2), dtype=np.int64)
 
     @property
     def modes(self) -> list[Mode]:
@@ -176,7 +163,7 @@ class Plant:
                 layout.states,
                 self.dt,
             )
-            for i in range(int(self._count[0]))
+            for i in range(int(self._built[0]))
         ]
 
     def enter(self, digits: Sequence[int] | NDArray[np.int64]) -> None:
@@ -190,7 +177,8 @@ class Plant:
 
     def grow(self) -> None:
         """Room for twice as many contact states."""
-        self._make_room(2 * len(self._flat))
+        self._flat, self._rows, self._signal = map(_doubled, (self._flat, self._rows, self._signal))
+        self._digits, self._span = map(_doubled, (self._digits, self._span))
 
     def start_digits(self, x: Array) -> NDArray[np.int64]:
         """The mode in which a state lies; sets the shaft angle of the physical law in x where the twist tells it."""
@@ -243,7 +231,7 @@ class Plant:
             digits=self._digits,
             signal=self._signal,
             span=self._span,
-            count=self._count,
+            built=self._built,
             size=self.size,
         )
 
@@ -296,6 +284,10 @@ class Plant:
         if n > 2:
             rows += [unit[layout.twist(i)] for i in range(n - 1)] + shaft_torques
         return np.array(rows)
+
+
+def _doubled(array: NDArray[Any]) -> NDArray[Any]:
+    return np.concatenate([array, np.zeros_like(array)])
 
 
 def check_modes(digits: Sequence[int]) -> int:

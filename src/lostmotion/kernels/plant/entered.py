@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numba import njit
 
@@ -10,7 +10,7 @@ from .contact_states import ModeWork, build_mode
 from .equations import Chain
 from .layout import Array, Indices, PlantTables, mode_number
 
-_COMPILED = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy", "nogil": True}
+_COMPILED: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy", "nogil": True}
 
 
 class Entered(NamedTuple):
@@ -25,14 +25,14 @@ class Entered(NamedTuple):
     digits: Indices  # (room, E)
     signal: Array  # (room, signals, C): the signals' rows in each contact state
     span: Indices  # (room, signals, 2): their first column that is not zero, and the one after the last
-    count: Indices  # (1,): how many were entered
+    built: Indices  # (1,): how many were entered
     size: int  # of a contact state's block in `tables.flat`
 
 
 @njit(**_COMPILED)
 def enter(entered, digits):
     """Builds the contact state of these digits if it does not stand yet; False where there is no room for it."""
-    tables, slot = entered.tables, entered.count[0]
+    tables, slot = entered.tables, entered.built[0]
     mode = mode_number(tables.radix, digits, digits.size)
     if tables.row[mode] >= 0:
         return True
@@ -50,7 +50,7 @@ def enter(entered, digits):
         entered.digits[slot, e] = digits[e]
     _signal_rows(entered.weights, rows, entered.signal[slot], entered.span[slot])
     tables.row[mode] = slot
-    entered.count[0] = slot + 1
+    entered.built[0] = slot + 1
     return True
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba import njit
 
 #: No fastmath: a signal is the same sum in the same order wherever it is worked out.
-_COMPILED = {"cache": True, "error_model": "numpy", "nogil": True}
+_COMPILED: Any = {"cache": True, "error_model": "numpy", "nogil": True}
 
 
 @njit(**_COMPILED)
