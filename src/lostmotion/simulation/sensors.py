@@ -51,6 +51,11 @@ class Sensor:
         if not 0.0 <= self.dropout <= 1.0:
             raise InvalidInput("Sensor.dropout", repr(self.dropout), "a probability from 0 to 1", "Check it.")
 
+    @property
+    def exact(self) -> bool:
+        """Whether it shows the true value."""
+        return self == Sensor(self.source)
+
 
 def disturbance(sensors: Mapping[str, Sensor], channels: Sequence[str], length: int, seed: int) -> Array:
     """Bias and noise, (length, channels), or (1, channels) where they are the same in every sample.
@@ -79,6 +84,8 @@ def measure(
     sensors: Mapping[str, Sensor], signals: Mapping[str, Array], dt: float, seed: int
 ) -> dict[str, Array]:
     """What the sensors show of true signals sampled at dt (s): (n,) arrays, equal to those a law in the loop sees."""
+    from ..kernels.loop.sensors import over_a_recording
+
     length = next(iter(signals.values())).size
     shown = {}
     for name, sensor in sensors.items():
@@ -86,10 +93,7 @@ def measure(
             raise InvalidInput(
                 f"sensor {name!r}", f"source {sensor.source!r}", f"{sorted(signals)}", "Check the name."
             )
-        value = np.asarray(signals[sensor.source], dtype=float)
-        if sensor.resolution > 0.0:
-            value = np.floor(value / sensor.resolution) * sensor.resolution
-        if sensor.difference:
-            value = np.concatenate([[0.0], (value[1:] - value[:-1]) / dt])
-        shown[name] = value + disturbance(sensors, (name,), length, seed)[:, 0]
+        value = np.ascontiguousarray(signals[sensor.source], dtype=float)
+        noise = disturbance(sensors, (name,), length, seed)[:, 0]
+        shown[name] = over_a_recording(value, sensor.resolution, int(sensor.difference), dt, noise)
     return shown

@@ -113,10 +113,10 @@ def simulate(
     if moved is not None:
         moved.place(run.plant.layout, run.s)
         if moved.jumps:
-            from .mixed_loop import MixedLoop
+            from .laws_in_loop import LawsInLoop
 
             torques = {name: values.get(name, np.zeros(length)) for name in names}
-            return MixedLoop((), (), (), torques, {}, moved).simulate(run, seed, energy)
+            return LawsInLoop((), (), (), torques, {}, moved).simulate(run, seed, energy)
     columns = [np.zeros(length) if name not in values else values[name] for name in names]
     columns[0] = _set_point(drivetrain, columns[0], dt, state)
     inputs = np.column_stack(columns)

@@ -174,7 +174,7 @@ class DiscreteSystem:
         from ..kernels.law.step import law_run
 
         new, values = self.init(state), input_row(self.name, self.inputs, inputs)
-        outputs, faults = law_run(self._tables, new, values[np.newaxis])
+        outputs, faults = law_run(self.tables(), new, values[np.newaxis])
         return new, outputs[0], int(faults[0])
 
     def without_checks(self) -> DiscreteSystem:
@@ -202,23 +202,19 @@ class DiscreteSystem:
 
         time, inputs = input_columns(self.name, self.inputs, self.dt, data)
         full = self.init(state)
-        outputs, faults = law_run(self._tables, full, inputs)
+        outputs, faults = law_run(self.tables(), full, inputs)
         return recorded_run(self.name, self.outputs, time, outputs, faults, full)
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues of A: the poles with every curve at a constant value."""
         return np.asarray(np.linalg.eigvals(self.A), dtype=complex)
 
-    @cached_property
-    def _tables(self) -> LawTables:
-        return self.tables()
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Without the tables: they hold an address of this process."""
-        return {name: value for name, value in self.__dict__.items() if name != "_tables"}
-
     def tables(self) -> LawTables:
         """The law in the form that the kernels run; the first one of a shape compiles its code (some ten ms)."""
+        return self._tables
+
+    @cached_property
+    def _tables(self) -> LawTables:
         rows = np.vstack([
             np.hstack([self.F, self.G, self.H]),
             np.hstack([self.C, self.D, self.J]),
@@ -228,6 +224,10 @@ class DiscreteSystem:
         sizes = len(self.states), len(self.inputs), len(self.outputs)
         checks = [(self.inputs.index(check.input), check) for check in self.checks]
         return law_tables(rows, sizes, self.curves, self.early_curves, checks)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the tables: they hold an address of this process."""
+        return {name: value for name, value in self.__dict__.items() if name != "_tables"}
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:
         """A copy with inputs and outputs renamed, old name → new name."""

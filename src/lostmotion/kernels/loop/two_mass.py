@@ -1,4 +1,4 @@
-"""The two-mass plant, open loop and with a law: four states, one torque, two elements, the state in registers."""
+"""The two-mass plant, open loop and with laws: four states, one torque, two elements, the state in registers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..numerics.vectors import (
 from ..plant.enclosure import ALL, no_crossing, within
 from ..plant.event_loop import DONE, NEED_MODE, finish_sample
 from ..plant.layout import COMPILED, INNER, block_size, mode_number, places_of
-from .one_law import control, loop_places
+from .laws import ALGEBRAIC_LOOP, control, loop_places
 
 #: Rows of a two-mass plant's columns: four of the state, four groups of guards.
 TWO_MASS_ROWS = 20
@@ -101,8 +101,10 @@ def run_open_loop_two_mass(tb, s, digits, inputs, first, stop, work, states, mod
 
 
 @njit(**COMPILED)
-def run_closed_loop_two_mass(entered, s, digits, loop, first, stop, work, states, modes, events, cursor):
-    """`run_closed_loop` for four states, one torque, two elements: `run_open_loop_two_mass` with a law."""
+def run_closed_loop_two_mass(
+    entered, s, digits, loop, steps, first, stop, work, states, modes, events, cursor
+):
+    """`run_open_loop_two_mass` with laws in the loop, see ``closed_loop.run_closed_loop``."""
     tb = entered.tables
     row, radix = tb.row, tb.radix
     places, p = places_of(tb, work), loop_places(entered, loop)
@@ -127,7 +129,10 @@ def run_closed_loop_two_mass(entered, s, digits, loop, first, stop, work, states
             store(rows, 4 * k, x)
             store(address_s, 0, x)
             write_integer(number, k, mode)
-            last = control(p, m, address_s, k, last)
+            settled, last = control(p, steps, m, address_s, k, last)
+            if not settled:
+                status = ALGEBRAIC_LOOP
+                break
             x0, x1, x2, v = spread(x, 0), spread(x, 1), spread(x, 2), splat(last)
             g = four_rows(at, 4, x0, x1, x2, v)
             d = four_rows(at, 8, x0, x1, x2, v)

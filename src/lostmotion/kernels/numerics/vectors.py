@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite import ir
-from numba import extending, types
+from numba import carray, extending, njit, types
 from numba.extending import models, register_model
 
 LANES = 4
@@ -246,3 +246,17 @@ def write_integer(typing: Any, at: Any, index: Any, value: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(types.int64, types.int64, types.int64), code
+
+
+@intrinsic
+def _pointer_to(typing: Any, at: Any) -> Any:
+    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
+
+    return types.CPointer(types.float64)(types.int64), code
+
+
+@njit(forceinline=True, cache=True)
+def numbers_at(at, count):
+    """The array of `count` numbers at an address; nobody counts references to it."""
+    return carray(_pointer_to(at), (count,))
