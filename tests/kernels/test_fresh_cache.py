@@ -63,9 +63,7 @@ def test_unchanged_sources_drop_nothing(tmp_path):
 
 def test_imports_are_followed_through():
     hashes = fresh_cache.source_hashes(Path(fresh_cache.__file__).parent)
-    assert {"plant/event_loop", "law/step", "loop/laws", "estimators/interacting_models/step"} <= set(
-        hashes
-    )
+    assert {"plant/event_loop", "law/step", "loop/laws", "estimators/interacting_models/step"} <= set(hashes)
     assert len(set(hashes.values())) == len(hashes)
 
 

@@ -36,6 +36,23 @@ def simulate_law(
     moved: MovedEnd | None,
 ) -> Recording:
     """``simulate`` with laws; `given` holds checked (n,) signals from outside."""
+    loop, names = laws_in_loop(drivetrain, law, dt, given, delay, sensors, moved)
+    run = PlantRun(drivetrain, dt, names, state, check_lengths(given))
+    if moved is not None:
+        moved.place(run.plant.layout, run.s)
+    return loop.simulate(run, seed, energy)
+
+
+def laws_in_loop(
+    drivetrain: Drivetrain,
+    law: Law | Sequence[Law],
+    dt: float,
+    given: Mapping[str, Array],
+    delay: int | Sequence[int],
+    sensors: Mapping[str, Sensor],
+    moved: MovedEnd | None,
+) -> tuple[LawsInLoop, tuple[str, ...]]:
+    """What runs in the loop, checked, and the names of the plant's inputs."""
     laws = _laws(law)
     every = tuple(_samples(part, dt) for part in laws)
     delays = _delays(delay, len(laws))
@@ -43,15 +60,12 @@ def simulate_law(
         raise InvalidInput(
             "simulate", "no signal of known length", "a set-point or a torque", "Give speed_reference."
         )
-    length = check_lengths(given)
+    check_lengths(given)
     _check_makers(laws, given, possible_inputs(drivetrain))
     made = [name for part in laws for name in part.outputs]
     names = plant_inputs(drivetrain, {**given, **dict.fromkeys(made)})
     _check_wiring(laws, given, sensors, names, made)
-    run = PlantRun(drivetrain, dt, names, state, length)
-    if moved is not None:
-        moved.place(run.plant.layout, run.s)
-    return LawsInLoop(laws, every, delays, given, sensors, moved).simulate(run, seed, energy)
+    return LawsInLoop(laws, every, delays, given, sensors, moved), names
 
 
 def _laws(law: Law | Sequence[Law]) -> tuple[Law, ...]:

@@ -175,6 +175,11 @@ class Plant:
             self.grow()
             enter(self.entered(), digits)
 
+    @property
+    def room(self) -> int:
+        """For how many contact states there is room."""
+        return len(self._flat)
+
     def grow(self) -> None:
         """Room for twice as many contact states."""
         self._flat, self._rows, self._signal = map(_doubled, (self._flat, self._rows, self._signal))

@@ -154,13 +154,44 @@ def test_any_number_of_threads_gives_the_same(workers):
     same(one, more)
 
 
-def test_a_law_runs_in_processes_with_the_same_result():
+def test_a_law_runs_on_threads_with_the_same_result():
     plants = variants(3)
     law = lm.controllers.pi(kp=1.0, ki=5.0, dt=DT, torque_limit=20.0)
     arguments = dict(dt=DT, law=law, speed_reference=np.full(200, 2.0), chunk=1)
     one, two = (simulate_batch(plants, **arguments, workers=n) for n in (1, 2))
     same(one, two)
     check_against_single_runs(plants, one, law=law, speed_reference=np.full(200, 2.0))
+
+
+@pytest.mark.parametrize("plants", [variants(3), chains("physical", 3), chains("clipped", 2)], ids=len)
+def test_laws_of_all_kinds_in_compiled_variants(plants):
+    """An observer that is a stepper, a slow controller on its estimates, a coarse sensor with noise, a delay."""
+    model = Drivetrain.two_mass(**TABLE_I)
+    observer = lm.observers.super_twisting(model, dt=DT, speed_from_counts=True)
+    control = lm.controllers.pole_placement(model, poles=(-150,) * 3, dt=2 * DT, torque_limit=12.0)
+    step = 2.0 * np.pi / 2**14
+    arguments = {
+        "law": [observer, control],
+        "speed_reference": np.where(np.arange(600) % 300 < 150, -2.0, 2.0),
+        "sensors": {"speed_motor": lm.Sensor("angle_motor", resolution=step, difference=True, noise=0.01)},
+        "seed": 3,
+        "delay": (0, 2),
+    }
+    signals = ("speed_load", "torque_shaft", "torque_motor", "speed_load_estimated", "speed_motor_measured")
+    quantiles = ("twist", "speed_load_estimated", "speed_reference")
+    made = simulate_batch(
+        plants, dt=DT, signals=signals, quantiles=quantiles, **arguments, chunk=2, workers=2
+    )
+    assert made.done.all() and sum(made.events["impact"]) > 0
+    check_against_single_runs(plants, made, **arguments)
+
+
+def test_a_variant_that_fails_under_a_law_ends_nothing():
+    """One variant cannot be simulated at all; the others run."""
+    law = lm.controllers.pi(kp=1.0, ki=5.0, dt=DT, torque_limit=20.0)
+    plants = [*variants(2), broken()]
+    made = simulate_batch(plants, dt=DT, law=law, speed_reference=np.full(200, 2.0))
+    assert list(made.done) == [True, True, False] and "combinations" in made.failures[2]
 
 
 def test_failing_variant_is_reported_and_ends_nothing():

@@ -16,7 +16,7 @@ from numba import njit
 from ..loop.two_mass import run_open_loop_two_mass
 from ..numerics.vectors import address
 from ..plant.contact_states import build_mode
-from ..plant.equations import ANGLE, ELEMENT, GAP, SHAFT_NUMBERS, start_digits
+from ..plant.equations import start_digits
 from ..plant.event_loop import (
     CHATTERING,
     DONE,
@@ -27,21 +27,11 @@ from ..plant.event_loop import (
 )
 from ..plant.layout import PlantTables, padded
 from .arrays import BLOCK
+from .resets import set_resets
 from .summary import clear, count_events, fill_values, join, keep, signal_rows, sum_up
 
 _BATCH: Any = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy", "nogil": True}
 _INNER: Any = {**_BATCH, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-
-
-@njit(**_INNER)
-def _set_resets(chain, p, reset_row):
-    """The shaft angle on entering a contact is the twist beyond half the backlash (physical law)."""
-    n, states = chain.inertias.shape[0] - 1, chain.states
-    for i in range(n - 1):
-        if chain.shafts[i, ANGLE] >= 0:
-            half = p[2 + n + SHAFT_NUMBERS * i + 2]
-            for digit in range(3):
-                reset_row[chain.shafts[i, ELEMENT], digit, states] = -(digit - GAP) * half
 
 
 @njit(**_INNER)
@@ -92,7 +82,7 @@ def run_variants(
     for v in range(numbers.shape[0]):
         p = numbers[v]
         clear(scratch)
-        _set_resets(chain, p, scratch.reset_row)
+        set_resets(chain, p, scratch.reset_row)
         s[:states] = family.start
         s[-1] = 1.0
         if family.digits.size == radix.size and radix.size > 0:

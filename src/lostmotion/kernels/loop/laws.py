@@ -57,8 +57,7 @@ class Loop(NamedTuple):
     )
     driver: Indices  # (M,): ≥ 0: output that drives the torque, < 0: column −1 − driver of `given`
     delay: Indices  # (M,): samples from the law's step until the torque acts
-    limit: float  # of the first torque, Nm
-    step: float  # largest change of the first torque from sample to sample, Nm
+    limits: Array  # (2,): largest first torque, Nm, and its largest change from sample to sample, Nm
     slot: int  # state that is the speed of a moved end, −1: none
     speed: Array  # (n,): its value at the start of each sample, rad/s
     given: Array  # (n, G): signals from outside
@@ -128,9 +127,9 @@ def loop_places(entered, x):
         address(x.code), address(x.numbers), address(x.parameters), address(x.parameter_start), address(x.state),
         address(x.state_start), address(x.input_start), address(x.output_start), address(x.every), address(x.late),
         address(x.kind), address(x.at), address(x.exact), address(x.resolution), address(x.difference),
-        address(x.last), address(x.disturbance), disturbance_row,
-        address(x.driver), address(x.delay), x.limit, x.step, address(x.given), x.given.shape[1], address(x.torque),
-        address(x.measured), address(x.outputs), address(x.faults), address(x.trial), address(x.now),
+        address(x.last), address(x.disturbance), disturbance_row, address(x.driver), address(x.delay),
+        x.limits[0], x.limits[1], address(x.given), x.given.shape[1], address(x.torque), address(x.measured),
+        address(x.outputs), address(x.faults), address(x.trial), address(x.now),
         address(x.made), address(x.good), x.dt, x.code.size, x.measured.shape[1], x.outputs.shape[1],
         x.torque.shape[1], address(entered.signal), address(entered.span), entered.signal.shape[1],
         entered.signal.shape[2],

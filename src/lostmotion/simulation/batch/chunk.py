@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from ...recording import Recording
 from ..inputs import check_lengths, check_sample_time, check_signal
 from ..simulate import simulate
 from .family import TorqueRun, kinship
+from .law_family import LawRun
 
 Array = NDArray[np.float64]
 
@@ -90,41 +92,45 @@ class Work:
         length = len(next(iter(self.torques.values()), ()))
         return max(1, -(-length // TIMES))
 
-    @property
-    def compiled(self) -> bool:
-        """Whether nothing but torques and a start is given, so that whole variants run in compiled code."""
-        plain = all(name.startswith("torque_") for name in self.torques)
-        wanted = {n for n, v in self.arguments.items() if v is not None} - set(self.torques) - {"state"}
-        return (
-            plain
-            and bool(self.torques)
-            and not self.trajectories
-            and not any(self.arguments[n] for n in wanted)
-        )
+    @cached_property
+    def compiled(self) -> TorqueRun | LawRun | None:
+        """How whole variants run in compiled code; None where ``simulate`` has to run them one by one."""
+        others = {name: value for name, value in self.arguments.items() if name not in self.torques}
+        if self.trajectories or others.get("energy") or not self.torques:
+            return None
+        state, law = others.get("state"), others.get("law")
+        if law is not None:
+            return LawRun(
+                self.dt, law, self.torques, state, others.get("delay", 0), others.get("sensors") or {},
+                others.get("seed", 0), self.signals, self.quantiles, self.step,
+            )  # fmt: skip
+        if any(others.get(name) for name in ("sensors", "seed", "delay")):
+            return None
+        if all(name.startswith("torque_") for name in self.torques):
+            return TorqueRun(self.dt, self.torques, state, self.signals, self.quantiles, self.step)
+        return None
 
     def run(self, part: Sequence[Drivetrain], first: int, file: Path | None) -> Chunk:
         """Summaries of a chunk whose first variant has the number `first`; one that fails leaves its message."""
         chunk = Chunk.empty(self, part)
         families: dict[Any, list[int]] = {}
         kept: dict[str, Any] = {}
-        torque_run = self._torque_run() if self.compiled else None
+        together = self.compiled
         for i, drivetrain in enumerate(part):
-            if torque_run is not None and torque_run.knows(drivetrain):
+            if together is not None and together.knows(drivetrain):
                 families.setdefault(kinship(drivetrain), []).append(i)
             elif (recording := self._alone(drivetrain, i, chunk)) is not None and file is not None:
                 kept |= {f"{first + i}/{name}": recording[name] for name in recording}
-        if torque_run is not None:
+        if together is not None:
             for members in families.values():
-                self._family(torque_run, part, members, chunk)
+                self._family(together, part, members, chunk)
         if kept and self.trajectories and file is not None:
             write_whole(file.with_suffix(".npz"), kept, compressed=True)
         return chunk
 
-    def _torque_run(self) -> TorqueRun:
-        state = self.arguments.get("state")
-        return TorqueRun(self.dt, self.torques, state, self.signals, self.quantiles, self.step)
-
-    def _family(self, run: TorqueRun, part: Sequence[Drivetrain], members: list[int], chunk: Chunk) -> None:
+    def _family(
+        self, run: TorqueRun | LawRun, part: Sequence[Drivetrain], members: list[int], chunk: Chunk
+    ) -> None:
         """Variants that differ in their numbers only."""
         from ...kernels.plant.event_loop import DONE
 

@@ -49,12 +49,12 @@ class TorqueRun:
         return check_lengths(self.torques)
 
     def knows(self, drivetrain: Drivetrain) -> bool:
-        """Whether the drivetrain has all the inputs that are given."""
+        """Whether the drivetrain has all the inputs that are given, and nothing else is wanted of it."""
         return not set(self.torques) - set(possible_inputs(drivetrain))
 
     def run(self, variants: Sequence[Drivetrain]) -> tuple[tuple[str, ...], tuple[str, ...], Summary]:
         """Names of the states, names of the signals that these variants have, and their summaries."""
-        from ...kernels.batch.arrays import Summary, new_scratch
+        from ...kernels.batch.arrays import new_scratch
         from ...kernels.batch.run import run_variants
         from ...kernels.plant.contact_states import new_mode_work
 
@@ -66,15 +66,7 @@ class TorqueRun:
         family = self._family(run, wanted)
         numbers = np.array([numbers_of(variant, self.dt) for variant in variants])
         limits = [(v.actuator.torque_limit, v.actuator.rate_limit * self.dt) for v in variants]
-        count, times = len(variants), -(-self.length // self.step)
-        summary = Summary(
-            status=np.zeros(count, dtype=np.int64),
-            final=np.zeros((count, run.plant.layout.states)),
-            peak=np.zeros((count, len(wanted))),
-            square=np.zeros((count, len(wanted))),
-            events=np.zeros((count, 4), dtype=np.int64),
-            samples=np.zeros((count, family.sampled.size, times)),
-        )
+        summary = new_summary(len(variants), run, wanted, family.sampled, -(-self.length // self.step))
         work = new_mode_work(run.plant.chain)
         run_variants(family, numbers, np.array(limits), new_scratch(family), *work, summary)
         return run.plant.layout.names(), wanted, summary
@@ -112,6 +104,22 @@ class TorqueRun:
             step=self.step,
             **plant.element_tables,
         )
+
+
+def new_summary(
+    count: int, run: PlantRun, wanted: Sequence[str], sampled: NDArray[np.int64], times: int
+) -> Summary:
+    """Room for the summaries of `count` variants."""
+    from ...kernels.batch.arrays import Summary
+
+    return Summary(
+        status=np.zeros(count, dtype=np.int64),
+        final=np.zeros((count, run.plant.layout.states)),
+        peak=np.zeros((count, len(wanted))),
+        square=np.zeros((count, len(wanted))),
+        events=np.zeros((count, 4), dtype=np.int64),
+        samples=np.zeros((count, sampled.size, times)),
+    )
 
 
 def _only_state(row: Array, states: int) -> int:
