@@ -23,7 +23,8 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.kernels.law.step import law_run
-from lostmotion.kernels.loop import two_mass as kernels
+from lostmotion.kernels.loop import closed_loop as kernels
+from lostmotion.simulation import variants
 from lostmotion.simulation.plant_run import PlantRun
 from lostmotion.systems import DiscreteSystem
 
@@ -108,19 +109,21 @@ def kernel_time(joined: DiscreteSystem, runs: int) -> tuple[float, float]:
 
 def warm_loop(joined: DiscreteSystem, runs: int) -> tuple[float, float]:
     """The kernel once more from the start, in the memory of a finished run and with all its modes' tables made."""
-    kernel, kept = kernels.run_closed_loop_two_mass, []
+    kernel, kept = kernels.run_with_laws, []
 
     def keeping(*arguments: Any) -> int:
         kept[:] = arguments
         return int(kernel(*arguments))
 
-    kernels.run_closed_loop_two_mass = keeping
+    kernels.run_with_laws = keeping
     try:
         lm.simulate(PLANT, dt=DT, law=joined, speed_reference=REFERENCE)
     finally:
-        kernels.run_closed_loop_two_mass = kernel
+        kernels.run_with_laws = kernel
     start = PlantRun(PLANT, DT, ("torque_motor",), None, N)
-    s, digits, loop, cursor = kept[1], kept[2], kept[3], kept[-1]
+    s, digits, loop, cursor = kept[2], kept[3], kept[4], kept[10]
+    kept[11] = np.empty_like(kept[11])  # the finished run's is read-only
+    kept[4] = loop = loop._replace(torque=np.empty_like(loop.torque), outputs=np.empty_like(loop.outputs))
 
     def again() -> None:
         s[:], digits[:], cursor[:], loop.state[:] = start.s, start.digits, 0.0, joined.init()
@@ -128,6 +131,15 @@ def warm_loop(joined: DiscreteSystem, runs: int) -> tuple[float, float]:
             raise RuntimeError("the loop did not come to its end")
 
     return seconds(again, runs)
+
+
+def variants_with_law(joined: DiscreteSystem, runs: int) -> tuple[float, float]:
+    """A variant of N samples in a batch on one thread."""
+    plants = variants(PLANT, 20)
+    work = seconds(
+        lambda: lm.simulate_batch(plants, dt=DT, law=joined, speed_reference=REFERENCE, workers=1), runs
+    )
+    return work[0] / len(plants), work[1] / len(plants)
 
 
 def loop_rows(runs: int) -> list[tuple[str, float, float]]:
@@ -149,6 +161,7 @@ def loop_rows(runs: int) -> list[tuple[str, float, float]]:
     scale = N / (N - SHORT)
     rows.append(("`simulate`, slope", (whole[0] - short[0]) * scale, (whole[1] - short[1]) * scale))
     rows.append(("`simulate`, whole call", *whole))
+    rows.append(("variant in a batch", *variants_with_law(joined, max(3, runs // 5))))
     rows.append(("`simulate` with the same torque given, whole call", *open_loop))
     return [(name, middle / N * 1e9, least / N * 1e9) for name, middle, least in rows]
 

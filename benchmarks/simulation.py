@@ -19,13 +19,15 @@ import time
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numba import njit
 
 import lostmotion as lm
 from lostmotion.kernels.loop.two_mass import run_open_loop_two_mass
-from lostmotion.kernels.plant.event_loop import run_open_loop
+from lostmotion.kernels.plant.entered import enter
+from lostmotion.kernels.plant.event_loop import NEED_MODE, run_open_loop
 from lostmotion.simulation.plant_run import PlantRun
 
 HERE = Path(__file__).parent
@@ -61,16 +63,23 @@ def seconds_in_turn(works: list[Callable[[], object]], runs: int) -> np.ndarray:
 def kernel_run(
     torque: np.ndarray, start: np.ndarray, kernel: Callable, plant: lm.Drivetrain = PAPER
 ) -> Callable:
+    """The kernel alone, in memory that is warm and with the contact states' tables made."""
     run = PlantRun(plant, DT, ("torque_motor",), start, torque.size)
+    run.keep_states(of_all=True)
     x, digits, inputs = run.s.copy(), run.digits.copy(), torque[:, None].copy()
+
+    def finish(entered: Any) -> int:
+        while True:
+            status = kernel(
+                entered.tables, run.s, run.digits, inputs, 0, torque.size, run.work, run.states, run.modes,
+                run.events, run.cursor,
+            )  # fmt: skip
+            if status != NEED_MODE or not enter(entered, run.digits):
+                return int(status)
 
     def work() -> int:
         run.s[:], run.digits[:], run.cursor[:] = x, digits, 0.0
-        run.finish(
-            lambda tables: kernel(
-                tables, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events, run.cursor
-            )
-        )
+        run.finish(finish)
         return int(run.cursor[2])
 
     return work
@@ -89,6 +98,7 @@ def plain_c(folder: Path) -> ctypes.CDLL:
 
 def c_run(code: ctypes.CDLL, torque: np.ndarray, start: np.ndarray) -> tuple[Callable, np.ndarray]:
     run = PlantRun(PAPER, DT, ("torque_motor",), start, torque.size)
+    run.keep_states(of_all=True)
     for digits in np.ndindex(3, 3):
         run.plant.enter(digits)
     tables = run.plant.tables()
@@ -194,6 +204,32 @@ def long_torque(kind: str, n: int = 100_000) -> np.ndarray:
     return rms * np.random.default_rng(0).standard_normal(n) + level * square
 
 
+def whole_call(torque: np.ndarray) -> tuple[Callable, Callable]:
+    """What a user calls, every signal read; and every event listed."""
+
+    def every_signal() -> float:
+        rec = lm.simulate(PAPER, torque_motor=torque, dt=DT, state=(0, 0, 0))
+        return sum(float(rec[name][-1]) for name in rec)
+
+    rec = lm.simulate(PAPER, torque_motor=torque, dt=DT, state=(0, 0, 0))
+    return every_signal, lambda: list(rec.events)
+
+
+def whole_lines(kind: str, runs: int) -> list[str]:
+    """The whole call beside its kernel, in turn, and what listing its events takes."""
+    torque = long_torque(kind)
+    kernel = kernel_run(torque, np.zeros(3), run_open_loop_two_mass)
+    call, events = whole_call(torque)
+    spent = np.median(seconds_in_turn([kernel, call, events], 2 * runs), axis=0)
+    each = 1e9 / torque.size
+    listed = spent[2] * 1e9 / max(1, len(events()))
+    text = f"{spent[1] * each:.3g}, {spent[1] / spent[0]:.2f} times its kernel's {spent[0] * each:.3g}"
+    return [
+        f"| {kind} | `simulate`, whole call, every signal read: {text} | | | | |",
+        f"| {kind} | listing all {len(events())} events: {listed:.0f} ns each | | | | |",
+    ]
+
+
 def fast_rows(kind: str, runs: int, code: ctypes.CDLL) -> tuple[list[tuple], list[str]]:
     """The exact method in numba and in C: rows of the table, and lines on their events."""
     torque, rest = long_torque(kind), np.zeros(3)
@@ -261,6 +297,7 @@ def main() -> None:
         "--reference", type=Path, default=HERE.parent / "tests" / "simulation" / "reference_windows.npz"
     )
     parser.add_argument("--runs", type=int, default=15)
+    parser.add_argument("--whole", action="store_true", help="only the whole call beside its kernel")
     arguments = parser.parse_args()
     with np.load(arguments.reference) as file:
         data = dict(file)
@@ -269,7 +306,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         code = plain_c(Path(folder))
         for kind in ("contact", "stiction"):
-            print("\n".join(two_mass_rows(data, kind, arguments.runs, code)), flush=True)
+            if not arguments.whole:
+                print("\n".join(two_mass_rows(data, kind, arguments.runs, code)), flush=True)
+            print("\n".join(whole_lines(kind, arguments.runs)), flush=True)
     chain = kernel_run(long_torque("contact", 20_000), np.zeros(11), run_open_loop, six_masses())
     print(
         f"| contact | six masses, two backlashes | {seconds(chain, arguments.runs) / 20_000 * 1e9:.4g} | | | |"

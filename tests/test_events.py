@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
+import lostmotion as lm
 from lostmotion.events import NO_EVENTS, Event, Events
 
 ROWS = (
@@ -43,3 +44,15 @@ def test_kinds_are_found_without_making_objects():
 
 def test_they_survive_pickling():
     assert pickle.loads(pickle.dumps(Events.of(ROWS))) == ROWS
+
+
+def test_those_of_a_simulation_are_made_at_the_first_look():
+    """Also those of a recording that went through another process before anyone looked."""
+    plant = lm.Drivetrain.two_mass(inertia_motor=1.0, inertia_load=1.0, stiffness=1e3, backlash=0.01)
+    events = lm.simulate(plant, torque_motor=np.ones(100), dt=1e-2).events
+    assert "time" not in vars(events)
+    sent = pickle.loads(pickle.dumps(events))
+    assert len(events) > 2 and "time" in vars(events)
+    assert sent == events and events[0].kind == "impact"
+    with pytest.raises(AttributeError):
+        events.colour  # noqa: B018

@@ -42,8 +42,9 @@ def check_signal(name: str, values: ArrayLike) -> NDArray[np.float64]:
         raise InvalidInput(
             name, f"shape {array.shape}", "a one-dimensional array of two or more samples", "Reshape."
         )
-    bad = np.flatnonzero(~np.isfinite(array))
-    if bad.size:
+    finite = np.isfinite(array)
+    if not finite.all():
+        bad = np.flatnonzero(~finite)
         raise InvalidInput(
             name,
             f"{array[bad[0]]} in sample {bad[0]}",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
-from .event_rows import events_of
+from .event_rows import KernelEvents
 from .inputs import last_set_point
 from .tables import Plant
 
@@ -139,7 +139,7 @@ class PlantRun:
             time=time_axis(self.length, plant.dt),
             signals={name: read_only(array) for name, array in signals.items()},
             origin=dict.fromkeys(signals, "simulated"),
-            events=events_of(plant, events),
+            events=KernelEvents(events[:, :5].copy(), plant.drivetrain, plant.elements, plant.dt),
             final_state={
                 "names": plant.layout.names(),
                 "state": tuple(last.tolist()),

@@ -93,7 +93,7 @@ def measure(
             raise InvalidInput(
                 f"sensor {name!r}", f"source {sensor.source!r}", f"{sorted(signals)}", "Check the name."
             )
-        value = np.ascontiguousarray(signals[sensor.source], dtype=float)
+        value = np.array(signals[sensor.source], dtype=float)
         noise = disturbance(sensors, (name,), length, seed)[:, 0]
         shown[name] = over_a_recording(value, sensor.resolution, int(sensor.difference), dt, noise)
     return shown

@@ -248,6 +248,37 @@ def write_integer(typing: Any, at: Any, index: Any, value: Any) -> Any:
     return types.void(types.int64, types.int64, types.int64), code
 
 
+def _shuffled(pattern: list[int]) -> Any:
+    """Four of the eight numbers in two registers, by their places."""
+
+    def shuffle(typing: Any, a: Any, b: Any) -> Any:
+        def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return builder.shuffle_vector(*args, ir.Constant(ir.VectorType(_INDEX, LANES), pattern))
+
+        return four(four, four), code
+
+    return intrinsic(shuffle)
+
+
+_even_places, _odd_places = _shuffled([0, 4, 2, 6]), _shuffled([1, 5, 3, 7])
+_lower_halves, _upper_halves = _shuffled([0, 1, 4, 5]), _shuffled([2, 3, 6, 7])
+
+
+@njit(forceinline=True, cache=True)
+def columns_of(a, b, c, d):
+    """The four columns of four rows of four numbers."""
+    even, odd, even_below, odd_below = (
+        _even_places(a, b),
+        _odd_places(a, b),
+        _even_places(c, d),
+        _odd_places(c, d),
+    )
+    return (
+        _lower_halves(even, even_below), _lower_halves(odd, odd_below),
+        _upper_halves(even, even_below), _upper_halves(odd, odd_below),
+    )  # fmt: skip
+
+
 @intrinsic
 def _pointer_to(typing: Any, at: Any) -> Any:
     def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from numba import njit
 
-#: No fastmath: a signal is the same sum in the same order wherever it is worked out.
-_COMPILED: Any = {"cache": True, "error_model": "numpy", "nogil": True}
+from ..numerics.vectors import LANES, address, columns_of, fused, load, read, splat, store
+from .layout import COMPILED
 
 
-@njit(**_COMPILED)
+@njit(nogil=True, **COMPILED)
 def fill_signals(entered, states, modes, first, count, values):
     """`count` samples of all signals, from the sample `first` on; states and modes are those of these samples.
 
@@ -21,45 +19,51 @@ def fill_signals(entered, states, modes, first, count, values):
     values : (signals, n) array
         Written; inputs count as zero.
     """
-    columns = entered.signal.shape[2]
-    differs = False
-    for j in range(values.shape[0]):
-        alike = True
-        for m in range(columns, entered.weights.shape[1]):
-            alike = alike and entered.weights[j, m] == 0.0
-        if alike:
-            _fill(entered.signal[0, j], entered.span[0, j], states, 0, count, values[j], first)
-        differs = differs or not alike
     k = 0
-    while differs and k < count:
+    while k < count:
         mode, stop = modes[k], k + 1
         while stop < count and modes[stop] == mode:
             stop += 1
         row = entered.tables.row[mode]
-        for j in range(values.shape[0]):
-            for m in range(columns, entered.weights.shape[1]):
-                if entered.weights[j, m] != 0.0:
-                    _fill(entered.signal[row, j], entered.span[row, j], states, k, stop, values[j], first)
-                    break
+        if states.shape[1] == LANES:
+            whole = k + ((stop - k) & -LANES)
+            _fill_by_fours(entered, row, states, k, whole, first, values)
+            _fill(entered, row, states, whole, stop, first, values)
+        else:
+            _fill(entered, row, states, k, stop, first, values)
         k = stop
 
 
-@njit(**_COMPILED)
-def _fill(row, span, states, start, stop, values, first):
-    """The samples `start` to `stop` of one signal in one contact state."""
-    a, b, constant = span[0], min(span[1], states.shape[1]), row[row.size - 1]
-    if b - a == 1:
-        factor = row[a]
+@njit(nogil=True, **COMPILED)
+def _fill_by_fours(entered, row, states, start, stop, first, values):
+    """The samples `start` to `stop`, all in one contact state, where the plant has four states."""
+    at, to, n = address(states), address(values) + 8 * first, values.shape[1]
+    signals, columns = entered.signal.shape[1], entered.signal.shape[2]
+    rows = address(entered.signal) + 8 * row * signals * columns
+    for k in range(start, stop, LANES):
+        w, x, y, z = columns_of(
+            load(at, LANES * k),
+            load(at, LANES * (k + 1)),
+            load(at, LANES * (k + 2)),
+            load(at, LANES * (k + 3)),
+        )
+        for j in range(signals):
+            factors = rows + 8 * j * columns
+            value = fused(splat(read(factors, 0)), w, splat(read(factors, columns - 1)))
+            value = fused(splat(read(factors, 1)), x, value)
+            value = fused(splat(read(factors, 2)), y, value)
+            value = fused(splat(read(factors, 3)), z, value)
+            store(to + 8 * j * n, k, value)
+
+
+@njit(nogil=True, **COMPILED)
+def _fill(entered, row, states, start, stop, first, values):
+    """The samples `start` to `stop`, all in one contact state."""
+    signal, span = entered.signal[row], entered.span[row]
+    for j in range(values.shape[0]):
+        a, b, constant = span[j, 0], min(span[j, 1], states.shape[1]), signal[j, signal.shape[1] - 1]
         for k in range(start, stop):
-            values[first + k] = factor * states[k, a] + constant
-    elif b - a == 4:
-        w, x, y, z = row[a], row[a + 1], row[a + 2], row[a + 3]
-        for k in range(start, stop):
-            total = w * states[k, a] + x * states[k, a + 1] + y * states[k, a + 2] + z * states[k, a + 3]
-            values[first + k] = total + constant
-    else:
-        for k in range(start, stop):
-            total = 0.0
+            value = constant
             for c in range(a, b):
-                total += row[c] * states[k, c]
-            values[first + k] = total + constant
+                value += signal[j, c] * states[k, c]
+            values[j, first + k] = value
