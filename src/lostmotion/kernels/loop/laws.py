@@ -116,6 +116,9 @@ class _Places(NamedTuple):
     span: int
     signals: int
     columns: int
+    alone: bool  # one law, due in every sample, that reads nothing of its own
+    only_code: int
+    only_numbers: int
 
 
 @njit(inline="always", **COMPILED)
@@ -123,6 +126,10 @@ def loop_places(entered, x):
     disturbance_row = 0
     if x.disturbance.shape[0] > 1:
         disturbance_row = x.disturbance.shape[1]
+    alone = x.code.size == 1 and x.every[0] == 1 and x.late[0] == 0
+    code, numbers = 0, 0
+    if x.code.size > 0:
+        code, numbers = x.code[0], x.numbers[0]
     return _Places(
         address(x.code), address(x.numbers), address(x.parameters), address(x.parameter_start), address(x.state),
         address(x.state_start), address(x.input_start), address(x.output_start), address(x.every), address(x.late),
@@ -132,7 +139,7 @@ def loop_places(entered, x):
         address(x.outputs), address(x.faults), address(x.trial), address(x.now),
         address(x.made), address(x.good), x.dt, x.code.size, x.measured.shape[1], x.outputs.shape[1],
         x.torque.shape[1], address(entered.signal), address(entered.span), entered.signal.shape[1],
-        entered.signal.shape[2],
+        entered.signal.shape[2], alone, code, numbers,
     )  # fmt: skip
 
 
@@ -148,7 +155,7 @@ def add_step(steps, step):
     steps.append(step)
 
 
-@njit(forceinline=True, **_INNER)
+@njit(inline="always", **_INNER)
 def _torque(p, j, k, last):
     """Torque j that acts in sample k, as far as the outputs of that sample are known."""
     driver = read_integer(p.driver, j)
@@ -163,7 +170,7 @@ def _torque(p, j, k, last):
     return value
 
 
-@njit(forceinline=True, **_INNER)
+@njit(inline="always", **_INNER)
 def _true_value(p, i, m, s, k, last):
     kind, at = read_integer(p.kind, i), read_integer(p.at, i)
     if kind == PLANT:
@@ -192,10 +199,12 @@ def _step_stepper(p, steps, law, state, inputs, outputs):
     )  # fmt: skip
 
 
-@njit(forceinline=True, **_INNER)
-def _step_law(p, steps, law, m, s, k, last, states, outputs, now):
-    """Sensors and step of one law; states, outputs, now: addresses of those of all laws, and of quantised inputs."""
-    first, stop = read_integer(p.input_start, law), read_integer(p.input_start, law + 1)
+@njit(inline="always", **_INNER)
+def _measure_and_step(p, steps, law, code, numbers, first, stop, m, s, k, last, state, made, now):
+    """Sensors and step of one law with the inputs `first` to `stop`.
+
+    state, made: addresses of its state and outputs; now: of all laws' quantised inputs.
+    """
     measured = p.measured + 8 * k * p.n_inputs
     for i in range(first, stop):
         value = _true_value(p, i, m, s, k, last)
@@ -207,14 +216,21 @@ def _step_law(p, steps, law, m, s, k, last, states, outputs, now):
                 read(p.disturbance, k * p.disturbance_row + i),
             )  # fmt: skip
         write(measured, i, value)
-    state = states + 8 * read_integer(p.state_start, law)
-    made = outputs + 8 * read_integer(p.output_start, law)
-    code = read_integer(p.code, law)
     if code != 0:
-        bad = step_at(code, read_integer(p.numbers, law), state, measured + 8 * first, made)
+        bad = step_at(code, numbers, state, measured + 8 * first, made)
     else:
         bad = _step_stepper(p, steps, law, state, measured + 8 * first, made)
     write_integer(p.faults, k * p.laws + law, bad)
+
+
+@njit(forceinline=True, **_INNER)
+def _step_law(p, steps, law, m, s, k, last, states, outputs, now):
+    """One of several laws; states, outputs: addresses of those of all laws."""
+    _measure_and_step(
+        p, steps, law, read_integer(p.code, law), read_integer(p.numbers, law), read_integer(p.input_start, law),
+        read_integer(p.input_start, law + 1), m, s, k, last, states + 8 * read_integer(p.state_start, law),
+        outputs + 8 * read_integer(p.output_start, law), now,
+    )  # fmt: skip
 
 
 @njit(forceinline=True, **_INNER)
@@ -268,21 +284,25 @@ def control(p, steps, m, s, k, last):
 
     m: row of the contact state; s: address of [x, v, 1]; last: the first torque of the sample before.
     """
-    again = False
-    for law in range(p.laws):
-        every = read_integer(p.every, law)
-        if every == 1 or k % every == 0:
-            again = again or read_integer(p.late, law) == 1
-        else:
-            _hold(p, law, k)
-    settled = True
-    if again:
-        settled = _settle(p, steps, m, s, k, last)
+    settled, again, outputs = True, False, p.outputs + 8 * k * p.n_outputs
+    if p.alone:
+        # As most loops; its numbers stay in registers.
+        _measure_and_step(
+            p, steps, 0, p.only_code, p.only_numbers, 0, p.n_inputs, m, s, k, last, p.state, outputs, p.last
+        )
     else:
         for law in range(p.laws):
             every = read_integer(p.every, law)
             if every == 1 or k % every == 0:
-                _step_law(p, steps, law, m, s, k, last, p.state, p.outputs + 8 * k * p.n_outputs, p.last)
+                again = again or read_integer(p.late, law) == 1
+            else:
+                _hold(p, law, k)
+        if again:
+            settled = _settle(p, steps, m, s, k, last)
+        else:
+            for law in range(p.laws):
+                if k % read_integer(p.every, law) == 0:
+                    _step_law(p, steps, law, m, s, k, last, p.state, outputs, p.last)
     first = last
     for j in range(p.n_torques):
         value = _torque(p, j, k, last)
