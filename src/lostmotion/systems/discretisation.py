@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,16 +17,22 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, dt: float) -> tuple[Matrix, Matr
 
     A is (n, n), B is (n, m). Raises InvalidInput if dt is not a positive number.
     """
-    from scipy.linalg import expm
-
     if not (math.isfinite(dt) and dt > 0.0):
         raise InvalidInput("dt", repr(dt), "a positive sample time in s", "Check the unit.")
     a, b = np.asarray(A, dtype=float), np.asarray(B, dtype=float)
     n, m = b.shape
     block = np.zeros((n + m, n + m))
     block[:n, :n], block[:n, n:] = a, b
-    step = expm(block * dt)
-    return step[:n, :n], step[:n, n:]
+    step = np.frombuffer(_exponential((block * dt).tobytes(), n + m)).reshape(n + m, n + m)
+    return step[:n, :n].copy(), step[:n, n:].copy()
+
+
+@lru_cache(maxsize=64)
+def _exponential(matrix: bytes, size: int) -> bytes:
+    """The exponential of a square matrix; kept, since a design is often made again with other poles or weights."""
+    from scipy.linalg import expm
+
+    return bytes(expm(np.frombuffer(matrix).reshape(size, size)).tobytes())
 
 
 def one_sample_delay(name: str, dt: float, delayed: str | None = None, start: float = 0.0) -> DiscreteSystem:
