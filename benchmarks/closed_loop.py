@@ -23,7 +23,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.kernels.law.step import law_run
-from lostmotion.kernels.loop import closed_loop as kernels
+from lostmotion.kernels.loop import blocks as kernels
 from lostmotion.simulation import variants
 from lostmotion.simulation.plant_run import PlantRun
 from lostmotion.systems import DiscreteSystem

@@ -25,9 +25,10 @@ import numpy as np
 from numba import njit
 
 import lostmotion as lm
+from lostmotion.kernels.loop.any_plant import run_open_loop
 from lostmotion.kernels.loop.two_mass import run_open_loop_two_mass
 from lostmotion.kernels.plant.entered import enter
-from lostmotion.kernels.plant.event_loop import NEED_MODE, run_open_loop
+from lostmotion.kernels.plant.event_loop import NEED_MODE
 from lostmotion.simulation.plant_run import PlantRun
 
 HERE = Path(__file__).parent

@@ -60,7 +60,7 @@ class LawsInLoop:
 
     def simulate(self, run: PlantRun, seed: int, energy: bool) -> Recording:
         """Runs the plant to its end."""
-        from ..kernels.loop.closed_loop import run_with_laws
+        from ..kernels.loop.blocks import run_with_laws
         from ..kernels.loop.laws import ALGEBRAIC_LOOP
 
         loop, steps, kept = self.tables(run, seed)

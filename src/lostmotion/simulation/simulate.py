@@ -121,11 +121,11 @@ def simulate(
     columns[0] = _set_point(drivetrain, columns[0], dt, state)
     inputs = np.column_stack(columns)
     run.keep_states(of_all=energy)
-    from ..kernels.loop.open_loop import run_blocks
+    from ..kernels.loop.blocks import run_under_torques
 
     own = np.empty((len(run.plant.signal_names()), length))
     run.finish(
-        lambda entered: run_blocks(
+        lambda entered: run_under_torques(
             entered, run.two_mass, run.s, run.digits, inputs, run.work, run.states, run.modes, run.events,
             run.cursor, own,
         )

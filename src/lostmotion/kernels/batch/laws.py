@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from ..loop.closed_loop import run_with_laws
+from ..loop.blocks import run_with_laws
 from ..loop.laws import Loop
 from ..numerics.vectors import address, read
 from ..plant.entered import Entered

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from ..loop.any_plant import run_open_loop
 from ..loop.two_mass import run_open_loop_two_mass
 from ..numerics.vectors import address
 from ..plant.contact_states import build_mode
@@ -23,7 +24,6 @@ from ..plant.event_loop import (
     MAX_EVENTS_PER_SAMPLE,
     NEED_EVENT_SPACE,
     NEED_MODE,
-    run_open_loop,
 )
 from ..plant.layout import PlantTables, padded
 from .arrays import BLOCK

@@ -17,7 +17,6 @@ from ..numerics.vectors import (
     LANES,
     absolute,
     add,
-    address,
     fused,
     less,
     load,
@@ -33,7 +32,7 @@ from ..numerics.vectors import (
     write_integer,
 )
 from .crossings import first_crossing
-from .enclosure import absolute_product, guards_of, no_crossing, product
+from .enclosure import absolute_product, guards_of, product
 from .layout import (
     COMPILED,
     ELEMENT_ROWS,
@@ -41,9 +40,7 @@ from .layout import (
     HEADER,
     INNER,
     block_size,
-    mode_number,
     padded,
-    places_of,
 )
 
 DONE, NEED_MODE, NEED_EVENT_SPACE, CHATTERING = 0, 1, 2, 3
@@ -233,67 +230,3 @@ def finish_sample(places, s, digits, start, k, events, space, count, N, C, E, id
         copy_state(s, event + 8 * EVENT_COLUMNS, N)
         count += 1
     return status, t, count
-
-
-@njit(**COMPILED)
-def run_open_loop(tb, s, digits, inputs, first, stop, work, states, modes, events, cursor):
-    """Any plant with torques given: samples `first` to `stop`; returns a status.
-
-    Parameters
-    ----------
-    s : (C,) array
-        [x, v, 1], changed in place.  digits : (E,) int64, changed in place.
-    inputs : (n, M) array
-    states : (stop − first + 1 or more, N), modes : likewise, int64
-        Filled from the sample `first` on, the one after the last included.
-    work : (W,) array
-        See `new_work`.
-    events : (space, EVENT_COLUMNS + N) array
-    cursor : (4,) array
-        Where to go on after NEED_MODE or NEED_EVENT_SPACE: sample, time within it (in samples), events so far, and 1
-        if the sample was begun.
-    """
-    E = digits.size
-    M = inputs.shape[1]
-    C = s.size
-    N = C - M - 1
-    row, radix = tb.row, tb.radix
-    places, idle = places_of(tb, work), tb.idle
-    base, x, change = places.flat, address(s), address(work)
-    kept, number = address(states) - 8 * N * first, address(modes) - 8 * first
-    size = block_size(N, C, E, tb.order)
-    k = int(cursor[0])
-    start = cursor[1]
-    count = int(cursor[2])
-    begun = cursor[3] != 0.0
-    status = DONE
-    mode = mode_number(radix, digits, E)
-    while k < stop:
-        m = row[mode]
-        if m < 0:
-            status = NEED_MODE
-            break
-        quiet = False
-        if not begun:
-            for j in range(M):
-                write(x, N + j, inputs[k, j])
-            copy_state(x, kept + 8 * k * N, N)
-            write_integer(number, k, mode)
-            quiet = no_crossing(base + 8 * m * size, x, change, N, C, E, idle)
-        if quiet:
-            add_change(x, change, N)
-        else:
-            status, start, count = finish_sample(
-                places, x, address(digits), start, k, address(events), events.shape[0], count, N, C, E, idle
-            )
-            mode = mode_number(radix, digits, E)
-            if status != DONE:
-                begun = True
-                break
-            start, begun = 0.0, False
-        k += 1
-    cursor[0], cursor[1], cursor[2], cursor[3] = k, start, count, begun
-    if status == DONE:
-        copy_state(x, kept + 8 * k * N, N)
-        write_integer(number, k, mode)
-    return status
