@@ -91,7 +91,7 @@ def locked(seed: int, bits: int) -> Outcome:
     truths = {"backlash": chain.shafts[-1].backlash, "stiffness": stiffness}
     outcome: Outcome = {}
     for name, truth in truths.items():
-        value = getattr(found, name)
+        value = found.values[name]
         if value is not None and name in found.intervals:
             outcome[name] = (value, found.intervals[name], truth)
     return outcome

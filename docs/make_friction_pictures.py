@@ -56,8 +56,8 @@ def locked(bits: int) -> None:
         found.angle,
         found.side,
         found.fitted,
-        backlash=found.backlash,
-        interval=found.interval,
+        backlash=found.values["backlash"],
+        interval=found.intervals.get("backlash"),
     )
     figure.savefig(IMAGES / f"locked-load-{bits}-bit.png", dpi=110, facecolor="white")
 

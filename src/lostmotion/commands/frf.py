@@ -34,7 +34,7 @@ def frequency_response_file(
     marks = {}
     if fit is not None:
         curves["two masses, fitted"] = (fit.frequency, fit.fitted)
-        marks = {name: fit.values[name] for name in ("zero", "pole")}
+        marks = {name: value for name in ("zero", "pole") if (value := fit.values[name]) is not None}
     figure = bode(
         curves,
         unit=f"{unit_of(output)}/({unit_of(input)})",

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .. import plot
+from ..display.numbers import with_interval
 from ..identification.shaft.ring_down import RingDown
 from ..recording import Recording
 from ..report import ReportFigure
-from ..report.numbers import with_interval
 from .material import STEP_TIME, Material
 from .parameters import Found
 from .validation import PULSE_END, Validation
@@ -72,20 +72,21 @@ def _parameters(found: Found, truth: dict[str, float | None] | None) -> list[Rep
 def _shaft(found: Found) -> list[ReportFigure]:
     made = []
     shaft, ringing = found.shaft, found.ringing
-    if shaft is not None and shaft.stiffness is not None:
+    if shaft is not None and (stiffness := shaft.values["stiffness"]) is not None:
+        interval = shaft.intervals["stiffness"]
         made.append(
             ReportFigure(
                 "Shaft stiffness",
                 "Measured shaft torque against the integral of the measured speed difference.",
                 plot.stiffness_fit(
                     shaft.frequency, shaft.response, shaft.coherence, fitted=shaft.fitted(shaft.frequency),
-                    used=shaft.used, interval=shaft.interval,
-                    title=f"Shaft stiffness: {_shown(shaft.stiffness, shaft.interval, 'Nm/rad')}",
+                    used=shaft.used, interval=interval,
+                    title=f"Shaft stiffness: {with_interval(stiffness, *interval, 'Nm/rad')[0]}",
                 ),
                 "fits",
             )
         )  # fmt: skip
-    if ringing is not None and ringing.frequency is not None:
+    if ringing is not None and ringing.values["frequency"] is not None:
         made.append(
             ReportFigure(
                 "Ring-down",
@@ -101,13 +102,10 @@ def _shaft(found: Found) -> list[ReportFigure]:
 
 def ring_down_title(ringing: RingDown) -> str:
     """Frequency and damping ratio with the digits that their intervals bear out."""
-    frequency = _shown(ringing.frequency, ringing.intervals["frequency"], "Hz")
-    return f"Ring-down: {frequency}, damping ratio {_shown(ringing.damping_ratio, ringing.intervals['damping_ratio'])}"
-
-
-def _shown(value: float | None, interval: tuple[float, float] | None, unit: str = "") -> str:
-    low, high = interval or (None, None)
-    return with_interval(value, low, high, unit)[0]
+    values, intervals = ringing.values, ringing.intervals
+    frequency = with_interval(values["frequency"], *intervals["frequency"], "Hz")[0]
+    ratio = with_interval(values["damping_ratio"], *intervals["damping_ratio"], "")[0]
+    return f"Ring-down: {frequency}, damping ratio {ratio}"
 
 
 def _observers(material: Material, validation: Validation) -> list[ReportFigure]:
