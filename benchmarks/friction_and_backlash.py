@@ -23,7 +23,7 @@ from lostmotion.identification import (
     lost_motion,
     torque_step,
 )
-from lostmotion.rig.nominal import varied_rig
+from lostmotion.rig import varied_rig
 
 DT = 1e-3
 #: name → (value, (low, high), truth)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from .control_step import control_step
+from .frequency.bode import bode
+from .frequency.coherence import coherence
+from .frequency.mode_shapes import mode_shapes
 from .identification.backlash_locked import backlash_locked
 from .identification.backlash_lost_motion import backlash_lost_motion
 from .identification.friction_curve import friction_curve
@@ -21,12 +24,15 @@ from .recording_overview import recording_overview
 __all__ = [
     "backlash_locked",
     "backlash_lost_motion",
+    "bode",
+    "coherence",
     "control_step",
     "estimate_errors",
     "friction_curve",
     "friction_fit",
     "identified_parameters",
     "leaderboard",
+    "mode_shapes",
     "observer_step",
     "prediction_fit",
     "quantile_bands",
