@@ -95,7 +95,7 @@ def coverage(seeds: int) -> None:
             exact = lm.simulate(plant, dt=1e-3, torque_motor=u)
             noise = 0.2 * np.random.default_rng(seed).standard_normal(len(exact))
             found = frequency_response(
-                exact.with_signals("measured", **{output: exact[output] + noise}), output=output, segment=6.0
+                exact.with_signals("simulated", **{output: exact[output] + noise}), output=output, segment=6.0
             )
             intervals = two_mass_fit(found, band=(3.0, 280.0), start=start).intervals
             for name in true:

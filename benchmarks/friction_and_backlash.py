@@ -42,7 +42,7 @@ def step(seed: int, known: bool) -> Outcome:
     recording, truth = lm.rig.record(seed, torque_motor=torque, dt=DT, noise_seed=seed)
     noisy = recording["torque_motor"] + 0.3 * random.standard_normal(10000)
     inertia = truth.parameters["inertia_motor"] + truth.parameters["inertia_load"]
-    recording = recording.with_signals("measured", torque_motor=noisy)
+    recording = recording.with_signals("simulated", torque_motor=noisy)
     found = torque_step(recording, inertia=inertia if known else None)
     # Above 2 rad/s the rig's Stribeck rise is over: its own levels are what the step sees.
     disc = truth.drivetrain.frictions[-1]

@@ -13,8 +13,6 @@ import pytest
 
 import lostmotion
 
-pytest.importorskip("mypy", reason="mypy belongs to the extra dev")
-
 SCRIPT = Path(__file__).parent / "fixtures" / "user_script.py"
 SOURCES = Path(lostmotion.__file__).parents[1]
 

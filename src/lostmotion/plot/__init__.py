@@ -20,6 +20,7 @@ from .observers.observer_step import observer_step
 from .observers.sensor_worth import sensor_worth
 from .quantile_bands import quantile_bands
 from .recording_overview import recording_overview
+from .style import source_of
 
 __all__ = [
     "backlash_locked",
@@ -39,5 +40,6 @@ __all__ = [
     "recording_overview",
     "ring_down_fit",
     "sensor_worth",
+    "source_of",
     "stiffness_fit",
 ]

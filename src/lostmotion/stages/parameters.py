@@ -106,7 +106,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
         if excited.excited is False:
             table["backlash"] = _entry("backlash", None, "not excited")
         if material.validate is not None and all(name in material.validate for name in SHAFT):
-            fits["measured shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
+            fits["shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
         if shaft.values["stiffness"] is not None:
             table["stiffness"] = shaft.table()["stiffness"]
     return _finished(material.nameplate, table, None, shaft, ringing, reason, fits, tuple(problems))
@@ -134,7 +134,7 @@ def _shaft_fit(shaft: ShaftStiffness) -> dict[str, Any]:
 
 def _shaft_fits(shaft: ShaftStiffness, ringing: RingDown) -> dict[str, Any]:
     return {
-        "measured shaft": _shaft_fit(shaft),
+        "shaft": _shaft_fit(shaft),
         "ring-down": {
             "frequency": _fit(ringing, "frequency"),
             "damping ratio (of the whole rig as it ran)": _fit(ringing, "damping_ratio"),
