@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         read_configuration,
         template,
     )
+    from .configuration.schema import configuration_schema
     from .recordings.checks import check_recording
     from .recordings.read import read_recording
     from .storage.drivetrain_files import load_drivetrain, save_drivetrain
@@ -38,6 +39,7 @@ _HOME = {
     "Configuration": "configuration.read",
     "RecordingSource": "configuration.read",
     "check_recording": "recordings.checks",
+    "configuration_schema": "configuration.schema",
     "foreign_files": "storage.folders",
     "load_drivetrain": "storage.drivetrain_files",
     "load_json": "storage.laws_and_recordings",
@@ -62,6 +64,7 @@ __all__ = [
     "Configuration",
     "RecordingSource",
     "check_recording",
+    "configuration_schema",
     "foreign_files",
     "load_drivetrain",
     "load_json",
