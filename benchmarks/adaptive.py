@@ -15,8 +15,8 @@ import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
-from lostmotion.compare import CASES, CONTESTANTS
-from lostmotion.compare.cases import PARAMETERS, Case
+from lostmotion.compare import CASES, CONTESTANTS, Case
+from lostmotion.compare.cases import PARAMETERS
 from lostmotion.compare.experiment import experiment
 from lostmotion.compare.scores import SIGNALS, score
 from lostmotion.compare.statistics import median

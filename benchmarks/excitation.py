@@ -13,7 +13,7 @@ import argparse
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.experiment.design import design_excitation
+from lostmotion.experiment import design_excitation
 from lostmotion.identification.prediction_error.innovations import NAMES
 from lostmotion.stages.material import RIG_NAMEPLATE
 

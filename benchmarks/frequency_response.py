@@ -16,13 +16,14 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion import structure
-from lostmotion.identification.frequency.describing_functions import gaussian_equivalent
-from lostmotion.identification.frequency.response import FrequencyResponse, frequency_response
-from lostmotion.identification.frequency.two_mass_fit import two_mass_fit
-from lostmotion.identification.frequency.two_mass_response import two_mass_response
-from lostmotion.plot.frequency.bode import bode
-from lostmotion.plot.frequency.coherence import coherence
-from lostmotion.plot.frequency.mode_shapes import mode_shapes
+from lostmotion.identification import (
+    FrequencyResponse,
+    frequency_response,
+    gaussian_equivalent,
+    two_mass_fit,
+    two_mass_response,
+)
+from lostmotion.plot import bode, coherence, mode_shapes
 from lostmotion.rig.nominal import COULOMB, VISCOUS
 
 DT, SEGMENT, BAND, FIT_BAND = 1e-4, 2.0, (2.0, 250.0), (5.0, 180.0)
@@ -94,7 +95,7 @@ def coverage(seeds: int) -> None:
             exact = lm.simulate(plant, dt=1e-3, torque_motor=u)
             noise = 0.2 * np.random.default_rng(seed).standard_normal(len(exact))
             found = frequency_response(
-                exact.with_signals("measured", **{output: exact[output] + noise}), output=output, segment=6.0
+                exact.with_signals("simulated", **{output: exact[output] + noise}), output=output, segment=6.0
             )
             intervals = two_mass_fit(found, band=(3.0, 280.0), start=start).intervals
             for name in true:

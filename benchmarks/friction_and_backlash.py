@@ -23,7 +23,7 @@ from lostmotion.identification import (
     lost_motion,
     torque_step,
 )
-from lostmotion.rig.nominal import varied_rig
+from lostmotion.rig import varied_rig
 
 DT = 1e-3
 #: name → (value, (low, high), truth)
@@ -42,7 +42,7 @@ def step(seed: int, known: bool) -> Outcome:
     recording, truth = lm.rig.record(seed, torque_motor=torque, dt=DT, noise_seed=seed)
     noisy = recording["torque_motor"] + 0.3 * random.standard_normal(10000)
     inertia = truth.parameters["inertia_motor"] + truth.parameters["inertia_load"]
-    recording = recording.with_signals("measured", torque_motor=noisy)
+    recording = recording.with_signals("simulated", torque_motor=noisy)
     found = torque_step(recording, inertia=inertia if known else None)
     # Above 2 rad/s the rig's Stribeck rise is over: its own levels are what the step sees.
     disc = truth.drivetrain.frictions[-1]
@@ -91,7 +91,7 @@ def locked(seed: int, bits: int) -> Outcome:
     truths = {"backlash": chain.shafts[-1].backlash, "stiffness": stiffness}
     outcome: Outcome = {}
     for name, truth in truths.items():
-        value = getattr(found, name)
+        value = found.values[name]
         if value is not None and name in found.intervals:
             outcome[name] = (value, found.intervals[name], truth)
     return outcome

@@ -89,7 +89,7 @@ def exact_recording(seed: int) -> lm.Recording:
     count = 2.0 * np.pi / 2**20
     counts = np.floor(run["angle_motor"] / count + np.random.default_rng([seed, 5]).uniform())
     speed = np.diff(counts, prepend=counts[0]) * count / DT
-    return run.only("torque_motor").with_signals("measured", speed_motor=speed)
+    return run.only("torque_motor").with_signals("simulated", speed_motor=speed)
 
 
 def coverage(seeds: int) -> None:

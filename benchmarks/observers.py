@@ -135,7 +135,7 @@ def after_faults(
             continue
         shown = {name: broken(recording[name], fault, recording.dt)[0] for name in names}
         _, bad, after = broken(recording[names[0]], fault, recording.dt)
-        found = law.run(recording.with_signals("measured", **shown).only(*law.inputs))
+        found = law.run(recording.with_signals("simulated", **shown).only(*law.inputs))
         error = np.sqrt(np.mean((found["speed_load_estimated"] - load)[after] ** 2))
         cells.append((float(error / normal), float(np.mean(found["input_fault"][bad]))))
     return cells

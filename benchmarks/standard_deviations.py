@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.compare.cases import CASES
+from lostmotion.compare import CASES
 from lostmotion.compare.experiment import experiment
 from lostmotion.observers.filters.tuning import PROCESS_TORQUE
 

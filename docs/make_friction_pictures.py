@@ -25,6 +25,7 @@ def step() -> None:
         found.torque,
         found.measured,
         found.fitted,
+        source="simulated",
         title=f"Torque step on the virtual rig: Coulomb {found.values['coulomb']:.3f} Nm, "
         f"viscous {found.values['viscous']:.5f} Nm s/rad",
     )
@@ -56,8 +57,9 @@ def locked(bits: int) -> None:
         found.angle,
         found.side,
         found.fitted,
-        backlash=found.backlash,
-        interval=found.interval,
+        backlash=found.values["backlash"],
+        interval=found.intervals.get("backlash"),
+        source="simulated",
     )
     figure.savefig(IMAGES / f"locked-load-{bits}-bit.png", dpi=110, facecolor="white")
 

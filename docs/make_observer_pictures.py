@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import lostmotion as lm
-from lostmotion.compare.cases import CASES
+from lostmotion.compare import CASES
 from lostmotion.compare.experiment import experiment
 from lostmotion.observers.filters.tuning import PROCESS_TORQUE, SENSOR_NOISE
 

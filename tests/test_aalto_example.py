@@ -26,7 +26,7 @@ def test_measured_rig_from_its_example(monkeypatch: pytest.MonkeyPatch) -> None:
     for recording in (step, sine):
         assert set(recording.names) == {"speed_motor", "speed_load", "torque_shaft"}
         assert recording.dt == pytest.approx(0.996e-3, rel=1e-4)
-        assert shaft_stiffness(recording).stiffness == pytest.approx(113.0, rel=0.01)
-        assert backlash_excited(recording).source == "not excited"
-    assert ring_down(step).frequency == pytest.approx(28.2, rel=0.03)
-    assert ring_down(sine).frequency is None
+        assert shaft_stiffness(recording).values["stiffness"] == pytest.approx(113.0, rel=0.01)
+        assert backlash_excited(recording).excited is False
+    assert ring_down(step).values["frequency"] == pytest.approx(28.2, rel=0.03)
+    assert ring_down(sine).values["frequency"] is None

@@ -142,6 +142,20 @@ def test_init_check_and_no_overwriting(tmp_path: Path) -> None:
     assert call("init", target, "--force").returncode == 0
 
 
+def test_init_writes_the_schema_beside_it_and_refers_to_it(tmp_path: Path) -> None:
+    assert call("init", "rig.toml", "--schema", cwd=tmp_path).returncode == 0
+    assert json.loads((tmp_path / "lostmotion.schema.json").read_text()) == lm.io.configuration_schema()
+    first, rest = (tmp_path / "rig.toml").read_text().split("\n", 1)
+    assert first == "#:schema ./lostmotion.schema.json" and rest == lm.io.template()
+    assert lm.io.read_configuration(tmp_path / "rig.toml").nameplate["stiffness"] == 6000.0
+    (tmp_path / "lostmotion.schema.json").write_text("mine")
+    again = call("init", "other.toml", "--schema", cwd=tmp_path)
+    assert again.returncode == 1 and "lostmotion.schema.json" in again.stderr
+    assert (tmp_path / "lostmotion.schema.json").read_text() == "mine" and not (
+        tmp_path / "other.toml"
+    ).exists()
+
+
 @pytest.mark.parametrize(
     ("unit", "bad", "expected"),
     [

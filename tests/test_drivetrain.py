@@ -165,3 +165,50 @@ def test_gear_joins_two_sides():
     assert [s.stiffness for s in chain.shafts] == pytest.approx([200.0, 100.0])
     assert chain.shafts[0].backlash == pytest.approx(0.05)
     assert chain.actuator.lag == 1e-3
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        Drivetrain.two_mass(**TABLE_I),
+        Drivetrain.two_mass(**TABLE_I, lag=3e-4, torque_limit=73.5, coulomb_motor=0.3),
+        lm.rig.nominal_rig().drivetrain,
+        Drivetrain((1.0,)),
+        Drivetrain((1.0, 2.0), (Shaft(5.0),), locked="load"),
+    ],
+    ids=["table I", "actuator", "chain", "one inertia", "locked"],
+)
+def test_the_repr_is_short_and_makes_the_same_drivetrain_again(made):
+    assert len(repr(made).splitlines()) <= 5
+    names = {"Drivetrain": Drivetrain, "Shaft": Shaft, "Friction": Friction, "Actuator": Actuator}
+    assert eval(repr(made), names) == made
+
+
+def test_the_repr_leaves_out_what_is_by_default():
+    assert repr(Shaft(5.0)) == "Shaft(stiffness=5.0)"
+    assert repr(Friction((1.0, 2.0), viscous=0.1)) == "Friction(coulomb=(1.0, 2.0), viscous=0.1)"
+    assert repr(Actuator()) == "Actuator()"
+    assert repr(Drivetrain((1.0, 2.0), (Shaft(5.0),))) == (
+        "Drivetrain(inertias=(1.0, 2.0),\n  shafts=(Shaft(stiffness=5.0),))"
+    )
+
+
+def test_html_has_a_row_for_each_part():
+    chain = replace(lm.rig.nominal_rig().drivetrain, locked="load")
+    shown = chain._repr_html_().replace("\u00a0", " ")
+    assert shown.count("<tr>") == 4 + 3 + 1
+    for text in (
+        "inertia 4 (load)",
+        "7359 Nm/rad",
+        "backlash 12 mrad, physical",
+        "held, coulomb 2 Nm",
+        "Stribeck 0.3 Nm",
+    ):
+        assert text in shown
+    assert "lag 300 µs, torque limit 73.5 Nm" in shown
+    uneven = replace(
+        Drivetrain.two_mass(**TABLE_I), frictions=(Friction(), Friction((1.0, 2.0), breakaway=3.0))
+    )
+    assert "coulomb 1 Nm forwards, 2 Nm backwards, breakaway 3 Nm" in uneven._repr_html_().replace(
+        "\u00a0", " "
+    )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -67,6 +69,49 @@ def test_signals_added_and_withheld():
     assert less.names == ("speed_motor",)
     assert list(less) == ["speed_motor"]
     assert set(less.origin) == {"speed_motor"}
+    assert less.events == () and not less.final_state and not less.meta
+
+
+def test_what_is_withheld_takes_its_meta_along():
+    meta = {
+        "speed_from_counts": True,
+        "averaged": ["speed_motor", "speed_load"],
+        "speed_load": "mean over the sample, from angle_load",
+        "speed_motor": "mean over the sample, from angle_motor",
+        "rig_seed": 7,
+        "file": "rig.npz",
+        "sha256": "0",
+        "law": "pi",
+    }
+    signals = {"speed_motor": np.ones(10), "speed_load": np.ones(10)}
+    less = Recording(TIME, signals, meta=meta).only("speed_motor")
+    assert dict(less.meta) == {
+        "speed_from_counts": True,
+        "averaged": ("speed_motor",),
+        "speed_motor": "mean over the sample, from angle_motor",
+    }
+
+
+def test_the_repr_is_a_few_lines_with_units_and_origin_and_no_numbers():
+    shown = replace(recording(), origin={"speed_motor": "simulated"}).with_signals(
+        "derived", slip=np.zeros(10)
+    )
+    assert repr(shown).splitlines() == [
+        "Recording: 10 samples of 100 ms, 0.9 s, 2 events",
+        "  simulated: speed_motor (rad/s)",
+        "  measured: torque_motor (Nm)",
+        "  derived: slip",
+    ]
+    many = {f"a_signal_with_a_long_name_{i}": np.zeros(10) for i in range(12)}
+    lines = repr(Recording(TIME, many)).splitlines()
+    assert len(lines) == 5 and max(map(len, lines)) <= 100
+
+
+def test_html_shows_the_range_of_each_signal_and_escapes_names():
+    gaps = np.where(TIME < 0.5, np.nan, TIME)
+    shown = Recording(TIME, {"speed_motor": gaps, "<b>": np.full(10, np.nan)})._repr_html_()
+    assert "rad/s" in shown and ">0.500<" in shown and ">0.900<" in shown
+    assert "&lt;b&gt;" in shown and "<b><" not in shown and ">–<" in shown
 
 
 def test_sample_time_is_the_mean_step():

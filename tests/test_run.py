@@ -250,7 +250,7 @@ def test_measured_rig_ends_in_a_report_without_invented_numbers(measured_data: P
     written = {p.name for p in (tmp_path / "out").iterdir()}
     assert "report.html" in written
     assert not written & {"law.json", "c", "drivetrain.toml", "truth.json"}
-    for name in ("measured shaft", "measured shaft, validation recording"):
+    for name in ("shaft", "shaft, validation recording"):
         assert 0.98 * 109 < results["fits"][name]["stiffness"]["value"] < 1.02 * 113
         assert 0.33e-3 < results["fits"][name]["torque late by"]["value"] < 0.40e-3
     assert abs(results["fits"]["ring-down"]["frequency"]["value"] / 28.2 - 1.0) < 0.03

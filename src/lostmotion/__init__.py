@@ -9,16 +9,23 @@ if TYPE_CHECKING:
     from . import (
         compare,
         controllers,
+        curves,
+        drivetrain,
+        errors,
+        experiment,
         export,
         identification,
         io,
         metrics,
         observers,
         plot,
+        recording,
         report,
         rig,
         signals,
+        simulation,
         structure,
+        systems,
     )
     from .curves import PiecewiseLinear
     from .drivetrain import Actuator, Drivetrain, Friction, Gear, Shaft
@@ -74,30 +81,34 @@ _HOME = {
     "simulate": "simulation",
     "simulate_batch": "simulation",
 }
-_FOLDERS = (
-    "compare", "controllers", "export", "identification", "io", "metrics", "observers", "plot", "report", "rig",
-    "signals", "structure",
+#: The public rooms. What the documentation uses is importable from here or from one of these.
+_ROOMS = (
+    "compare", "controllers", "curves", "drivetrain", "errors", "experiment", "export", "identification", "io",
+    "metrics", "observers", "plot", "recording", "report", "rig", "signals", "simulation", "structure", "systems",
 )  # fmt: skip
 
 __all__ = [
     "Actuator", "BatchResult", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Gear",
     "Identification", "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem",
-    "Recording", "Sensor", "Shaft", "Stepper", "compare", "connect", "controllers", "export", "identification",
-    "identify", "io", "load_drivetrain", "load_law", "load_recording", "metrics", "observers",
-    "one_sample_delay", "plot", "read_recording", "report", "rig", "ring_down", "save_drivetrain",
-    "save_law", "save_recording", "shaft_stiffness", "signals", "simulate", "simulate_batch", "structure",
+    "Recording", "Sensor", "Shaft", "Stepper", "compare", "connect", "controllers", "curves", "drivetrain",
+    "errors", "experiment", "export", "identification", "identify", "io", "load_drivetrain", "load_law",
+    "load_recording", "metrics", "observers", "one_sample_delay", "plot", "read_recording", "recording", "report",
+    "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness", "signals", "simulate",
+    "simulate_batch", "simulation", "structure", "systems",
 ]  # fmt: skip
 
 
-def __getattr__(name: str) -> Any:
-    if name in _HOME:
-        value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
-    elif name in _FOLDERS:
-        value = importlib.import_module(f".{name}", __name__)
-    else:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # a type checker sees the imports above, and that nothing else is here
+
+    def __getattr__(name: str) -> Any:
+        if name in _HOME:
+            value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+        elif name in _ROOMS:
+            value = importlib.import_module(f".{name}", __name__)
+        else:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

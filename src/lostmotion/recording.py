@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .display import numbers, tables
 from .errors import InvalidInput
 from .events import NO_EVENTS, Event, Events
 
@@ -65,7 +66,7 @@ def _writable(array: NDArray[Any]) -> bool:
     )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Signals on one time axis. Arrays are read-only; those that somebody could still write are copied.
 
@@ -138,6 +139,32 @@ class Recording:
 
     def __len__(self) -> int:
         return int(self.time.size)
+
+    def __repr__(self) -> str:
+        by_origin: dict[str, list[str]] = {}
+        for name in self:
+            unit = unit_of(name)
+            by_origin.setdefault(self._origin(name), []).append(f"{name} ({unit})" if unit else name)
+        shown = [
+            tables.listing([f"{origin}: {names[0]}", *names[1:]], later="    ")
+            for origin, names in by_origin.items()
+        ]
+        return "\n".join([self._title(), *shown])
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for name, values in self.signals.items():
+            ends = (numbers.digits(float(end)) for end in (np.fmin.reduce(values), np.fmax.reduce(values)))
+            rows.append((name, unit_of(name), self._origin(name), *ends))
+        return tables.html(self._title(), ("signal", "unit", "origin", "smallest", "largest"), rows)
+
+    def _title(self) -> str:
+        step, duration = (numbers.given(float(t), "s") for t in (self.dt, self.time[-1] - self.time[0]))
+        count = f", {len(self.events)} events" if self.events else ""
+        return tables.plain(f"Recording: {len(self)} samples of {step}, {duration}{count}")
+
+    def _origin(self, name: str) -> str:
+        return self.origin.get(name, "measured")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -214,11 +241,19 @@ class Recording:
         )
 
     def only(self, *names: str) -> Recording:
-        """A copy with the named signals alone: what is withheld from an estimator is not in its recording."""
+        """A copy with the named signals alone: what is withheld from an estimator is not in its recording.
+
+        Of ``meta`` stays what says how these signals were sampled: ``speed_from_counts``, ``averaged``, and what stands
+        there under their own names. Seeds, files and laws, from which the rest could be made again, do not.
+        """
+        meta = {key: value for key, value in self.meta.items() if key in (*names, "speed_from_counts")}
+        if "averaged" in self.meta:
+            meta["averaged"] = tuple(name for name in self.meta["averaged"] if name in names)
         return replace(
             self,
             signals={name: self[name] for name in names},
             origin={n: o for n, o in self.origin.items() if n in names},
             events=NO_EVENTS,
             final_state={},
+            meta=meta,
         )

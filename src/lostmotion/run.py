@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 from . import __version__
 from .io import Configuration, output_folder, read_configuration, save_drivetrain, save_json, save_recording
+from .plot import source_of
 from .report import write_report
 from .stages.code import write_code
 from .stages.design import Design, design
@@ -137,7 +138,7 @@ def _report_only(material: Material) -> dict[str, Any]:
             "duration": float(r.time[-1] - r.time[0]),
             "sample_time": r.dt,
             "use": material.uses[name],
-            "origin": "virtual rig (simulated)" if material.virtual else "measured",
+            "origin": "virtual rig (simulated)" if material.virtual else source_of(r),
             "signals": list(r.names),
             "file": Path(str(r.meta["file"])).name if "file" in r.meta else None,
         }

@@ -11,6 +11,8 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from .display import parameters as parameter_table
+
 #: Problems that are shown after a run; the report has them all.
 SHOWN = 3
 
@@ -128,14 +130,4 @@ def summary(results: Mapping[str, Any], out: Path) -> None:
 def parameters(table: Mapping[str, Any]) -> None:
     """One line for each parameter, on standard output."""
     console = Console(highlight=False, markup=False, soft_wrap=True)
-    for name, entry in table.items():
-        console.print(f"  {name:<15} {_value(entry)}")
-
-
-def _value(entry: Mapping[str, Any]) -> str:
-    if entry["value"] is None:
-        return str(entry["source"])
-    text = f"{entry['value']:.4g}"
-    if entry["low"] is not None:
-        text += f" ({entry['low']:.4g} … {entry['high']:.4g})"
-    return f"{text} {entry['unit']}, {entry['source']}"
+    console.print(parameter_table.text(table))

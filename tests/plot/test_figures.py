@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import matplotlib
 import numpy as np
 import pytest
@@ -178,3 +180,26 @@ def test_autocorrelation_of_an_alternating_signal():
     expected = [(1000 - lag) / 1000 * (-1) ** lag for lag in range(4)]
     np.testing.assert_allclose(autocorrelation(values, 3), expected, atol=1e-12)
     assert np.all(autocorrelation(np.ones(50), 3) == 0.0)
+
+
+def test_a_legend_says_simulated_where_the_recording_does():
+    simulated = replace(recording(), origin={"speed_load": "simulated", "speed_reference": "reference"})
+    assert plot.source_of(simulated) == "simulated" and plot.source_of(recording()) == "measured"
+    for shown, label in ((recording(), "measured"), (simulated, "simulated")):
+        figure = plot.observer_step(shown, estimated(), step_time=1.0)
+        assert figure.axes[0].lines[0].get_label() == label
+
+
+@pytest.mark.parametrize("source", ["measured", "simulated"])
+def test_figures_of_arrays_call_them_as_they_are_told(source):
+    wave = np.sin(TIME)
+    made = [
+        plot.prediction_fit(TIME, wave, wave, source=source),
+        plot.ring_down_fit([(TIME, wave, wave)], source=source),
+        plot.friction_fit(TIME, wave, wave, wave, source=source),
+        plot.backlash_locked(wave, wave, 0.0 * wave, source=source),
+        plot.stiffness_fit(TIME, wave + 2.0, np.ones(TIME.size), source=source),
+    ]
+    for figure in made:
+        labels = [str(line.get_label()) for axis in figure.axes for line in axis.lines]
+        assert {label.split(",")[0] for label in labels} & {"measured", "simulated"} == {source}

@@ -106,12 +106,27 @@ def test_recording_holds_no_truth():
     assert set(recording.names) == {"torque_motor", "speed_motor", "speed_load", "torque_shaft", "twist"}
     assert recording.events == () and not recording.final_state
     assert set(recording.meta) == {"source", "rig_seed", "noise_seed", "speed_from_counts", "averaged"}
-    assert set(recording.origin.values()) == {"measured"}
+    assert set(recording.origin.values()) == {"simulated"}
     for name in ("speed_motor", "speed_load", "torque_shaft", "twist"):
         assert np.any(recording[name] != truth.signals[name])
     resolution = nominal_rig().sensors["speed_motor"].resolution / 1e-4
     steps = recording["speed_motor"] / resolution
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
+
+
+def test_what_an_estimator_is_given_says_how_it_was_sampled_and_not_from_which_rig():
+    recording, _ = lm.rig.record(2, torque_motor=torque(500))
+    given = recording.only("torque_motor", "speed_motor")
+    assert dict(given.meta) == {"speed_from_counts": True, "averaged": ("speed_motor",)}
+    assert given.events == () and not given.final_state
+
+
+def test_nothing_of_the_rig_is_called_measured():
+    law = lm.controllers.pi(dt=1e-3, kp=1.0, ki=5.0)
+    recording, truth = lm.rig.record(1, law=law, speed_reference=np.ones(300), dt=1e-3)
+    assert recording.origin["speed_reference"] == "reference"
+    assert {o for n, o in recording.origin.items() if n != "speed_reference"} == {"simulated"}
+    assert set(truth.signals.origin.values()) == {"simulated"}
 
 
 def test_same_seed_same_bytes():

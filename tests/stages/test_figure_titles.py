@@ -9,6 +9,7 @@ from lostmotion.stages.figures import ring_down_title
 
 def test_a_title_has_no_more_digits_than_its_interval_bears_out() -> None:
     intervals = {"frequency": (27.98, 28.61), "damping_ratio": (0.0296, 0.0499)}
-    ringing = SimpleNamespace(frequency=28.283, damping_ratio=0.03957, intervals=intervals)
+    values = {"frequency": 28.283, "damping_ratio": 0.03957}
+    ringing = SimpleNamespace(values=values, intervals=intervals)
     shown = ring_down_title(ringing).replace("\u00a0", " ")
     assert shown == "Ring-down: 28.3 Hz, damping ratio 0.040"

@@ -9,9 +9,10 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.stages.design import design, observer
+from lostmotion.stages.figures import figures
 from lostmotion.stages.material import from_rig
 from lostmotion.stages.parameters import find_parameters
-from lostmotion.stages.validation import validate_controllers, validate_observers
+from lostmotion.stages.validation import validate, validate_controllers, validate_observers
 
 
 @pytest.fixture(scope="module")
@@ -118,3 +119,14 @@ def test_a_pi_that_cannot_be_designed_leaves_the_law(prepared) -> None:
     assert "pi.ki" in laws.pi_skipped
     assert laws.law is not None
     assert [p.severity for p in laws.problems] == ["warning"]
+
+
+def test_nothing_of_the_virtual_rig_is_called_measured(prepared) -> None:
+    material, found, _ = prepared
+    validation = validate(material, found, design(material, found))
+    for recording in (*material.recordings.values(), *validation.responses.values()):
+        assert set(recording.origin.values()) <= {"simulated", "reference", "estimated"}
+    shown = figures(material, found, validation, None)
+    labels = {str(line.get_label()) for one in shown for axis in one.image.axes for line in axis.lines}
+    assert {"simulated", "virtual rig (simulated)"} <= labels
+    assert not [text for text in (*labels, *(one.caption for one in shown)) if "measured" in text.lower()]

@@ -11,6 +11,9 @@ import typer
 from ..errors import InputProblems, InvalidInput, Problem
 from .messages import INPUT_ERROR, interruptible, show
 
+#: What ``init --schema`` writes beside the TOML.
+SCHEMA_FILE = "lostmotion.schema.json"
+
 
 def run(
     file: Annotated[
@@ -68,16 +71,30 @@ def check(
 def init(
     file: Annotated[Path, typer.Argument(help="TOML to write.")] = Path("my_rig.toml"),
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help=f"Write {SCHEMA_FILE} beside it, for editors that complete keys.")
+    ] = False,
 ) -> None:
     """Write a commented TOML to fill in."""
-    from ..io import template
+    from ..io import configuration_schema, template
 
-    if file.exists() and not force:
-        raise InvalidInput(str(file), "an existing file", "a new name", "Choose another name, or --force.")
-    try:
-        file.write_text(template(), encoding="utf-8")
-    except OSError as error:
-        raise InvalidInput(
-            str(file), error.strerror or "an error", "a place to write", "Choose another."
-        ) from None
+    texts = {file: template()}
+    if schema:
+        beside = file.with_name(SCHEMA_FILE)
+        texts = {
+            beside: json.dumps(configuration_schema(), indent=1, ensure_ascii=False) + "\n",
+            file: f"#:schema ./{SCHEMA_FILE}\n{template()}",
+        }
+    for path in texts:
+        if path.exists() and not force:
+            raise InvalidInput(
+                str(path), "an existing file", "a new name", "Choose another name, or --force."
+            )
+    for path, text in texts.items():
+        try:
+            path.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise InvalidInput(
+                str(path), error.strerror or "an error", "a place to write", "Choose another."
+            ) from None
     typer.echo(f"{file} written: fill it in, then: lostmotion check {file}")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..identification.frequency.analysis import frequency_analysis
+from ..identification import frequency_analysis
 from ..identification.frequency.response import Method
 from ..io import save_json
-from ..plot.frequency.bode import bode
+from ..plot import bode, source_of
 from ..recording import unit_of
 from .recordings import outputs, recording_of, save_picture
 
@@ -30,17 +30,18 @@ def frequency_response_file(
     response, fit = analysis.response, analysis.fit
     result = analysis.as_dict() | {"problems": [p.as_dict() for p in (*warnings, *analysis.problems)]}
     save_json(json_file, "frequency_response", result)
-    curves: dict[str, Any] = {"measured": (response.frequency, response.response, response.margin)}
+    source = source_of(recording)
+    curves: dict[str, Any] = {source: (response.frequency, response.response, response.margin)}
     marks = {}
     if fit is not None:
         curves["two masses, fitted"] = (fit.frequency, fit.fitted)
-        marks = {name: fit.values[name] for name in ("zero", "pole")}
+        marks = {name: value for name in ("zero", "pole") if (value := fit.values[name]) is not None}
     figure = bode(
         curves,
         unit=f"{unit_of(output)}/({unit_of(input)})",
         title=f"{output.replace('_', ' ')} / {input.replace('_', ' ')}",
         marks=marks,
-        coherences={"measured": (response.frequency, response.coherence)},
+        coherences={source: (response.frequency, response.coherence)},
     )
     save_picture(figure, picture)
     return result

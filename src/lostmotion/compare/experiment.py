@@ -77,7 +77,7 @@ def experiment(case: Case, seed: int, duration: float) -> Experiment:
     if case.wrong_start:
         # The plant rests on one side of the gap; the observer sees the mirrored signals and believes in the other.
         mirror = np.where(np.arange(last) < first, -1.0, 1.0)
-        shown = shown.with_signals("measured", **{name: mirror * shown[name] for name in shown})
+        shown = shown.with_signals("simulated", **{name: mirror * shown[name] for name in shown})
         last = first + round(AFTER_WRONG_START / case.dt)
     sensing = Sensing(case.dt, True, max(resolution / case.dt / math.sqrt(6.0), 1e-3), case.torque_noise)
     return Experiment(
@@ -139,7 +139,7 @@ def _disturbed(recording: Recording, true: Recording, plant: rig.Rig, case: Case
     if case.delay:
         late = {"angle_motor": _late(true["angle_motor"], true["speed_motor"], case)}
         late["torque_shaft"] = np.interp(true.time - case.delay * case.dt, true.time, true["torque_shaft"])
-        recording = recording.with_signals("measured", **measure(plant.sensors, late, case.dt, seed))
+        recording = recording.with_signals("simulated", **measure(plant.sensors, late, case.dt, seed))
     if case.dropouts:
         rng = np.random.default_rng([seed, 42])
         burst = max(1, round(BURST / case.dt))
@@ -147,7 +147,7 @@ def _disturbed(recording: Recording, true: Recording, plant: rig.Rig, case: Case
         lost = np.convolve(lost, np.ones(burst))[: len(recording)] > 0.5
         lost[:burst] = False
         recording = recording.with_signals(
-            "measured", speed_motor=np.where(lost, np.nan, recording["speed_motor"])
+            "simulated", speed_motor=np.where(lost, np.nan, recording["speed_motor"])
         )
     return recording
 

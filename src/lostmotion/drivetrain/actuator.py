@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from ..errors import InvalidInput
 from .checks import not_negative
+from .short_repr import call_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Actuator:
     """The drive's torque actuator.
 
@@ -43,3 +44,6 @@ class Actuator:
                 "a positive number in Nm/s",
                 "Use inf for no limit.",
             )
+
+    def __repr__(self) -> str:
+        return call_of(self)

@@ -9,11 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..display.numbers import quantity
 from ..errors import InvalidInput
 from .actuator import Actuator
 from .checks import not_negative
 from .friction import Friction
+from .html_table import html_table
 from .shaft import Shaft
+from .short_repr import given
 
 #: Unit of each two-mass parameter, in the order in which they are shown everywhere.
 PARAMETER_UNITS: dict[str, str] = {
@@ -30,7 +33,7 @@ PARAMETER_UNITS: dict[str, str] = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Drivetrain:
     """A chain of inertias J1 … Jn joined by shafts, motor first, load last.
 
@@ -70,6 +73,20 @@ class Drivetrain:
             raise InvalidInput(
                 "Drivetrain.locked", repr(self.locked), "None, 'motor' or 'load'", "Choose an end."
             )
+
+    def __repr__(self) -> str:
+        """A line for each kind of part: Python that makes the same drivetrain again."""
+        parts = given(self, *([] if any(f != Friction() for f in self.frictions) else ["frictions"]))
+        return "Drivetrain(" + ",\n  ".join(parts) + ")"
+
+    def _repr_html_(self) -> str:
+        title = f"Drivetrain: {quantity(self.inertia_total, 'kg m2')} in all"
+        if len(self.inertias) == 2 and self.locked is None:
+            title += (
+                f", zero {quantity(self.zero_frequency, 'Hz')}, pole {quantity(self.pole_frequency, 'Hz')}"
+            )
+        held = self.locked_inertia
+        return html_table(title, self.inertias, self.shafts, self.frictions, self.actuator, held)
 
     @property
     def locked_inertia(self) -> int | None:

@@ -8,9 +8,10 @@ from typing import Any
 
 from ..errors import InvalidInput
 from .checks import not_negative
+from .short_repr import call_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Friction:
     """Friction of one inertia: set-valued at rest, Coulomb + Stribeck + viscous when it turns.
 
@@ -65,6 +66,9 @@ class Friction:
                     "Raise it, or lower coulomb or stribeck.",
                 )
             object.__setattr__(self, "breakaway", level)
+
+    def __repr__(self) -> str:
+        return call_of(self)
 
     @property
     def coulomb_plus(self) -> float:

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 
 from ..errors import InvalidInput
 from .checks import not_negative
+from .short_repr import call_of
 
 Contact = Literal["viscoelastic", "dead_zone", "limited", "clipped", "physical"]
 CONTACT_LAWS: tuple[str, ...] = get_args(Contact)
@@ -15,7 +16,7 @@ CONTACT_LAWS: tuple[str, ...] = get_args(Contact)
 NO_BACKLASH = 1e-10
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Shaft:
     """One elastic shaft with backlash.
 
@@ -49,6 +50,9 @@ class Shaft:
         object.__setattr__(self, "backlash", not_negative("Shaft.backlash", self.backlash))
         if self.contact not in CONTACT_LAWS:
             raise InvalidInput("Shaft.contact", repr(self.contact), f"one of {CONTACT_LAWS}", "Choose a law.")
+
+    def __repr__(self) -> str:
+        return call_of(self)
 
     @property
     def has_backlash(self) -> bool:

@@ -154,7 +154,7 @@ def design_excitation(
         scale=scale,
         limits={"torque": limits.torque, "speed": limits.speed, "angle": limits.angle},
         peaks=peaks,
-        predicted=replace(runs[0][0], origin=dict.fromkeys(runs[0][0].names, "simulated")),
+        predicted=runs[0][0],
         half_widths=half_widths,
         intervals={n: (values[n] * (1.0 - h), values[n] * (1.0 + h)) for n, h in half_widths.items()},
         not_excited=not_excited,

@@ -6,13 +6,40 @@ The public names are loaded when they are first used.
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .configuration.read import (
+        Configuration,
+        RecordingSource,
+        load_recordings,
+        read_configuration,
+        template,
+    )
+    from .configuration.schema import configuration_schema
+    from .recordings.checks import check_recording
+    from .recordings.read import read_recording
+    from .storage.drivetrain_files import load_drivetrain, save_drivetrain
+    from .storage.folders import foreign_files, output_folder
+    from .storage.laws_and_recordings import (
+        load_json,
+        load_law,
+        load_recording,
+        save_json,
+        save_law,
+        save_recording,
+    )
+    from .tables.channels import Channel
+    from .tables.csv_writing import write_csv
+    from .tables.matrices import read_torsional_model
+    from .tables.units import parse_quantity
 
 _HOME = {
     "Channel": "tables.channels",
     "Configuration": "configuration.read",
     "RecordingSource": "configuration.read",
     "check_recording": "recordings.checks",
+    "configuration_schema": "configuration.schema",
     "foreign_files": "storage.folders",
     "load_drivetrain": "storage.drivetrain_files",
     "load_json": "storage.laws_and_recordings",
@@ -23,6 +50,7 @@ _HOME = {
     "parse_quantity": "tables.units",
     "read_configuration": "configuration.read",
     "read_recording": "recordings.read",
+    "read_torsional_model": "tables.matrices",
     "save_drivetrain": "storage.drivetrain_files",
     "save_json": "storage.laws_and_recordings",
     "save_law": "storage.laws_and_recordings",
@@ -31,10 +59,35 @@ _HOME = {
     "write_csv": "tables.csv_writing",
 }
 
-__all__ = sorted(_HOME)
+__all__ = [
+    "Channel",
+    "Configuration",
+    "RecordingSource",
+    "check_recording",
+    "configuration_schema",
+    "foreign_files",
+    "load_drivetrain",
+    "load_json",
+    "load_law",
+    "load_recording",
+    "load_recordings",
+    "output_folder",
+    "parse_quantity",
+    "read_configuration",
+    "read_recording",
+    "read_torsional_model",
+    "save_drivetrain",
+    "save_json",
+    "save_law",
+    "save_recording",
+    "template",
+    "write_csv",
+]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+if not TYPE_CHECKING:  # a type checker sees the imports above, and that nothing else is here
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from .control_step import control_step
+from .frequency.bode import bode
+from .frequency.coherence import coherence
+from .frequency.mode_shapes import mode_shapes
 from .identification.backlash_locked import backlash_locked
 from .identification.backlash_lost_motion import backlash_lost_motion
 from .identification.friction_curve import friction_curve
@@ -17,21 +20,26 @@ from .observers.observer_step import observer_step
 from .observers.sensor_worth import sensor_worth
 from .quantile_bands import quantile_bands
 from .recording_overview import recording_overview
+from .style import source_of
 
 __all__ = [
     "backlash_locked",
     "backlash_lost_motion",
+    "bode",
+    "coherence",
     "control_step",
     "estimate_errors",
     "friction_curve",
     "friction_fit",
     "identified_parameters",
     "leaderboard",
+    "mode_shapes",
     "observer_step",
     "prediction_fit",
     "quantile_bands",
     "recording_overview",
     "ring_down_fit",
     "sensor_worth",
+    "source_of",
     "stiffness_fit",
 ]

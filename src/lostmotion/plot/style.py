@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidInput
-from ..recording import unit_of
+from ..recording import Recording, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,6 +64,11 @@ def display_unit(signal: str) -> tuple[float, str]:
 def axis_label(signal: str) -> str:
     """Axis label with unit, such as "load speed (rad/s)"."""
     return f"{words(signal)} ({display_unit(signal)[1]})"
+
+
+def source_of(recording: Recording) -> str:
+    """What the signals of a recording are called in a legend: "simulated" if any of them is, else "measured"."""
+    return "simulated" if "simulated" in recording.origin.values() else "measured"
 
 
 def is_held(signal: str) -> bool:

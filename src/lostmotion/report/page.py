@@ -7,7 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import numbers, summary, tables
+from ..display import numbers
+from . import summary, tables
 from .images import SECTIONS, ReportFigure
 
 if TYPE_CHECKING:

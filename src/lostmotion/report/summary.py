@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..display.numbers import NONE, digits, half_width, is_number, percent, with_interval
 from ..drivetrain import PARAMETER_UNITS
 from . import tables
-from .numbers import NONE, digits, half_width, is_number, percent, with_interval
 from .tables import mapping, parameters, skip_reason, skipped, words
 
 

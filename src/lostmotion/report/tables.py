@@ -5,10 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..display.numbers import (
+    NONE,
+    deviation,
+    digits,
+    given,
+    half_width,
+    is_number,
+    percent,
+    quantity,
+    with_interval,
+)
 from ..drivetrain import PARAMETER_UNITS
 from ..plot import style
 from ..recording import unit_of
-from .numbers import NONE, deviation, digits, given, half_width, is_number, percent, quantity, with_interval
 
 #: Parts of ``results.json`` that a run may skip, and their names.
 PARTS = {

@@ -76,8 +76,8 @@ def record(
     Returns
     -------
     (Recording, Truth)
-        The recording holds what the sensors show: ``torque_motor`` is the set-point (the torque itself follows with
-        a lag), speeds are count differences over the last sample.
+        The recording holds what the sensors show, of origin "simulated": ``torque_motor`` is the set-point (the torque
+        itself follows with a lag), speeds are count differences over the last sample.
     """
     if not isinstance(rig, Rig):
         rig = nominal_rig() if rig is None else varied_rig(rig)
@@ -96,7 +96,7 @@ def record(
     recording = Recording(
         time=signals.time,
         signals=kept,
-        origin={name: "reference" if name == "speed_reference" else "measured" for name in kept},
+        origin={name: "reference" if name == "speed_reference" else "simulated" for name in kept},
         meta={
             "source": "virtual rig",
             "rig_seed": seed,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .. import plot
+from ..display.numbers import with_interval
 from ..identification.shaft.ring_down import RingDown
 from ..recording import Recording
 from ..report import ReportFigure
-from ..report.numbers import with_interval
 from .material import STEP_TIME, Material
 from .parameters import Found
 from .validation import PULSE_END, Validation
@@ -21,10 +21,11 @@ def figures(
     material: Material, found: Found, validation: Validation, truth: dict[str, float | None] | None
 ) -> list[ReportFigure]:
     """All figures for which there is something to show, in the report's order."""
+    source = "measured" if material.identify is None else plot.source_of(material.identify)
     return [
         *_recordings(material),
-        *_parameters(found, truth),
-        *_shaft(found),
+        *_parameters(found, truth, source),
+        *_shaft(found, source),
         *_observers(material, validation),
         *_controllers(material, validation),
     ]
@@ -43,7 +44,7 @@ def _recordings(material: Material) -> list[ReportFigure]:
     ]
 
 
-def _parameters(found: Found, truth: dict[str, float | None] | None) -> list[ReportFigure]:
+def _parameters(found: Found, truth: dict[str, float | None] | None, source: str) -> list[ReportFigure]:
     made = []
     if any(entry["low"] is not None for entry in found.table.values()):
         made.append(
@@ -61,7 +62,10 @@ def _parameters(found: Found, truth: dict[str, float | None] | None) -> list[Rep
                 "Prediction of the motor speed",
                 "One sample ahead. Lines outside the band: the residual holds something the two-mass model lacks.",
                 plot.prediction_fit(
-                    prediction.time, prediction.speed_motor + prediction.residual, prediction.speed_motor
+                    prediction.time,
+                    prediction.speed_motor + prediction.residual,
+                    prediction.speed_motor,
+                    source=source,
                 ),
                 "fits",
             )
@@ -69,29 +73,30 @@ def _parameters(found: Found, truth: dict[str, float | None] | None) -> list[Rep
     return made
 
 
-def _shaft(found: Found) -> list[ReportFigure]:
+def _shaft(found: Found, source: str) -> list[ReportFigure]:
     made = []
     shaft, ringing = found.shaft, found.ringing
-    if shaft is not None and shaft.stiffness is not None:
+    if shaft is not None and (stiffness := shaft.values["stiffness"]) is not None:
+        interval = shaft.intervals["stiffness"]
         made.append(
             ReportFigure(
                 "Shaft stiffness",
-                "Measured shaft torque against the integral of the measured speed difference.",
+                f"Shaft torque ({source}) against the integral of the speed difference.",
                 plot.stiffness_fit(
                     shaft.frequency, shaft.response, shaft.coherence, fitted=shaft.fitted(shaft.frequency),
-                    used=shaft.used, interval=shaft.interval,
-                    title=f"Shaft stiffness: {_shown(shaft.stiffness, shaft.interval, 'Nm/rad')}",
+                    used=shaft.used, interval=interval, source=source,
+                    title=f"Shaft stiffness: {with_interval(stiffness, *interval, 'Nm/rad')[0]}",
                 ),
                 "fits",
             )
         )  # fmt: skip
-    if ringing is not None and ringing.frequency is not None:
+    if ringing is not None and ringing.values["frequency"] is not None:
         made.append(
             ReportFigure(
                 "Ring-down",
-                "Measured shaft torque after each step and the fitted damped oscillation.",
+                f"Shaft torque ({source}) after each step and the fitted damped oscillation.",
                 plot.ring_down_fit(
-                    ringing.windows, signal=ringing.signal, title=ring_down_title(ringing),
+                    ringing.windows, signal=ringing.signal, source=source, title=ring_down_title(ringing),
                 ),
                 "fits",
             )
@@ -101,13 +106,10 @@ def _shaft(found: Found) -> list[ReportFigure]:
 
 def ring_down_title(ringing: RingDown) -> str:
     """Frequency and damping ratio with the digits that their intervals bear out."""
-    frequency = _shown(ringing.frequency, ringing.intervals["frequency"], "Hz")
-    return f"Ring-down: {frequency}, damping ratio {_shown(ringing.damping_ratio, ringing.intervals['damping_ratio'])}"
-
-
-def _shown(value: float | None, interval: tuple[float, float] | None, unit: str = "") -> str:
-    low, high = interval or (None, None)
-    return with_interval(value, low, high, unit)[0]
+    values, intervals = ringing.values, ringing.intervals
+    frequency = with_interval(values["frequency"], *intervals["frequency"], "Hz")[0]
+    ratio = with_interval(values["damping_ratio"], *intervals["damping_ratio"], "")[0]
+    return f"Ring-down: {frequency}, damping ratio {ratio}"
 
 
 def _observers(material: Material, validation: Validation) -> list[ReportFigure]:
@@ -122,7 +124,7 @@ def _observers(material: Material, validation: Validation) -> list[ReportFigure]
             estimate,
             step_time=step,
             name=NAMES[name],
-            source="virtual rig (simulated)" if material.virtual else "measurement",
+            source="virtual rig (simulated)" if material.virtual else None,
         )
         made.append(
             ReportFigure(

@@ -9,6 +9,7 @@ from typing import Any
 from ..drivetrain import PARAMETER_UNITS, Drivetrain
 from ..errors import InvalidInput, Problem
 from ..identification import (
+    Estimates,
     Identification,
     RingDown,
     ShaftStiffness,
@@ -83,8 +84,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
             reason = str(error)
     if not reason:
         problems += found.problems
-        for name in found.values:
-            table[name] = _entry(name, found.values[name], found.sources[name], found.intervals.get(name))
+        table |= found.table()
         fits["prediction error"] = {
             "residual": {"value": found.prediction.rms, "unit": "rad/s"},
             "fit": found.prediction.fit,
@@ -103,12 +103,12 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
         excited = backlash_excited(recording)
         problems += [*shaft.problems, *ringing.problems, *excited.problems]
         fits |= _shaft_fits(shaft, ringing)
-        if excited.source == "not excited":
+        if excited.excited is False:
             table["backlash"] = _entry("backlash", None, "not excited")
         if material.validate is not None and all(name in material.validate for name in SHAFT):
-            fits["measured shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
-        if shaft.stiffness is not None:
-            table["stiffness"] = _entry("stiffness", shaft.stiffness, "identified", shaft.interval)
+            fits["shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
+        if shaft.values["stiffness"] is not None:
+            table["stiffness"] = shaft.table()["stiffness"]
     return _finished(material.nameplate, table, None, shaft, ringing, reason, fits, tuple(problems))
 
 
@@ -127,35 +127,30 @@ def _reason_against(recording: Recording, nameplate: Mapping[str, float]) -> str
 
 def _shaft_fit(shaft: ShaftStiffness) -> dict[str, Any]:
     return {
-        "stiffness": _fit(shaft.stiffness, shaft.intervals.get("stiffness"), "Nm/rad"),
-        "torque late by": _fit(shaft.torque_delay, shaft.intervals.get("torque_delay"), "s"),
+        "stiffness": _fit(shaft, "stiffness"),
+        "torque late by": _fit(shaft, "torque_delay"),
     }
 
 
 def _shaft_fits(shaft: ShaftStiffness, ringing: RingDown) -> dict[str, Any]:
     return {
-        "measured shaft": _shaft_fit(shaft),
+        "shaft": _shaft_fit(shaft),
         "ring-down": {
-            "frequency": _fit(ringing.frequency, ringing.intervals.get("frequency"), "Hz"),
-            "damping ratio (of the whole rig as it ran)": _fit(
-                ringing.damping_ratio, ringing.intervals.get("damping_ratio"), ""
-            ),
+            "frequency": _fit(ringing, "frequency"),
+            "damping ratio (of the whole rig as it ran)": _fit(ringing, "damping_ratio"),
         },
     }
 
 
-def _fit(value: float | None, interval: tuple[float, float] | None, unit: str) -> dict[str, Any]:
-    if value is None:
-        return {"skipped": "not excited"}
-    low, high = interval if interval else (None, None)
-    return {"value": value, "low": low, "high": high, "unit": unit}
+def _fit(found: Estimates, name: str) -> dict[str, Any]:
+    entry = found.table()[name]
+    source = entry.pop("source")
+    return {"skipped": source} if entry["value"] is None else entry
 
 
-def _entry(
-    name: str, value: float | None, source: str, interval: tuple[float, float] | None = None
-) -> dict[str, Any]:
-    low, high = interval if interval is not None else (None, None)
-    return {"value": value, "low": low, "high": high, "unit": PARAMETER_UNITS[name], "source": source}
+def _entry(name: str, value: float | None, source: str) -> dict[str, Any]:
+    """A parameter that was not identified."""
+    return {"value": value, "low": None, "high": None, "unit": PARAMETER_UNITS[name], "source": source}
 
 
 def _finished(

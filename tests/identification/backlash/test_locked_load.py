@@ -53,8 +53,8 @@ def seen(run: Recording, bits: int, phase: float = 0.3, noise: float = 0.0, seed
 
 
 def off_by(found: LockedBacklash, truth: float = BACKLASH) -> float:
-    assert found.backlash is not None
-    return abs(found.backlash / truth - 1.0)
+    assert found.values["backlash"] is not None
+    return abs(found.values["backlash"] / truth - 1.0)
 
 
 def holds(found: LockedBacklash, name: str, truth: float) -> bool:
@@ -67,13 +67,12 @@ def test_sixteen_bit(phase: float) -> None:
     found = locked_backlash(seen(locked(), 16, phase))
     assert off_by(found) < 3e-3
     assert holds(found, "backlash", BACKLASH)
-    assert found.interval is not None
-    assert found.interval[1] - found.interval[0] < 3e-3 * BACKLASH
-    assert found.stiffness == pytest.approx(STIFFNESS, rel=0.01)
-    assert found.coulomb_motor == pytest.approx(0.3, abs=0.03)
+    assert found.intervals["backlash"][1] - found.intervals["backlash"][0] < 3e-3 * BACKLASH
+    assert found.values["stiffness"] == pytest.approx(STIFFNESS, rel=0.01)
+    assert found.values["coulomb_motor"] == pytest.approx(0.3, abs=0.03)
     assert found.resolution == pytest.approx(2.0 * np.pi / 2**16)
     assert found.problems == ()
-    assert found.source == "identified"
+    assert found.sources["backlash"] == "identified"
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875])
@@ -114,16 +113,15 @@ def test_without_counts_the_fit_is_least_squares() -> None:
 
 def test_no_gap_is_said_so() -> None:
     found = locked_backlash(seen(locked(backlash=0.0), 16))
-    assert found.interval is not None
-    assert found.interval[0] <= 0.0 <= found.interval[1]
-    assert found.interval[1] < 0.01 * BACKLASH
+    assert found.intervals["backlash"][0] <= 0.0 <= found.intervals["backlash"][1]
+    assert found.intervals["backlash"][1] < 0.01 * BACKLASH
     assert "no backlash found" in found.problems[-1].got
 
 
 def test_torque_too_small_to_cross() -> None:
     found = locked_backlash(seen(locked(coulomb_motor=2.0, amplitude=1.5), 16))
-    assert found.backlash is None
-    assert found.source == "not excited"
+    assert found.values["backlash"] is None
+    assert found.sources["backlash"] == "not excited"
     assert "too small to cross" in found.problems[0].remedy
     with pytest.raises(InvalidInput, match="no backlash"):
         found.fitted(np.ones(3), 1.0, 1.0)
@@ -132,13 +130,13 @@ def test_torque_too_small_to_cross() -> None:
 def test_torque_that_never_reverses() -> None:
     run = locked()
     found = locked_backlash(seen(run.window(0.0, 1.9), 16))
-    assert found.backlash is None
+    assert found.values["backlash"] is None
     assert "never reverses" in found.problems[0].got
 
 
 def test_fast_sines_bounce_and_give_no_number() -> None:
     found = locked_backlash(seen(locked(shape="sine", period=0.1), 16))
-    assert found.backlash is None
+    assert found.values["backlash"] is None
     assert "fast sines bounce" in found.problems[0].remedy
 
 
@@ -159,9 +157,9 @@ def test_flanks_loaded_one_way_only_leave_friction_unknown() -> None:
     )
     found = locked_backlash(joined)
     assert "one direction only" in found.problems[0].got
-    assert found.coulomb_motor == 0.0
+    assert found.values["coulomb_motor"] is None and found.sources["coulomb_motor"] == "not excited"
     # What the problem says: 2·friction/stiffness too small.
-    assert found.backlash == pytest.approx(BACKLASH - 2.0 * 0.3 / STIFFNESS, rel=3e-3)
+    assert found.values["backlash"] == pytest.approx(BACKLASH - 2.0 * 0.3 / STIFFNESS, rel=3e-3)
 
 
 def test_one_edge_on_each_flank_is_named_and_the_interval_holds() -> None:
@@ -170,7 +168,7 @@ def test_one_edge_on_each_flank_is_named_and_the_interval_holds() -> None:
     named = [f for f in found if any("one edge" in p.got for p in f.problems)]
     assert 0 < len(named) < len(found)
     assert all(holds(f, "backlash", BACKLASH) for f in named)
-    widths = [f.interval[1] - f.interval[0] for f in named if f.interval is not None]
+    widths = [np.ptp(f.intervals["backlash"]) for f in named]
     assert min(widths) > 0.02 * BACKLASH
 
 

@@ -13,7 +13,8 @@ from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.initial_values import rival
 from lostmotion.identification.prediction_error.innovations import NAMES, to_theta
 from lostmotion.identification.prediction_error.levenberg_marquardt import Fit
-from lostmotion.identification.prediction_error.warnings import low_frequency_excess, second_minimum
+from lostmotion.identification.prediction_error.problems import second_minimum
+from lostmotion.identification.prediction_error.warnings import low_frequency_excess
 
 DT = 1e-4
 PLANT = lm.Drivetrain.two_mass(

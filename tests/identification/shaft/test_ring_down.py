@@ -62,10 +62,10 @@ def test_truth_lies_in_the_intervals(frequency: float, ratio: float, line: float
 
 def test_clean_ring_down_is_exact() -> None:
     found = ring_down(ringing(1, noise=0.0))
-    assert found.frequency == pytest.approx(28.0, rel=1e-9)
-    assert found.damping_ratio == pytest.approx(0.04, rel=1e-7)
+    assert found.values["frequency"] == pytest.approx(28.0, rel=1e-9)
+    assert found.values["damping_ratio"] == pytest.approx(0.04, rel=1e-7)
     assert found.explained == pytest.approx(1.0)
-    assert found.source == "identified"
+    assert set(found.sources.values()) == {"identified"}
 
 
 def test_finds_the_steps_and_gives_windows_for_plots() -> None:
@@ -102,15 +102,15 @@ def _signals() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("name", list(_signals()))
 def test_without_a_ring_down_no_number_is_made_up(name: str) -> None:
     found = ring_down(Recording(np.arange(12_000) * DT, {"torque_shaft": _signals()[name]}))
-    assert found.frequency is None
-    assert found.damping_ratio is None
+    assert found.values["frequency"] is None
+    assert found.values["damping_ratio"] is None
     assert found.intervals == {}
-    assert found.source == "not excited"
+    assert set(found.sources.values()) == {"not excited"}
     assert len(found.problems) == 1
 
 
 def test_a_mode_outside_the_band_is_not_reported() -> None:
-    assert ring_down(ringing(5, frequency=28.0), band=(35.0, 60.0)).frequency is None
+    assert ring_down(ringing(5, frequency=28.0), band=(35.0, 60.0)).values["frequency"] is None
 
 
 def test_misuse_is_refused() -> None:
@@ -122,9 +122,9 @@ def test_misuse_is_refused() -> None:
 
 def test_measured_load_step() -> None:
     found = ring_down(measured("step_sensor.csv"))
-    assert found.frequency == pytest.approx(28.2, rel=0.03)
-    assert found.damping_ratio is not None
-    assert 0.035 <= found.damping_ratio <= 0.05
+    assert found.values["frequency"] == pytest.approx(28.2, rel=0.03)
+    assert found.values["damping_ratio"] is not None
+    assert 0.035 <= found.values["damping_ratio"] <= 0.05
     low, high = found.intervals["frequency"]
     assert low < 28.2 < high
     assert high - low < 1.0
@@ -134,13 +134,13 @@ def test_measured_load_step() -> None:
 def test_speeds_agree_with_the_torque_or_say_nothing() -> None:
     recording = measured("step_sensor.csv")
     torque, load = ring_down(recording), ring_down(recording, signal="speed_load", band=(3.0, 60.0))
-    assert torque.frequency is not None
-    assert load.intervals["frequency"][0] < torque.frequency < load.intervals["frequency"][1]
+    assert torque.values["frequency"] is not None
+    assert load.intervals["frequency"][0] < torque.values["frequency"] < load.intervals["frequency"][1]
     assert load.explained < 0.2 < torque.explained  # mostly noise, and so the wider interval
     assert np.diff(load.intervals["damping_ratio"]) > np.diff(torque.intervals["damping_ratio"])
-    assert ring_down(recording, signal="speed_motor").frequency is None  # held by its controller
+    assert ring_down(recording, signal="speed_motor").values["frequency"] is None  # held by its controller
 
 
 @pytest.mark.parametrize("signal", ["torque_shaft", "speed_motor", "speed_load"])
 def test_measured_sine_load_has_no_ring_down(signal: str) -> None:
-    assert ring_down(measured("sin_sensor.csv"), signal=signal).frequency is None
+    assert ring_down(measured("sin_sensor.csv"), signal=signal).values["frequency"] is None

@@ -7,31 +7,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput, Problem
+from ...errors import InvalidInput
 from ...recording import Recording
-from ..friction.result import Floats, Interval, torque_to_use
+from ..friction.result import Floats, torque_to_use
+from ..statistics.estimates import Estimates, Interval, sources_of
 from ..statistics.quantised_regression import compatible_range, count_fit
 from . import problems as problem
 from .ramps import count_of, ramps_of, sides_of
 
 #: Most rows that go into the fit; every n-th is taken (chosen: a second of computing at the most).
 MOST_ROWS = 20_000
+#: What is looked for.
+VALUES = ("backlash", "stiffness", "coulomb_motor")
 
 
-@dataclass(frozen=True, eq=False)
-class LockedBacklash:
-    """Result of the locked-load test; None where the recording does not tell a value.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class LockedBacklash(Estimates):
+    """Result of the locked-load test.
+
+    Values: ``backlash`` (rad, total free angle, the wind-up removed; slightly negative, perhaps, where there is none),
+    ``stiffness`` (Nm/rad, of all shafts between motor and lock, in series), ``coulomb_motor`` (Nm, half the torque
+    between the rising and the falling branch; where only one of them was recorded, the others hold for none).
 
     Attributes
     ----------
-    backlash : float, rad
-        Total free angle, the wind-up removed. May come out slightly negative where there is none.
-    stiffness : float, Nm/rad
-        Of all shafts between motor and lock, in series.
-    coulomb_motor : float, Nm
-        Half the torque between the rising and the falling branch; 0 assumed where only one of them was recorded.
-    intervals : dict of those names → (low, high), 95 %
-    problems : tuple of Problem
     resolution : float, rad
         Encoder count as given or found; 0: none.
     ramps : int
@@ -41,11 +40,6 @@ class LockedBacklash:
         Of the torque (+1 rising, −1 falling) and of the contact (±1; 0 where the row was not used).
     """
 
-    backlash: float | None
-    stiffness: float | None
-    coulomb_motor: float | None
-    intervals: dict[str, Interval]
-    problems: tuple[Problem, ...]
     resolution: float
     ramps: int
     time: Floats
@@ -54,23 +48,16 @@ class LockedBacklash:
     direction: Floats
     side: Floats
 
-    @property
-    def source(self) -> str:
-        return "not excited" if self.backlash is None else "identified"
-
-    @property
-    def interval(self) -> Interval | None:
-        """95 % interval of the backlash, rad."""
-        return self.intervals.get("backlash")
-
     def fitted(self, torque: Floats, direction: float, side: float) -> Floats:
         """Angle (rad, from the middle of the gap) under a torque (Nm) in contact at a side; for plots."""
-        if self.backlash is None or self.stiffness is None or self.coulomb_motor is None:
+        backlash, stiffness = self.values["backlash"], self.values["stiffness"]
+        if backlash is None or stiffness is None:
             raise InvalidInput(
                 "LockedBacklash.fitted", "no backlash", "an identified one", "See its problems."
             )
-        wind_up = (np.asarray(torque, dtype=float) - direction * self.coulomb_motor) / self.stiffness
-        return np.asarray(wind_up + 0.5 * side * self.backlash)
+        friction = direction * (self.values["coulomb_motor"] or 0.0)
+        wind_up = (np.asarray(torque, dtype=float) - friction) / stiffness
+        return np.asarray(wind_up + 0.5 * side * backlash)
 
 
 def locked_backlash(
@@ -111,10 +98,9 @@ def locked_backlash(
     direction, ramp = ramps_of(m)
     middle = 0.5 * (float(theta.max()) + float(theta.min()))
     nothing = LockedBacklash(
-        backlash=None,
-        stiffness=None,
-        coulomb_motor=None,
+        values=dict.fromkeys(VALUES),
         intervals={},
+        sources=dict.fromkeys(VALUES, "not excited"),
         problems=problems,
         resolution=count,
         ramps=int(ramp.max()) + 1,
@@ -141,16 +127,15 @@ def _fit(result: LockedBacklash, theta: Floats, ramp: NDArray[np.int64], side: F
     both = all(np.unique(way[s == flank]).size == 2 for flank in (1.0, -1.0)) or _separable(s, way)
     columns = np.stack([np.ones(rows.size), m, 0.5 * s] + ([-way] if both else []))
     values, low, high, open_ = _estimate(columns, theta[rows], result.resolution, ramp[rows])
-    compliance, backlash = float(values[1]), float(values[2])
+    compliance = float(values[1])
     problems = list(result.problems)
+    found: dict[str, float | None] = {**result.values, "backlash": float(values[2])}
     intervals: dict[str, Interval] = {"backlash": (float(low[2]), float(high[2]))}
-    stiffness: float | None = None
-    coulomb: float | None = None if both else 0.0
     if compliance > 0.0 and low[1] > 0.0:
-        stiffness = 1.0 / compliance
+        found["stiffness"] = 1.0 / compliance
         intervals["stiffness"] = (1.0 / float(high[1]), 1.0 / float(low[1]))
         if both:
-            coulomb = float(values[3]) / compliance
+            found["coulomb_motor"] = float(values[3]) / compliance
             intervals["coulomb_motor"] = (float(low[3]) / compliance, float(high[3]) / compliance)
     if open_:
         problems.append(problem.stiffness_open(1.0 / float(high[1]), 1.0 / float(low[1])))
@@ -165,10 +150,9 @@ def _fit(result: LockedBacklash, theta: Floats, ramp: NDArray[np.int64], side: F
     level = float(values[0]) - 0.5 * result.resolution
     return replace(
         result,
-        backlash=backlash,
-        stiffness=stiffness,
-        coulomb_motor=coulomb,
+        values=found,
         intervals=intervals,
+        sources=sources_of(found),
         problems=tuple(problems),
         ramps=ramps,
         angle=theta - level,

@@ -1,4 +1,4 @@
-"""What a test with the load locked may fail to tell, and what to do about it."""
+"""What a test for backlash may fail to tell, and what to do about it: load locked, two encoders, shaft torque."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from ...errors import Problem
 from ..friction.result import Floats
+from ..statistics.estimates import Interval
 
 #: Fewest rows on each side of the gap (chosen).
 MIN_ROWS = 20
@@ -90,4 +91,55 @@ def none_found(most: float) -> Problem:
         f"an interval that holds zero: no backlash found, at most {max(most, 0.0):.3g} rad",
         "a gap that stands out",
         "If there should be one, check that the load is locked behind it and that the torque overcomes its friction.",
+    )
+
+
+def no_torque() -> Problem:
+    return Problem(
+        "warning",
+        "lost_motion",
+        "no torque",
+        "torque_shaft or torque_motor",
+        "Record it: wind-up, hysteresis and dead zone cannot be told apart without one.",
+    )
+
+
+def hardly_reverses(torque: str, m: Floats, reversals: int, needed: int) -> Problem:
+    return Problem(
+        "warning",
+        f"lost_motion: {torque}",
+        f"{m.min():.4g} … {m.max():.4g} Nm with {reversals} reversals: a dead zone is not excited",
+        f"{needed} reversals of the torque or more",
+        "Record motions in which the torque changes its sign; gravity may hold the flanks together.",
+    )
+
+
+def none_claimed(found: Interval, claim: float) -> Problem:
+    """``claim``: the jump must be this many times the twist's scatter."""
+    return Problem(
+        "warning",
+        "lost_motion: backlash",
+        f"{found[0]:.2g} … {found[1]:.2g} rad (95 %): no dead zone is claimed",
+        f"an interval above zero, with and without rising stiffness, and a jump of {claim:g} times the twist's scatter",
+        "If there should be one, record slower motions with more reversals of the torque.",
+    )
+
+
+def no_shaft_torque(signal: str) -> Problem:
+    return Problem(
+        "warning",
+        f"backlash_excited: {signal}",
+        "no such signal",
+        "a measured or estimated shaft torque",
+        "Without it, whether the gap is crossed is left to the identification from motor torque.",
+    )
+
+
+def never_reverses(torque: str, low: float, high: float) -> Problem:
+    return Problem(
+        "warning",
+        f"backlash: {torque}",
+        f"{low:.4g} … {high:.4g} Nm: it never reverses, so the backlash is not excited",
+        "a shaft torque that changes its sign",
+        "Record reversals of the torque; until then the backlash stays as given, or unknown.",
     )

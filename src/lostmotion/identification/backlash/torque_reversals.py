@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...errors import Problem
 from ...recording import Recording
+from . import problems as problem
 
 #: A torque counts as being on one side of zero when it is there by this many standard deviations of its noise
 #: (chosen: about one false reversal in ten million samples).
@@ -41,11 +42,6 @@ class BacklashExcitation:
     signal: str
     problems: tuple[Problem, ...]
 
-    @property
-    def source(self) -> str | None:
-        """Either "not excited", where the backlash cannot be identified from this recording, or None."""
-        return "not excited" if self.excited is False else None
-
 
 def backlash_excited(recording: Recording, *, signal: str = "torque_shaft") -> BacklashExcitation:
     """Judge by the shaft torque, measured or estimated, whether the gap is crossed.
@@ -61,21 +57,15 @@ def backlash_excited(recording: Recording, *, signal: str = "torque_shaft") -> B
     """
     name = signal if signal in recording else f"{signal}_estimated"
     if name not in recording:
-        problem = Problem(
-            "warning",
-            f"backlash_excited: {signal}",
-            "no such signal",
-            "a measured or estimated shaft torque",
-            "Without it, whether the gap is crossed is left to the identification from motor torque.",
-        )
-        return BacklashExcitation(None, 0, float("nan"), float("nan"), float("nan"), signal, (problem,))
+        nan = float("nan")
+        return BacklashExcitation(None, 0, nan, nan, nan, signal, (problem.no_shaft_torque(signal),))
     torque = recording[name]
     noise = _white_noise(torque)
     sides = np.sign(torque) * (np.abs(torque) > NOISE_FACTOR * noise)
     sides = sides[sides != 0.0]
     reversals = int(np.count_nonzero(np.diff(sides)))
     low, high = float(torque.min()), float(torque.max())
-    problems = () if reversals else (_never_reverses(name, low, high),)
+    problems = () if reversals else (problem.never_reverses(name, low, high),)
     return BacklashExcitation(reversals > 0, reversals, low, high, noise, name, problems)
 
 
@@ -87,13 +77,3 @@ def _white_noise(values: NDArray[np.float64]) -> float:
     if values.size < 3:
         return 0.0
     return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0))
-
-
-def _never_reverses(name: str, low: float, high: float) -> Problem:
-    return Problem(
-        "warning",
-        f"backlash: {name}",
-        f"{low:.4g} … {high:.4g} Nm: it never reverses, so the backlash is not excited",
-        "a shaft torque that changes its sign",
-        "Record reversals of the torque; until then the backlash stays as given, or unknown.",
-    )

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
-from ..friction.result import Floats, Interval, torque_to_use
-from ..prediction_error.result import Source
+from ..friction.result import Floats, torque_to_use
+from ..statistics.estimates import Estimates, Interval, sources_of
 from ..statistics.regression import LinearFit, linear_fit
+from . import problems as problem
 
 #: Cut-off of the smoothed speed and torque over the sample rate (chosen).
 CUTOFF = 0.1
@@ -31,24 +32,23 @@ PASSES = 2
 #: Reversals of the torque from which on a dead zone is looked for (chosen), and fewest samples.
 MIN_REVERSALS = 4
 MIN_ROWS = 200
+#: What is looked for.
+VALUES = ("delay", "compliance", "hysteresis", "backlash")
 
 
-@dataclass(frozen=True, eq=False)
-class LostMotion:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class LostMotion(Estimates):
     """What lies between two measured angles::
 
         motor − load = offset + delay·speed + compliance·torque + hysteresis/2·sgn(speed) + backlash/2·sgn(torque)
 
+    Values: ``delay`` (s, positive: the load's angle is late), ``compliance`` (rad/Nm), ``hysteresis`` (rad, full width,
+    the sign taken off), ``backlash`` (rad, total). A backlash is claimed only where its interval excludes zero and the
+    jump stands out of the scatter; where none is claimed there is an interval all the same, and its high end is what
+    may hide.
+
     Attributes
     ----------
-    values : mapping of name → float or None
-        ``delay`` (s, positive: the load's angle is late), ``compliance`` (rad/Nm), ``hysteresis`` (rad, full width,
-        the sign taken off), ``backlash`` (rad, total). None where not told: a backlash is claimed only
-        where its interval excludes zero and the jump stands out of the scatter.
-    intervals : mapping of name → (low, high), 95 %
-        Of the backlash also where none is claimed: then its high end is what may hide.
-    sources : mapping of name → {"identified", "not excited"}
-    problems : tuple of Problem
     torque_signal : str or None
         The torque used; None: there is none.
     time, torque, twist, fitted : (n,) arrays
@@ -57,10 +57,6 @@ class LostMotion:
         sgn(speed), 0 where the drive hardly turns.
     """
 
-    values: Mapping[str, float | None]
-    intervals: Mapping[str, Interval]
-    sources: Mapping[str, Source]
-    problems: tuple[Problem, ...]
     torque_signal: str | None
     time: Floats
     torque: Floats
@@ -127,22 +123,19 @@ def lost_motion(
         fit = _fit(columns, apparent, rows)
         shift = float(fit.values[1])
     values, intervals = _told(tuple(columns), fit)
-    problems += () if name is not None else (_no_torque(),)
-    sources: dict[str, Source] = {n: "identified" for n in values}
-    values["backlash"], sources["backlash"] = None, "not excited"
+    problems += () if name is not None else (problem.no_torque(),)
     if name is not None:
         reversals = _reversals(m)
         if reversals < MIN_REVERSALS:
-            problems += (_never_reverses(name, m, reversals),)
+            problems += (problem.hardly_reverses(name, m, reversals, MIN_REVERSALS),)
         else:
             columns, fit, found = _dead_zone(columns, apparent, m, rows, fit)
             intervals["backlash"] = found
             if found[0] > 0.0:
                 values, more = _told(tuple(columns), fit)
                 intervals = {**more, "backlash": found}
-                sources = {n: "identified" for n in values}
             else:
-                problems += (_none_claimed(found),)
+                problems += (problem.none_claimed(found, CLAIM),)
     delay, (low, high) = float(values["delay"] or 0.0), intervals["delay"]
     finest = FINEST_DELAY * dt
     intervals["delay"] = (min(low, delay - finest), max(high, delay + finest))
@@ -150,17 +143,18 @@ def lost_motion(
     aligned = by_name["offset"] + by_name["delay"] * speed
     model = sum((by_name[n] * columns[n] for n in columns), np.zeros_like(speed))
     values["hysteresis"], intervals["hysteresis"] = _width(values["hysteresis"], intervals["hysteresis"])
+    values = {n: values.get(n) for n in VALUES}
     return LostMotion(
-        values,
-        intervals,
-        sources,
-        problems,
-        name,
-        recording.time,
-        m,
-        apparent - aligned,
-        np.where(rows, model - aligned, np.nan),
-        way,
+        values=values,
+        intervals=intervals,
+        sources=sources_of(values),
+        problems=problems,
+        torque_signal=name,
+        time=recording.time,
+        torque=m,
+        twist=apparent - aligned,
+        fitted=np.where(rows, model - aligned, np.nan),
+        direction=way,
     )
 
 
@@ -238,33 +232,3 @@ def _width(value: float | None, interval: Interval) -> tuple[float | None, Inter
     if interval[0] <= 0.0 <= interval[1]:
         low = 0.0
     return (None if value is None else abs(value)), (low, high)
-
-
-def _no_torque() -> Problem:
-    return Problem(
-        "warning",
-        "lost_motion",
-        "no torque",
-        "torque_shaft or torque_motor",
-        "Record it: wind-up, hysteresis and dead zone cannot be told apart without one.",
-    )
-
-
-def _never_reverses(name: str, m: Floats, reversals: int) -> Problem:
-    return Problem(
-        "warning",
-        f"lost_motion: {name}",
-        f"{m.min():.4g} … {m.max():.4g} Nm with {reversals} reversals: a dead zone is not excited",
-        f"{MIN_REVERSALS} reversals of the torque or more",
-        "Record motions in which the torque changes its sign; gravity may hold the flanks together.",
-    )
-
-
-def _none_claimed(found: Interval) -> Problem:
-    return Problem(
-        "warning",
-        "lost_motion: backlash",
-        f"{found[0]:.2g} … {found[1]:.2g} rad (95 %): no dead zone is claimed",
-        f"an interval above zero, with and without rising stiffness, and a jump of {CLAIM:g} times the twist's scatter",
-        "If there should be one, record slower motions with more reversals of the torque.",
-    )

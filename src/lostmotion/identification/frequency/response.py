@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Problem
 from ...recording import Recording, unit_of
+from . import problems as problem
 from .estimators import Method, direct, independent_averages, joint
 from .hold_and_averaging import Sampling, sampling
 from .spectra import Complexes, Floats, segment_spectra
@@ -233,33 +234,9 @@ def _problems(recording: Recording, reference: str | None, segments: int, length
     problems = []
     step = float(np.max(np.diff(recording.time)))
     if step > LONGEST_STEP * recording.dt:
-        problems.append(
-            Problem(
-                "warning",
-                "frequency_response: time",
-                f"a step of {1e3 * step:.4g} ms among steps of {1e3 * recording.dt:.4g} ms",
-                "an even time axis",
-                "Samples are missing: choose a window without the hole.",
-            )
-        )
+        problems.append(problem.hole_in_time(step, recording.dt))
     if segments < MIN_SEGMENTS:
-        problems.append(
-            Problem(
-                "warning",
-                "frequency_response",
-                f"{segments} segments of {length:.3g} s",
-                f"at least {MIN_SEGMENTS}",
-                "Record longer or take shorter segments: coherence and bands mean little.",
-            )
-        )
+        problems.append(problem.few_segments(segments, length, MIN_SEGMENTS))
     if reference is None and "speed_reference" in recording:
-        problems.append(
-            Problem(
-                "warning",
-                "frequency_response",
-                "a recording with a speed set-point, so perhaps under speed control, and no reference",
-                "a reference for recordings in closed loop",
-                "Feedback biases this estimate: give reference='speed_reference' or the dither's channel.",
-            )
-        )
+        problems.append(problem.no_reference())
     return problems

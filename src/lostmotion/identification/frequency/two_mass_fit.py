@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
+from ..statistics.estimates import Estimates, Source
+from . import problems
 from .fit_problem import (
     LOGARITHMIC,
     NAMES,
@@ -36,43 +37,30 @@ KEPT = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class TwoMassFit:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class TwoMassFit(Estimates):
     """A linear two-mass drivetrain fitted to a frequency response.
+
+    Values: ``inertia_motor``, ``inertia_load``, ``stiffness``, ``damping``, ``viscous``, ``delay`` (torque lag and
+    sensor delay together, s), and from them ``zero`` and ``pole`` (undamped, Hz) and ``inertia_total``. What the start
+    keeps has the source "nameplate".
 
     Parameters
     ----------
     drivetrain : Drivetrain
         Closed gap. ``viscous`` is the load's equivalent viscous friction, at the amplitude of the test.
-    values : mapping
-        ``inertia_motor``, ``inertia_load``, ``stiffness``, ``damping``, ``viscous``, ``delay`` (torque lag and sensor
-        delay together, s), and from them ``zero`` and ``pole`` (undamped, Hz) and ``inertia_total``.
-    intervals : mapping of the same names → (low, high)
-        95 % intervals.
     frequency : (m,) array, Hz
         The lines used.
     fitted : (m,) complex array
         The fitted response there, as the measured one was sampled.
     residual : (m,) complex array
         Measured − fitted, in standard deviations of the measured one.
-    problems : tuple of Problem
     """
 
     drivetrain: Drivetrain
-    values: Mapping[str, float]
-    intervals: Mapping[str, tuple[float, float]]
     frequency: Floats
     fitted: Complexes
     residual: Complexes
-    problems: tuple[Problem, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Numbers and lists, for JSON."""
-        return {
-            "values": dict(self.values),
-            "intervals": {name: list(interval) for name, interval in self.intervals.items()},
-            "problems": [problem.as_dict() for problem in self.problems],
-        }
 
 
 def two_mass_fit(
@@ -151,8 +139,10 @@ def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual
     for name, value, row in _derived(values):
         half = factor * math.sqrt(max(float(row @ covariance @ row), 0.0))
         values[name], intervals[name] = value, (value * math.exp(-half), value * math.exp(half))
+    sources: dict[str, Source] = dict.fromkeys(values, "identified")
     if problem.held is not None:
         del intervals[problem.held[0]]
+        sources[problem.held[0]] = "nameplate"
     drivetrain = Drivetrain.two_mass(
         inertia_motor=values["inertia_motor"],
         inertia_load=values["inertia_load"],
@@ -165,6 +155,7 @@ def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual
         drivetrain=drivetrain,
         values=values,
         intervals=intervals,
+        sources=sources,
         frequency=problem.frequency,
         fitted=problem.model(theta),
         residual=residual,
@@ -186,19 +177,12 @@ def _derived(values: Mapping[str, float]) -> list[tuple[str, float, Floats]]:
 
 
 def _findings(problem: WeightedResponse, values: Mapping[str, float]) -> list[Problem]:
-    found = []
     low, high = problem.frequency[0], problem.frequency[-1]
-    for name in ("zero", "pole"):
-        if not low < values[name] < high:
-            found.append(
-                Problem(
-                    "warning",
-                    f"two_mass_fit: {name}",
-                    f"{values[name]:.4g} Hz, outside the band",
-                    f"a {name} between {low:.4g} and {high:.4g} Hz",
-                    "Widen the band or excite more there: inertias and stiffness rest on it.",
-                )
-            )
+    found = [
+        problems.outside_the_band(name, values[name], low, high)
+        for name in ("zero", "pole")
+        if not low < values[name] < high
+    ]
     resolution = problem.measured.resolution
     # The full width of the sharpest resonance that the output has: the zero, else the pole.
     inverse = 1.0 / values["inertia_load"]
@@ -206,13 +190,5 @@ def _findings(problem: WeightedResponse, values: Mapping[str, float]) -> list[Pr
         inverse += 1.0 / values["inertia_motor"]
     width = values["damping"] * inverse / (2.0 * math.pi)
     if width < 2.0 * resolution:
-        found.append(
-            Problem(
-                "warning",
-                "two_mass_fit: damping",
-                f"a resonance {width:.3g} Hz wide at a resolution of {resolution:.3g} Hz",
-                "a resolution of at most half that width",
-                "Take longer segments: the damping comes out too large.",
-            )
-        )
+        found.append(problems.resonance_too_sharp(width, resolution))
     return found

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...errors import Problem
 from ...recording import Recording
-from ..prediction_error.result import Source
-from .result import Floats, Interval, torque_to_use
+from ..statistics.estimates import Estimates, Interval, sources_of
+from . import problems as problem
+from .result import Floats, torque_to_use
 
 #: Speeds are means over this long, s (chosen: several periods of a torsional mode).
 SMOOTHING = 0.05
@@ -26,35 +25,28 @@ LATE = 3e-3
 DEPARTURE = 6.0
 
 
-@dataclass(frozen=True, eq=False)
-class Breakaway:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Breakaway(Estimates):
     """Levels at which ramps of torque started the motion.
+
+    Values: ``breakaway_plus``, ``breakaway_minus``, Nm, both positive; None where no ramp in that direction started a
+    motion. Intervals: scatter of the ramps (Student t) and what the instant of the start leaves open.
 
     Attributes
     ----------
-    values : mapping of "breakaway_plus", "breakaway_minus" → float or None, Nm
-        Positive numbers. None where no ramp in that direction started a motion.
-    intervals : mapping of those names → (low, high), 95 %
-        Scatter of the ramps (Student t) and what the instant of the start leaves open.
-    sources : mapping of name → {"identified", "not excited"}
     starts : (m, 3) array
         Time (s), torque (Nm) and, in Nm, how much of it the instant of the start leaves open.
     at_rest : float, Nm
         Largest torque (absolute) under which the drive rested, where it never moved; else NaN.
     time, torque, angle : (n,) arrays
         s, Nm, rad; for plots.
-    problems : tuple of Problem
     """
 
-    values: Mapping[str, float | None]
-    intervals: Mapping[str, Interval]
-    sources: Mapping[str, Source]
     starts: Floats
     at_rest: float
     time: Floats
     torque: Floats
     angle: Floats
-    problems: tuple[Problem, ...]
 
 
 def breakaway(
@@ -86,24 +78,29 @@ def breakaway(
     )
     values: dict[str, float | None] = {}
     intervals: dict[str, Interval] = {}
-    sources: dict[str, Source] = {}
     for name, side in (("breakaway_plus", 1.0), ("breakaway_minus", -1.0)):
         mine = found[found[:, 3] == side]
-        values[name], sources[name] = None, "not excited"
+        values[name] = None
         if len(mine):
             level, margin = _level(side * mine[:, 1], mine[:, 2])
-            values[name], sources[name], intervals[name] = (
-                level,
-                "identified",
-                (level - margin, level + margin),
-            )
+            values[name], intervals[name] = level, (level - margin, level + margin)
             if len(mine) == 1:
-                problems += (_one_ramp(name),)
+                problems += (problem.one_ramp(name),)
     at_rest = math.nan
     if not len(found):
         at_rest = float(np.abs(m).max())
-        problems += (_never_moved(angle, at_rest),)
-    return Breakaway(values, intervals, sources, found[:, :3], at_rest, recording.time, m, theta, problems)
+        problems += (problem.never_moved(angle, at_rest, REST),)
+    return Breakaway(
+        values=values,
+        intervals=intervals,
+        sources=sources_of(values),
+        problems=problems,
+        starts=found[:, :3],
+        at_rest=at_rest,
+        time=recording.time,
+        torque=m,
+        angle=theta,
+    )
 
 
 def _first_moves(theta: Floats, dt: float, travel: float) -> list[int]:
@@ -163,23 +160,3 @@ def _level(levels: Floats, open_: Floats) -> tuple[float, float]:
     if n > 1:
         margin += float(student.ppf(0.975, n - 1)) * float(levels.std(ddof=1)) / math.sqrt(n)
     return float(levels.mean()), margin
-
-
-def _one_ramp(name: str) -> Problem:
-    return Problem(
-        "warning",
-        name,
-        "one ramp",
-        "three or more in that direction",
-        "Repeat the ramp: the interval holds what the instant leaves open, not how much the level scatters.",
-    )
-
-
-def _never_moved(angle: str, at_rest: float) -> Problem:
-    return Problem(
-        "warning",
-        f"breakaway: {angle}",
-        f"no start from rest, up to {at_rest:.3g} Nm",
-        f"{REST} s of rest under a torque that rises until the drive moves",
-        "Raise the ramp's end, start it from rest, and let it rise more slowly.",
-    )

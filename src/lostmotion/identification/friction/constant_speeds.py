@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...drivetrain import Friction
-from ...errors import InvalidInput, Problem
+from ...errors import InvalidInput
 from ...recording import Recording
-from ..prediction_error.result import Source
-from .result import Floats, Interval, torque_to_use
+from ..statistics.estimates import Estimates, Interval, sources_of
+from . import problems as problem
+from .result import Floats, torque_to_use
 
 #: First part of each plateau that is left out (chosen).
 SETTLING = 0.4
@@ -28,36 +29,30 @@ EXPONENTS = (1.0, 2.0)
 KNOTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0)
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionLadder:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class FrictionLadder(Estimates):
     """Friction over speed::
 
         torque = offset + sgn(speed)·(coulomb + stribeck·exp(−(abs(speed)/stribeck_speed)^exponent)) + viscous·speed
 
+    Values: ``coulomb`` (or ``coulomb_plus``, ``coulomb_minus``; Nm), ``viscous`` (likewise; Nm s/rad), ``offset`` (Nm,
+    where both directions were recorded and share their levels), ``stribeck`` (Nm), ``stribeck_speed`` (rad/s).
+
     Attributes
     ----------
-    values, intervals, sources : mappings
-        ``coulomb`` (or ``coulomb_plus``, ``coulomb_minus``; Nm), ``viscous`` (likewise; Nm s/rad), ``offset`` (Nm,
-        where both directions were recorded and share their levels), ``stribeck`` (Nm), ``stribeck_speed`` (rad/s);
-        None where the ladder does not tell them.
     exponent : float
         Of the better of the two shapes.
     speed, torque, margin : (m,) arrays, rad/s and Nm
         Each plateau's means and half the 95 % interval of its torque.
     steady : (m,) bool array
         The plateaus that the fit used.
-    problems : tuple of Problem
     """
 
-    values: Mapping[str, float | None]
-    intervals: Mapping[str, Interval]
-    sources: Mapping[str, Source]
     exponent: float
     speed: Floats
     torque: Floats
     margin: Floats
-    steady: np.ndarray
-    problems: tuple[Problem, ...]
+    steady: NDArray[np.bool_]
 
     def curve(self, speed: ArrayLike) -> Floats:
         """The fitted torque (Nm) at speeds ≠ 0 (rad/s); mirrored where one direction only was recorded."""
@@ -123,15 +118,23 @@ def friction_ladder(
     w, m, margin = found[:, 0], found[:, 1], found[:, 2]
     steady = found[:, 3] < STEADY
     if not steady.all():
-        problems += (_unsteady(w[~steady]),)
+        problems += (problem.unsteady_plateaus(w[~steady].tolist()),)
     values, intervals, exponent = _fit(w[steady], m[steady], margin[steady], asymmetric)
     if not values:
-        problems += (_too_few(int(steady.sum())),)
-    sources: dict[str, Source] = {n: "identified" for n in values}
-    for name in ("stribeck", "stribeck_speed"):
-        if values and name not in values:
-            values[name], sources[name] = None, "not excited"
-    return FrictionLadder(values, intervals, sources, exponent, w, m, margin, steady, problems)
+        problems += (problem.too_few_plateaus(int(steady.sum())),)
+        values = {"coulomb": None, "viscous": None}
+    values |= {n: None for n in ("stribeck", "stribeck_speed") if n not in values}
+    return FrictionLadder(
+        values=values,
+        intervals=intervals,
+        sources=sources_of(values),
+        problems=problems,
+        exponent=exponent,
+        speed=w,
+        torque=m,
+        margin=margin,
+        steady=steady,
+    )
 
 
 def _windows(recording: Recording, reference: str) -> list[tuple[float, float]]:
@@ -247,23 +250,3 @@ def _one_fit(
     values: dict[str, float | None] = dict(zip(names, found.tolist(), strict=True))
     intervals = {n: (float(v - h), float(v + h)) for n, v, h in zip(names, found, margins, strict=True)}
     return values, intervals, 2.0 * float(best.cost)
-
-
-def _unsteady(speeds: Floats) -> Problem:
-    return Problem(
-        "warning",
-        "friction_ladder",
-        "speed that scatters by more than 30 % at " + ", ".join(f"{w:.3g}" for w in speeds) + " rad/s",
-        "plateaus that turn evenly",
-        "They are left out. A stiffer speed controller lowers the speed at which the drive slips and sticks.",
-    )
-
-
-def _too_few(count: int) -> Problem:
-    return Problem(
-        "warning",
-        "friction_ladder",
-        f"{count} steady plateaus",
-        "more plateaus than parameters: six or more, with two below and two above the Stribeck speed",
-        "Record more speeds.",
-    )

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,37 +10,23 @@ from numpy.typing import NDArray
 from ...drivetrain import Friction
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
-from ..prediction_error.result import Source
+from ..statistics.estimates import Estimates, Interval, Source
+from . import problems as problem
 
 Floats = NDArray[np.float64]
-Interval = tuple[float, float]
-
-FRICTION_UNITS = {
-    "inertia": "kg m2",
-    "coulomb": "Nm",
-    "coulomb_plus": "Nm",
-    "coulomb_minus": "Nm",
-    "viscous": "Nm s/rad",
-    "viscous_plus": "Nm s/rad",
-    "viscous_minus": "Nm s/rad",
-    "offset": "Nm",
-}
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionFit:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class FrictionFit(Estimates):
     """Friction of a drive that turns as one inertia::
 
         inertia·acceleration = torque − offset − coulomb·sgn(speed) − viscous·speed
 
+    Values: ``inertia``, ``coulomb``, ``viscous`` and ``offset``; with ``_plus`` and ``_minus`` where the directions
+    differ (the offset is then part of the Coulomb levels).
+
     Attributes
     ----------
-    values : mapping of name → float or None
-        Names and units: ``FRICTION_UNITS``; with ``_plus`` and ``_minus`` where the directions differ (the
-        offset is then part of the Coulomb levels). None where the recording does not tell the value.
-    intervals : mapping of name → (low, high), 95 %
-    sources : mapping of name → {"identified", "nameplate", "not excited"}
-    problems : tuple of Problem
     signal : str
         What was fitted: a speed or a torque.
     time, torque, measured, fitted : (m,) arrays
@@ -51,20 +35,12 @@ class FrictionFit:
         ‖measured − fitted‖ / ‖measured‖ where there is a fit.
     """
 
-    values: Mapping[str, float | None]
-    intervals: Mapping[str, Interval]
-    sources: Mapping[str, Source]
-    problems: tuple[Problem, ...]
     signal: str
     time: Floats
     torque: Floats
     measured: Floats
     fitted: Floats
     relative_error: float = field(default=float("nan"))
-
-    def __post_init__(self) -> None:
-        for name in ("values", "intervals", "sources"):
-            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def levels(self) -> tuple[tuple[float, float], tuple[float, float], float]:
         """(Coulomb plus, minus), (viscous plus, minus), offset: Nm, Nm s/rad, Nm; 0 where unknown."""
@@ -108,16 +84,7 @@ def torque_to_use(recording: Recording, torque: str | None) -> tuple[str, tuple[
         torque = torque if torque in recording else "torque_motor_reference"
     if not _commanded(recording, torque) or not measured:
         return torque, ()
-    return torque, (
-        Problem(
-            "warning",
-            f"friction: {torque}",
-            "a commanded torque",
-            f"the measured one, {measured[0]}, which the recording holds",
-            f'Leave the argument out, or give torque="{measured[0]}": losses and errors of the current '
-            "controller would count as friction and inertia.",
-        ),
-    )
+    return torque, (problem.commanded_torque(torque, measured[0]),)
 
 
 def _commanded(recording: Recording, name: str) -> bool:
@@ -145,18 +112,8 @@ def told(
     for name, value, margin in zip(names, values.tolist(), margins.tolist(), strict=True):
         if name == "inertia" and not value - margin > 0.0:
             told_values[name], sources[name] = None, "not excited"
-            problems.append(_inertia_not_told(where, value, margin))
+            problems.append(problem.inertia_not_told(where, value, margin))
             continue
         told_values[name], sources[name] = value, "identified"
         intervals[name] = (value - margin, value + margin)
     return told_values, intervals, sources, tuple(problems)
-
-
-def _inertia_not_told(where: str, value: float, margin: float) -> Problem:
-    return Problem(
-        "warning",
-        f"{where}: inertia",
-        f"{value:.3g} ± {margin:.2g} kg m2 (95 %)",
-        "an interval of positive inertia",
-        "Record a motion that accelerates, or give the inertia; friction is then known all the same.",
-    )

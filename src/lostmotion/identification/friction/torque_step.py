@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...errors import InvalidInput, Problem
+from ...errors import InvalidInput
 from ...recording import Recording
 from ..statistics.regression import linear_fit
+from . import problems as problem
 from .result import Floats, FrictionFit, checked_inertia, told, torque_to_use
 
 #: A stretch counts as turning above this part of the largest speed (chosen), below it as Stribeck and stiction.
@@ -85,26 +86,31 @@ def torque_step(
     names = _names(signs, asymmetric)
     x, y = _averages(stretches, names, half, dt)
     fitted = np.full(w.shape, np.nan)
-    result = FrictionFit({}, {}, {}, problems, speed, _joined_time(records), m, w, fitted)
+    known = {} if inertia is None else {"inertia": inertia}
+    result = FrictionFit(
+        values={**dict.fromkeys(names), **known},
+        intervals={},
+        sources={n: "nameplate" if n in known else "not excited" for n in names},
+        problems=problems,
+        signal=speed,
+        time=_joined_time(records),
+        torque=m,
+        measured=w,
+        fitted=fitted,
+    )
     if y.size < MIN_AVERAGES:
-        return replace(result, problems=(*problems, _does_not_turn(speed, y.size, float(np.abs(w).max()))))
+        still = problem.does_not_turn(speed, y.size, MIN_AVERAGES, float(np.abs(w).max()))
+        return replace(result, problems=(*problems, still))
     if inertia is not None:
         names, x, y = names[1:], x[1:], y - inertia * x[0]
     elif _constant_torque(names, x, y):
-        return replace(
-            result,
-            values=dict.fromkeys(names),
-            sources=dict.fromkeys(names, "not excited"),
-            problems=(*problems, _scale_not_told(used)),
-        )
+        return replace(result, problems=(*problems, problem.scale_not_told(used)))
     fit = linear_fit(x, y)
     values, intervals, sources, more = told(names, fit.values, fit.margins, inertia, "torque_step")
+    doubtful = {n: (a, b) for n, (a, b) in intervals.items() if n != "offset" and a <= 0.0 <= b}
+    zero = (problem.may_be_zero(values, doubtful),) if doubtful else ()
     result = replace(
-        result,
-        values=values,
-        intervals=intervals,
-        sources=sources,
-        problems=(*problems, *more, *_poorly_known(values, intervals)),
+        result, values=values, intervals=intervals, sources=sources, problems=(*problems, *more, *zero)
     )
     if values["inertia"] is None:
         return result
@@ -188,17 +194,6 @@ def _constant_torque(names: tuple[str, ...], x: Floats, y: Floats) -> bool:
     return bool(np.linalg.norm(y - level @ x[constant]) < CONSTANT * np.linalg.norm(y))
 
 
-def _scale_not_told(torque: str) -> Problem:
-    return Problem(
-        "warning",
-        f"torque_step: {torque}",
-        "one constant torque while the drive turns, and no inertia",
-        "the inertia, or torques that differ",
-        "Give the inertia, or record two levels of torque or the coasting down as well: one level tells "
-        "friction per inertia only.",
-    )
-
-
 def _solved(s: _Stretch, found: FrictionFit, half: int, dt: float) -> Floats:
     """Speed along one stretch: speed[k+1] = decay·speed[k] + gain·(torque[k] − offset − coulomb), exactly."""
     from scipy.signal import lfilter
@@ -212,32 +207,3 @@ def _solved(s: _Stretch, found: FrictionFit, half: int, dt: float) -> Floats:
     first = float(np.polyval(np.polyfit(np.arange(half), s.speed[:half], 1), 0.0))
     later = lfilter([gain], [1.0, -np.exp(-x)], drive[:-1], zi=[np.exp(-x) * first])[0]
     return np.concatenate([[first], later])
-
-
-def _does_not_turn(speed: str, count: int, largest: float) -> Problem:
-    return Problem(
-        "warning",
-        f"torque_step: {speed}",
-        f"{count} averages while it turns (largest speed {largest:.3g} rad/s)",
-        f"at least {MIN_AVERAGES}: a drive that turns for some seconds",
-        "Apply a torque above the breakaway level, record longer, or shorten the averages.",
-    )
-
-
-def _poorly_known(
-    values: dict[str, float | None], intervals: dict[str, tuple[float, float]]
-) -> list[Problem]:
-    """One warning for all friction values that may as well be zero."""
-    doubtful = [n for n, (low, high) in intervals.items() if n != "offset" and low <= 0.0 <= high]
-    if not doubtful:
-        return []
-    got = ", ".join(f"{n} {values[n]:.2g} ({intervals[n][0]:.2g} … {intervals[n][1]:.2g})" for n in doubtful)
-    return [
-        Problem(
-            "warning",
-            "torque_step",
-            f"intervals that hold zero: {got}",
-            "friction that stands out",
-            "Record longer, up to the final speed, with two levels of torque: then Coulomb and viscous part.",
-        )
-    ]

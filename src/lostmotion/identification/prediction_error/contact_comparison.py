@@ -13,6 +13,7 @@ from ...drivetrain import Drivetrain
 from ...errors import Problem
 from ...recording import Recording
 from ..statistics.block_covariance import BLOCKS, growth
+from . import problems as problem
 from .identify import CONTACTS, identify
 from .result import Identification
 
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 LEAST_GAIN = 0.01
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactComparison:
     """Both laws fitted to the same rows.
 
@@ -48,6 +49,15 @@ class ContactComparison:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "found", MappingProxyType(dict(self.found)))
+
+    def __repr__(self) -> str:
+        laws = " and ".join(self.found)
+        verdict = f"{laws} cannot be told apart" if self.better is None else f"{self.better} predicts better"
+        return f"{type(self).__name__}: {verdict} (by {100.0 * self.gain:.2g} %, t = {self.certainty:.1f})"
+
+    def summary(self) -> str:
+        """Which law predicts better, then what was identified under each."""
+        return "\n".join([repr(self), *(f"{law}, {found.summary()}" for law, found in self.found.items())])
 
 
 def compare_contacts(
@@ -83,13 +93,5 @@ def compare_contacts(
     blocks, certainty = growth(other, best)
     gain = 1.0 - 1.0 / (1.0 + blocks / BLOCKS)
     told = gain > LEAST_GAIN and certainty > float(t.ppf(0.975, BLOCKS - 1))
-    problems = () if told else (_the_same(gain, certainty),)
+    problems = () if told else (problem.laws_alike(gain, certainty, LEAST_GAIN),)
     return ContactComparison(order[0] if told else None, gain, certainty, found, problems)
-
-
-def _the_same(gain: float, certainty: float) -> Problem:
-    return Problem(
-        "warning", "contact", f"laws whose predictions differ by {100.0 * gain:.2g} % (t = {certainty:.1f})",
-        f"at least {100.0 * LEAST_GAIN:g} % in most of the recording",
-        "They cannot be told apart here: keep the viscoelastic law, or record faster crossings of the gap.",
-    )  # fmt: skip

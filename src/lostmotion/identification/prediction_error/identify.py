@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
+from ..statistics.estimates import Source
 from . import initial_values, warnings
+from . import problems as problem
 from .channel_innovations import ChannelPredictor
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descend, descent, fit
 from .identifiability import Told, higher_mode, told
 from .innovations import NAMES, Predictor, from_theta
 from .intermediate_inertia import with_joint_piece
 from .noise_levels import refine
-from .result import Identification, Prediction, Source
+from .result import Identification, Prediction
 from .segments import Pieces, join
 
 Array = NDArray[np.float64]
@@ -202,7 +204,7 @@ def _second_minimum(predictor: Predictor, second: Array | None, stage: Stage, bo
     if initial_values.rival([stage.fit, other]) is None:
         return []
     values = dict(zip(NAMES, from_theta(other.theta, predictor.dt), strict=True))
-    return [warnings.second_minimum(predictor.drivetrain(stage.fit.theta), values)]
+    return [problem.second_minimum(predictor.drivetrain(stage.fit.theta), values)]
 
 
 def _channel_predictor(

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
-from ...errors import Problem
-
-Source = Literal["identified", "nameplate", "not excited"]
+from ..statistics.estimates import Estimates
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +36,9 @@ class Prediction:
         before that, if the model needed one; values belong to the two masses with the same torsional mode.
     """
 
-    time: NDArray[np.float64]
-    speed_motor: NDArray[np.float64]
-    residual: NDArray[np.float64]
+    time: NDArray[np.float64] = field(repr=False)
+    speed_motor: NDArray[np.float64] = field(repr=False)
+    residual: NDArray[np.float64] = field(repr=False)
     rms: float
     fit: float
     iterations: int
@@ -56,21 +52,16 @@ class Prediction:
         return float(np.std(self.speed_motor + self.residual))
 
 
-@dataclass(frozen=True, eq=False)
-class Identification:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Identification(Estimates):
     """An identified two-mass drivetrain and how well it is known.
+
+    Beside the values, intervals, sources and problems of ``Estimates``:
 
     Parameters
     ----------
     drivetrain : Drivetrain
         With the contact law that was asked for. What was not identified has its nameplate value here.
-    values : mapping of name → float or None
-        Identified and nameplate values, SI; None where the recording does not excite the parameter.
-    intervals : mapping of name → (low, high)
-        95 % intervals of the identified parameters.
-    sources : mapping of name → {"identified", "nameplate", "not excited"}
-    problems : tuple of Problem
-        Warnings, each with a remedy.
     prediction : Prediction
     names : tuple of str
         Identified parameters in the order of ``covariance``.
@@ -82,15 +73,7 @@ class Identification:
     """
 
     drivetrain: Drivetrain
-    values: Mapping[str, float | None]
-    intervals: Mapping[str, tuple[float, float]]
-    sources: Mapping[str, Source]
-    problems: tuple[Problem, ...]
     prediction: Prediction
     names: tuple[str, ...] = ()
     covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
     speed_from_counts: bool = False
-
-    def __post_init__(self) -> None:
-        for name in ("values", "intervals", "sources"):
-            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

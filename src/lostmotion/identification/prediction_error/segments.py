@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
+from . import problems as problem
 
 Array = NDArray[np.float64]
 
@@ -70,13 +71,7 @@ class Pieces:
         gaps = len(self.bounds) - 1 - self.recordings
         if gaps <= 0 and self.left_out == 0.0:
             return []
-        return [
-            Problem(
-                "warning", "recording",
-                f"{len(self.bounds) - 1} pieces in {self.recordings} recording(s), {self.left_out:.3g} s left out",
-                "no gaps", "The observer starts anew after each gap: a long piece tells more than many short ones.",
-            )
-        ]  # fmt: skip
+        return [problem.gaps(len(self.bounds) - 1, self.recordings, self.left_out)]
 
 
 def join(recordings: Sequence[Recording], names: Sequence[str]) -> Pieces:

@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...drivetrain import PARAMETER_UNITS, Drivetrain
+from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
+from . import problems as problem
 from .result import Prediction
 
 #: Largest torque (Nm) and speed (rad/s) that are taken for real (chosen: a thousand times those of big drives).
@@ -39,15 +40,6 @@ FINE = 0.1
 
 #: A torsional mode needs this many samples per period for the observer's discretisation (chosen).
 SAMPLES_PER_PERIOD = 15.0
-
-_EXCITE = {
-    "backlash": "Record reversals of the shaft torque: torque of both signs at steady speed.",
-    "stiffness": "Record torque with content near the zero and the pole of the drivetrain.",
-    "damping": "Record torque with content near the pole, with the gap closed.",
-    "coulomb": "Record steady speeds in both directions, with more torque than the friction holds.",
-    "viscous": "Record two speed levels in each direction, far apart.",
-    "lag": "Record torque with content above the pole.",
-}
 
 
 def check_recording(recording: Recording, names: Sequence[str]) -> None:
@@ -116,12 +108,7 @@ def rows_to_join(speed: NDArray[np.float64], dt: float, pole_frequency: float) -
     rows = max(1, min(wanted, int(1.0 / (SAMPLES_PER_PERIOD * pole_frequency * dt))))
     if rows == 1:
         return 1, []
-    problem = Problem(
-        "warning", "speed_motor",
-        f"counts of {step:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s", "finer ones",
-        f"{rows} rows each are taken as one. A finer encoder tells more.",
-    )  # fmt: skip
-    return rows, [problem]
+    return rows, [problem.rows_joined(step, deviation, rows)]
 
 
 def too_coarse(level: float, deviation: float) -> bool:
@@ -158,70 +145,39 @@ def warnings(
     """
     problems = []
     if not 1.0 / FAR < total / found.inertia_total < FAR:
-        problems.append(
-            Problem(
-                "warning", "torque_motor",
-                f"a low-frequency acceleration as of {total:.3g} kg m2", f"about {found.inertia_total:.3g} kg m2",
-                "Check sign, scale and unit of torque and speed.",
-            )
-        )  # fmt: skip
-    problems += [_far(name, start, found) for name in names if _is_far(name, start, found)]
-    problems += [_not_excited(name, start) for name, source in sources.items() if source == "not excited"]
+        problems.append(problem.inertia_contradicts_torque(total, found.inertia_total))
+    problems += [
+        problem.far_from_nameplate(name, getattr(found, name), getattr(start, name), FAR)
+        for name in names
+        if _is_far(name, start, found)
+    ]
+    problems += [
+        problem.not_excited(name, getattr(start, name))
+        for name, source in sources.items()
+        if source == "not excited"
+    ]
     problems += _correlated(names, covariance)
     if not converged:
-        problems.append(
-            Problem(
-                "warning", "identification", "a fit that was still moving", "convergence",
-                "Check the nameplate values and the sign of the torque.",
-            )
-        )  # fmt: skip
-    excess = low_frequency_excess(prediction.residual)
-    if excess > NOT_WHITE and prediction.rms > NEGLIGIBLE * float(np.std(prediction.speed_motor)):
-        problems.append(
-            Problem(
-                "warning", "identification", f"innovations with {excess:.1f} times white noise's share of slow ones",
-                f"at most {NOT_WHITE:g}",
-                "Friction, load or shaft are not as the model has them: try load_torque=True, another contact law, or "
-                "less speed and torque. The intervals allow for a coloured residual.",
-            )
-        )  # fmt: skip
-    if too_coarse(prediction.levels.get("speed_motor", 0.0), prediction.deviation):
-        problems.append(
-            Problem(
-                "warning", "speed_motor",
-                f"innovations of {prediction.levels['speed_motor']:.3g} rad/s in a speed that varies by "
-                f"{prediction.deviation:.3g} rad/s",
-                f"at most {100.0 * COARSE:g} %",
-                "The resolution is too low, nothing is identified: take a finer encoder or a longer sample time.",
-            )
-        )  # fmt: skip
-    if prediction.unmodelled_frequency is not None:
-        problems.append(
-            Problem(
-                "warning", "identification",
-                f"prediction errors with a peak at {prediction.unmodelled_frequency:.0f} Hz",
-                "no resonance beyond that of motor and load",
-                "A further inertia or shaft: the intervals are widened for it. A torque with less content there "
-                "narrows them.",
-            )
-        )  # fmt: skip
+        problems.append(problem.still_moving())
+    problems += _of_prediction(prediction)
     samples = 1.0 / (found.pole_frequency * dt)
     if samples < SAMPLES_PER_PERIOD:
-        problems.append(
-            Problem(
-                "warning", "recording.time", f"{samples:.1f} samples per period of the torsional mode",
-                f"at least {SAMPLES_PER_PERIOD:.0f}", "Record at a higher rate.",
-            )
-        )  # fmt: skip
+        problems.append(problem.few_samples_per_period(samples, SAMPLES_PER_PERIOD))
     return tuple(problems)
 
 
-def _not_excited(name: str, start: Drivetrain) -> Problem:
-    value = f"{getattr(start, name):g} {PARAMETER_UNITS[name]}"
-    return Problem(
-        "warning", name, "a recording that does not tell it", "excitation",
-        f"{_EXCITE.get(name, 'Record more torque.')} The nameplate's {value} is used instead.",
-    )  # fmt: skip
+def _of_prediction(prediction: Prediction) -> list[Problem]:
+    """What the innovations say about model and sensor."""
+    problems = []
+    excess = low_frequency_excess(prediction.residual)
+    if excess > NOT_WHITE and prediction.rms > NEGLIGIBLE * float(np.std(prediction.speed_motor)):
+        problems.append(problem.not_white(excess, NOT_WHITE))
+    level = prediction.levels.get("speed_motor", 0.0)
+    if too_coarse(level, prediction.deviation):
+        problems.append(problem.too_coarse(level, prediction.deviation, COARSE))
+    if prediction.unmodelled_frequency is not None:
+        problems.append(problem.unmodelled_mode(prediction.unmodelled_frequency))
+    return problems
 
 
 def _is_far(name: str, start: Drivetrain, found: Drivetrain) -> bool:
@@ -231,38 +187,9 @@ def _is_far(name: str, start: Drivetrain, found: Drivetrain) -> bool:
     return not rough and before > 0.0 and not before / FAR <= after <= before * FAR
 
 
-def _far(name: str, start: Drivetrain, found: Drivetrain) -> Problem:
-    unit = PARAMETER_UNITS[name]
-    return Problem(
-        "warning", name, f"{getattr(found, name):.4g} {unit}",
-        f"within a factor of {FAR} of the nameplate's {getattr(start, name):.4g} {unit}",
-        "Check the nameplate, and scale and unit of the torque.",
-    )  # fmt: skip
-
-
 def _correlated(names: tuple[str, ...], covariance: NDArray[np.float64]) -> list[Problem]:
     deviation = np.sqrt(np.diag(covariance))
     correlation = np.abs(covariance / np.outer(deviation, deviation))
     np.fill_diagonal(correlation, 0.0)
     together = [name for name, row in zip(names, correlation, strict=True) if np.max(row) > CORRELATED]
-    if not together:
-        return []
-    return [
-        Problem(
-            "warning", ", ".join(together), f"correlations up to {np.max(correlation):.3f}", f"below {CORRELATED}",
-            "Only combinations of them are known well: fix one from the nameplate, or record a richer torque.",
-        )
-    ]  # fmt: skip
-
-
-def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
-    """A warning that other values predict the recording nearly as well."""
-    texts = [
-        f"{name} {other[name]:.4g} {PARAMETER_UNITS[name]}"
-        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")
-        if abs(np.log(other[name] / getattr(found, name))) > 0.1
-    ]
-    return Problem(
-        "warning", "identification", f"a second minimum: {', '.join(texts)} predict nearly as well",
-        "one minimum", "Fix what the nameplate knows well, or record more reversals and a wider band of torque.",
-    )  # fmt: skip
+    return [problem.correlated(together, np.max(correlation), CORRELATED)] if together else []

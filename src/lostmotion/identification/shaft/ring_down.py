@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput, Problem
+from ...errors import InvalidInput
 from ...recording import Recording
+from ..statistics.estimates import Estimates, Interval, sources_of
+from . import problems as problem
 
 Floats = NDArray[np.float64]
-Interval = tuple[float, float]
+
+#: What is looked for.
+VALUES = ("frequency", "damping_ratio")
 
 #: Means over this many seconds on both sides make a step stand out (chosen: a few periods of the mode).
 STEP_WINDOW = 0.1
@@ -32,17 +35,15 @@ SURROGATES = 40
 MIN_PERIODS = 4.0
 
 
-@dataclass(frozen=True, eq=False)
-class RingDown:
-    """Ring-down after one or more steps; None where the recording shows none.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class RingDown(Estimates):
+    """Ring-down after one or more steps.
+
+    Values: ``frequency`` (Hz, undamped natural frequency, f below), ``damping_ratio`` (Lehr's; of the rig as it ran,
+    with its controllers).
 
     Attributes
     ----------
-    frequency : float, Hz
-        Undamped natural frequency, f below.
-    damping_ratio : float
-        Lehr's; of the rig as it ran, with its controllers.
-    intervals : mapping of those names → (low, high), 95 %
     steps : tuple of float, s
         Where the steps were found.
     explained : float
@@ -54,23 +55,14 @@ class RingDown:
     spread : (m, 2) array
         Frequency and damping ratio of each of the m other windows tried.
     signal : str
-    problems : tuple of Problem
     """
 
-    frequency: float | None
-    damping_ratio: float | None
-    intervals: Mapping[str, Interval]
     steps: tuple[float, ...]
     explained: float
     windows: tuple[tuple[Floats, Floats, Floats], ...]
     spread: Floats
     signal: str
     seed: int
-    problems: tuple[Problem, ...]
-
-    @property
-    def source(self) -> str:
-        return "not excited" if self.frequency is None else "identified"
 
 
 def ring_down(
@@ -137,17 +129,17 @@ def ring_down(
     if intervals["damping_ratio"][0] <= 0.0:
         got = f"a line at {found[0]:.4g} Hz that need not decay"
         return _nothing(signal, times, seed, got, explained)
+    named: dict[str, float | None] = dict(zip(VALUES, found.tolist(), strict=True))
     return RingDown(
-        frequency=float(found[0]),
-        damping_ratio=float(found[1]),
+        values=named,
         intervals=intervals,
+        sources=sources_of(named),
         steps=times,
         explained=explained,
         windows=tuple((recording.time[r], values[r], m) for r, m in zip(rows, models, strict=True)),
         spread=spread,
         signal=signal,
         seed=seed,
-        problems=(),
     )
 
 
@@ -257,8 +249,7 @@ def _intervals(
     if len(spread):
         variance += ((spread - found) ** 2).mean(axis=0)
     margin = float(student.ppf(0.975, SURROGATES - 1)) * np.sqrt(variance)
-    names = ("frequency", "damping_ratio")
-    return {n: (float(v - m), float(v + m)) for n, v, m in zip(names, found, margin, strict=True)}
+    return {n: (float(v - m), float(v + m)) for n, v, m in zip(VALUES, found, margin, strict=True)}
 
 
 def _random_phases(residual: Floats, random: np.random.Generator) -> Floats:
@@ -275,11 +266,15 @@ def _random_phases(residual: Floats, random: np.random.Generator) -> Floats:
 def _nothing(
     signal: str, times: tuple[float, ...], seed: int, got: str, explained: float = math.nan
 ) -> RingDown:
-    problem = Problem(
-        "warning",
-        f"ring_down: {signal}",
-        got,
-        "a step after which the signal rings down, ten periods long",
-        "Record a sharp step of load or torque and let it ring; widen the band if the mode lies outside.",
+    return RingDown(
+        values=dict.fromkeys(VALUES),
+        intervals={},
+        sources=dict.fromkeys(VALUES, "not excited"),
+        problems=(problem.no_ring_down(signal, got),),
+        steps=times,
+        explained=explained,
+        windows=(),
+        spread=np.empty((0, 2)),
+        signal=signal,
+        seed=seed,
     )
-    return RingDown(None, None, {}, times, explained, (), np.empty((0, 2)), signal, seed, (problem,))

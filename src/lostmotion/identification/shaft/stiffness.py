@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput, Problem
+from ...errors import InvalidInput
 from ...recording import Recording
 from ..backlash.torque_reversals import backlash_excited
 from ..frequency.spectra import Complexes, Floats, gain_and_coherence, segment_spectra
+from ..statistics.estimates import Estimates, Interval, Source, sources_of
+from . import problems as problem
 
-Interval = tuple[float, float]
-
+#: What is looked for.
+VALUES = ("stiffness", "torque_delay", "damping", "inertia_between")
 #: Periods of the lowest frequency in one segment (chosen: 1 s, so 1 Hz resolution, for a band from 3 Hz).
 PERIODS_PER_SEGMENT = 3.0
 #: Fewest segments and fewest usable frequencies (chosen): below, coherence and intervals mean little.
@@ -26,22 +27,21 @@ COHERENCE_FLOOR = 1e-3
 ORDER_BINS = 2.0
 
 
-@dataclass(frozen=True, eq=False)
-class ShaftStiffness:
-    """Stiffness and torque delay of one shaft; None where the recording does not tell them.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class ShaftStiffness(Estimates):
+    """Stiffness and torque delay of one shaft.
+
+    Values:
+
+    - ``stiffness``, Nm/rad: towards low frequency;
+    - ``torque_delay``, s, positive = torque late against the speeds: the apparent one, true delay − damping /
+      stiffness; the given one where it was given;
+    - ``damping``, Nm s/rad: only where the delay was given, since the phase alone cannot tell damping from delay;
+    - ``inertia_between``, kg m2: m of the fit abs(T/twist) = stiffness − m·(2π·frequency)², what swings between the
+      sensors.
 
     Attributes
     ----------
-    stiffness : float, Nm/rad
-        Towards low frequency.
-    torque_delay : float, s, positive = torque late against the speeds
-        The apparent one, true delay − damping / stiffness; the given one where it was given.
-    damping : float, Nm s/rad
-        Only where the delay was given: the phase alone cannot tell damping from delay.
-    inertia_between : float, kg m2
-        m of the fit abs(T/twist) = stiffness − m·(2π·frequency)²: what swings between the sensors.
-    intervals : mapping of those names → (low, high)
-        95 % intervals of what was identified.
     frequency, response, coherence : (m,) arrays, Hz, complex Nm/rad, 1
         Torque over twist over the band.
     used : (m,) bool array
@@ -49,40 +49,25 @@ class ShaftStiffness:
     segments : int
     torque_reverses : bool
         If so, a gap (if there is one) is part of what was measured.
-    problems : tuple of Problem
     """
 
-    stiffness: float | None
-    torque_delay: float | None
-    damping: float | None
-    inertia_between: float | None
-    intervals: Mapping[str, Interval]
     frequency: Floats
     response: Complexes
     coherence: Floats
     used: NDArray[np.bool_]
     segments: int
     torque_reverses: bool
-    problems: tuple[Problem, ...]
-
-    @property
-    def interval(self) -> Interval | None:
-        """95 % interval of the stiffness, Nm/rad."""
-        return self.intervals.get("stiffness")
-
-    @property
-    def source(self) -> str:
-        return "not excited" if self.stiffness is None else "identified"
 
     def fitted(self, frequency: Floats) -> Complexes:
         """The fitted torque over twist, Nm/rad, at frequencies in Hz; to be shown beside ``response``."""
-        if self.stiffness is None or self.inertia_between is None or self.torque_delay is None:
+        stiffness, between, delay = (self.values[n] for n in ("stiffness", "inertia_between", "torque_delay"))
+        if stiffness is None or between is None or delay is None:
             raise InvalidInput(
                 "ShaftStiffness.fitted", "no stiffness", "an identified one", "See its problems."
             )
         w = 2.0 * np.pi * np.asarray(frequency, dtype=float)
-        late = self.torque_delay - (self.damping or 0.0) / self.stiffness
-        magnitude = self.stiffness - self.inertia_between * w**2
+        late = delay - (self.values["damping"] or 0.0) / stiffness
+        magnitude = stiffness - between * w**2
         return np.asarray(magnitude * np.exp(-1j * w * late), dtype=complex)
 
 
@@ -145,27 +130,29 @@ def shaft_stiffness(
     response, coherence = gain_and_coherence(_sum(x, x).real, _sum(y, y).real, _sum(x, y))
     used = (coherence >= min_coherence) & ~_orders(frequency, recording[speed_a], 1.0 / (length * dt))
     reverses = bool(backlash_excited(recording, signal=torque).excited)
-    problems = [_gap(torque)] if reverses else []
+    problems = [problem.gap_in_stiffness(torque)] if reverses else []
     values: dict[str, float] = {}
     intervals: dict[str, Interval] = {}
-    if len(x) < MIN_SEGMENTS or np.count_nonzero(used) < MIN_FREQUENCIES:
-        problems.append(_too_little(len(x), int(np.count_nonzero(used)), length * dt, min_coherence, torque))
+    least, usable = (MIN_SEGMENTS, MIN_FREQUENCIES), int(np.count_nonzero(used))
+    if len(x) < MIN_SEGMENTS or usable < MIN_FREQUENCIES:
+        problems.append(problem.too_little(torque, len(x), usable, length * dt, least, min_coherence))
     else:
         if np.sum(response[used].real) < 0.0:
-            problems.append(_wrong_sign(torque))
+            problems.append(problem.wrong_sign(torque))
             response, y = -response, -y
         values, intervals = _estimate(x[:, used], y[:, used], frequency[used])
         if intervals["stiffness"][0] <= 0.0:
-            problems.append(_uncertain(intervals["stiffness"], torque))
+            problems.append(problem.may_be_zero(torque, intervals["stiffness"]))
             values, intervals = {}, {}
         else:
             _take_known_delay(values, intervals, torque_delay)
+    known = {} if torque_delay is None else {"torque_delay": torque_delay}
+    found = {name: values.get(name) for name in VALUES} | known
+    given: dict[str, Source] = dict.fromkeys(known, "nameplate")
     return ShaftStiffness(
-        stiffness=values.get("stiffness"),
-        torque_delay=values.get("torque_delay"),
-        damping=values.get("damping"),
-        inertia_between=values.get("inertia_between"),
+        values=found,
         intervals=intervals,
+        sources=sources_of(found) | given,
         frequency=frequency,
         response=response,
         coherence=coherence,
@@ -243,43 +230,3 @@ def _take_known_delay(values: dict[str, float], intervals: dict[str, Interval], 
     values["damping"] = stiffness * (known - values["torque_delay"])
     intervals["damping"] = (stiffness * (known - high), stiffness * (known - low))
     values["torque_delay"] = known
-
-
-def _gap(torque: str) -> Problem:
-    return Problem(
-        "warning",
-        f"shaft_stiffness: {torque}",
-        "a torque that reverses",
-        "a torque of one sign",
-        "If the shaft has a gap, it lowers the measured stiffness: choose a window of one sign.",
-    )
-
-
-def _too_little(segments: int, usable: int, length: float, min_coherence: float, torque: str) -> Problem:
-    return Problem(
-        "warning",
-        f"shaft_stiffness: {torque}",
-        f"{segments} segments of {length:.3g} s, {usable} frequencies of coherence ≥ {min_coherence:g}",
-        f"at least {MIN_SEGMENTS} segments and {MIN_FREQUENCIES} frequencies",
-        "Record longer or excite the shaft more within the band; the stiffness is not excited.",
-    )
-
-
-def _uncertain(interval: Interval, torque: str) -> Problem:
-    return Problem(
-        "warning",
-        f"shaft_stiffness: {torque}",
-        f"a 95 % interval of {interval[0]:.3g} … {interval[1]:.3g} Nm/rad",
-        "an interval of positive stiffness",
-        "Excite the shaft more often than once, over the whole band; the stiffness is not excited.",
-    )
-
-
-def _wrong_sign(torque: str) -> Problem:
-    return Problem(
-        "warning",
-        f"shaft_stiffness: {torque}",
-        "torque and twist of opposite sign",
-        "a positive torque that drives end b",
-        "Give the torque the sign −1, or exchange the speeds; the stiffness is shown as if that were done.",
-    )

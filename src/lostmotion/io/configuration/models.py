@@ -22,34 +22,59 @@ class _Model(BaseModel):
 
 
 class NameplateModel(_Model):
-    """Start values, and what a recording cannot tell; units as in ``PARAMETER_UNITS``, bounds in
-    ``configuration_values.PLAUSIBLE``."""
+    """Start values of the identification, and what a recording cannot tell."""
 
-    inertia_motor: Annotated[float | None, value.parameter("inertia_motor", positive=True)] = None
-    inertia_load: Annotated[float | None, value.parameter("inertia_load", positive=True)] = None
-    stiffness: Annotated[float | None, value.parameter("stiffness", positive=True)] = None
-    damping: Annotated[float | None, value.parameter("damping")] = None
-    backlash: Annotated[float | None, value.parameter("backlash")] = None
-    coulomb: Annotated[float | None, value.parameter("coulomb")] = None
-    viscous: Annotated[float | None, value.parameter("viscous")] = None
-    coulomb_motor: Annotated[float | None, value.parameter("coulomb_motor")] = None
-    viscous_motor: Annotated[float | None, value.parameter("viscous_motor")] = None
-    lag: Annotated[float | None, value.parameter("lag")] = None
+    inertia_motor: Annotated[
+        float | None,
+        value.parameter("inertia_motor", "everything on the motor's side of the gap", positive=True),
+    ] = None
+    inertia_load: Annotated[
+        float | None, value.parameter("inertia_load", "everything on the load's side", positive=True)
+    ] = None
+    stiffness: Annotated[
+        float | None, value.parameter("stiffness", "of the shaft between them", positive=True)
+    ] = None
+    damping: Annotated[float | None, value.parameter("damping", "of that shaft")] = None
+    backlash: Annotated[float | None, value.parameter("backlash", "the total free angle")] = None
+    coulomb: Annotated[float | None, value.parameter("coulomb", "Coulomb friction of the load")] = None
+    viscous: Annotated[float | None, value.parameter("viscous", "viscous friction of the load")] = None
+    coulomb_motor: Annotated[
+        float | None, value.parameter("coulomb_motor", "Coulomb friction of the motor")
+    ] = None
+    viscous_motor: Annotated[
+        float | None, value.parameter("viscous_motor", "viscous friction of the motor")
+    ] = None
+    lag: Annotated[float | None, value.parameter("lag", "first-order lag behind the set-point")] = None
 
 
 class RecordingModel(_Model):
     """One recording: where it lies, what it is for, which column is what."""
 
-    file: Annotated[str, Field(strict=True, min_length=1)]
-    use: Literal["identify", "validate"] = "identify"
-    time: Annotated[Any, BeforeValidator(value.time)] = None
-    channels: Annotated[dict[str, Channel], BeforeValidator(value.channels)] = {}
-    window: (
-        tuple[Annotated[float, BeforeValidator(value.edge)], Annotated[float, BeforeValidator(value.edge)]]
-        | None
-    ) = None
-    resample: Annotated[float | bool | None, BeforeValidator(value.resample)] = None
-    speed_from_counts: Annotated[bool | None, Field(strict=True)] = None
+    file: Annotated[str, Field(strict=True, min_length=1, description="relative to the TOML, or absolute")]
+    use: Annotated[
+        Literal["identify", "validate"],
+        Field(description="to find the parameters, or to judge the observers"),
+    ] = "identify"
+    time: Annotated[
+        Any, value.TIME, Field(description='column of the time, or { sample_time = "0.1 ms" }')
+    ] = None
+    channels: Annotated[
+        dict[str, Channel],
+        value.CHANNELS,
+        Field(description="signal = column, or a table with unit and scale"),
+    ] = {}
+    window: Annotated[
+        tuple[Annotated[float, value.EDGE], Annotated[float, value.EDGE]] | None,
+        Field(description="[start, stop], s: only this part is read"),
+    ] = None
+    resample: Annotated[
+        float | bool | None,
+        value.RESAMPLE,
+        Field(description="sample time of a new raster, or true: the median step"),
+    ] = None
+    speed_from_counts: Annotated[
+        bool | None, Field(strict=True, description="whether the motor speed is a mean over the last sample")
+    ] = None
 
     @model_validator(mode="after")
     def _window_in_order(self) -> RecordingModel:
@@ -63,11 +88,19 @@ class RecordingModel(_Model):
 class LawModel(_Model):
     """What the law shall do."""
 
-    sample_time: Annotated[float | None, value.positive("s")] = None
-    torque_limit: Annotated[float | None, value.positive("Nm")] = None
-    poles: Annotated[tuple[float, ...], BeforeValidator(value.poles)] = DEFAULT_POLES
-    kp: Annotated[float | None, BeforeValidator(value.proportional_gain)] = None
-    ki: Annotated[float | None, BeforeValidator(value.gain)] = None
+    sample_time: Annotated[float | None, value.positive("s", "default: that of the recording")] = None
+    torque_limit: Annotated[float | None, value.positive("Nm", "default: none")] = None
+    poles: Annotated[
+        tuple[float, ...],
+        value.POLES,
+        Field(description="1/s, three negative numbers: of the state feedback"),
+    ] = DEFAULT_POLES
+    kp: Annotated[
+        float | None,
+        value.PROPORTIONAL_GAIN,
+        Field(description="Nm s/rad, PI speed controller to compare with"),
+    ] = None
+    ki: Annotated[float | None, value.GAIN, Field(description="Nm/rad, of the same controller")] = None
 
     @model_validator(mode="after")
     def _both_gains(self) -> LawModel:
@@ -81,14 +114,20 @@ class LawModel(_Model):
 class RunModel(_Model):
     """How to run."""
 
-    seed: Annotated[int, Field(strict=True, ge=0)] = 1
+    seed: Annotated[int, Field(strict=True, ge=0, description="of everything random in the run")] = 1
 
 
 class ConfigurationModel(_Model):
     """The whole TOML."""
 
     nameplate: NameplateModel = NameplateModel()
-    recording: Annotated[tuple[RecordingModel, ...], BeforeValidator(value.tables)]
+    recording: Annotated[
+        tuple[RecordingModel, ...],
+        BeforeValidator(value.tables),
+        Field(
+            json_schema_extra={"minItems": 1}
+        ),  # min_length would count what has problems of its own as missing
+    ]
     law: LawModel = LawModel()
     run: RunModel = RunModel()
 

@@ -1,11 +1,14 @@
-"""Single values of the TOML: from what stands there to SI, or the problem with it."""
+"""Single values of the TOML: from what stands there to SI, or the problem with it; and their JSON schema."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from types import MappingProxyType
+from typing import Any
 
-from pydantic import BeforeValidator
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 from ...drivetrain import PARAMETER_UNITS
 from ...errors import InvalidInput, Problem
@@ -32,17 +35,46 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
 )
 
 
-def positive(dimension: str) -> BeforeValidator:
+@dataclass(frozen=True)
+class Key:
+    """How the value of a key is read, and what an editor is told about it before that.
+
+    Parameters
+    ----------
+    convert : callable
+        From what stands in the TOML to SI; raises ``InvalidInput``.
+    shape : mapping
+        JSON schema of what stands in the TOML: looser than ``convert``, never stricter.
+    """
+
+    convert: Callable[[object], object]
+    shape: Mapping[str, Any]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.convert, handler(source))
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return dict(self.shape)
+
+
+def _quantity(**number: Any) -> dict[str, Any]:
+    """A number in SI units, or text with a unit."""
+    return {"anyOf": [{"type": "number", **number}, {"type": "string"}]}
+
+
+def positive(dimension: str, meaning: str) -> Key:
+    """A number above zero of that unit."""
+
     def convert(value: object) -> float:
         number = parse_quantity(value, dimension)
         if number <= 0.0:
             raise InvalidInput("", repr(value), "a positive number", "Check the sign.")
         return number
 
-    return BeforeValidator(convert)
+    return Key(convert, {**_quantity(exclusiveMinimum=0), "description": f"{dimension}, {meaning}"})
 
 
-def parameter(name: str, *, positive: bool = False) -> BeforeValidator:
+def parameter(name: str, meaning: str, *, positive: bool = False) -> Key:
     """A nameplate value within its plausible bounds."""
     low, high = PLAUSIBLE[name]
     unit = PARAMETER_UNITS[name]
@@ -59,21 +91,22 @@ def parameter(name: str, *, positive: bool = False) -> BeforeValidator:
             raise InvalidInput("", repr(value), f"{zero}{low:g} to {high:g} {unit}", remedy)
         return number
 
-    return BeforeValidator(convert)
+    shapes = _quantity(minimum=low, maximum=high)["anyOf"] + ([] if positive else [{"const": 0}])
+    return Key(convert, {"anyOf": shapes, "description": f"{unit}, {meaning}"})
 
 
-def edge(value: object) -> float:
+def _edge(value: object) -> float:
     return parse_quantity(value, "s")
 
 
-def gain(value: object) -> float:
+def _gain(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < float("inf"):
         raise InvalidInput("", repr(value), "zero or a positive number in SI units", "Check it.")
     return float(value)
 
 
-def proportional_gain(value: object) -> float:
-    if (number := gain(value)) == 0.0:
+def _proportional_gain(value: object) -> float:
+    if (number := _gain(value)) == 0.0:
         raise InvalidInput(
             "",
             repr(value),
@@ -83,7 +116,7 @@ def proportional_gain(value: object) -> float:
     return number
 
 
-def poles(value: object) -> tuple[float, ...]:
+def _poles(value: object) -> tuple[float, ...]:
     """Three poles: as many as a two-mass drivetrain has states."""
     good = isinstance(value, list | tuple) and len(value) == 3
     numbers = value if isinstance(value, list | tuple) else ()
@@ -109,7 +142,7 @@ def tables(value: object) -> object:
     return value
 
 
-def channels(value: object) -> dict[str, Channel]:
+def _channels(value: object) -> dict[str, Channel]:
     """Channels by signal name; a name that no stage knows is an error here, where it is a slip of the pen."""
     if not isinstance(value, dict):
         raise InvalidInput(
@@ -139,7 +172,7 @@ class SeveralProblems(ValueError):
         super().__init__("; ".join(map(str, problems)))
 
 
-def time(value: object) -> object:
+def _time(value: object) -> object:
     if isinstance(value, dict) and "sample_time" in value:
         if set(value) != {"sample_time"}:
             raise InvalidInput(
@@ -152,10 +185,52 @@ def time(value: object) -> object:
     return Channel.of(value, "")
 
 
-def resample(value: object) -> float | bool:
+def _resample(value: object) -> float | bool:
     if isinstance(value, bool):
         return value
     step = parse_quantity(value, "s")
     if step <= 0.0:
         raise InvalidInput("", repr(value), 'true, or a sample time such as "0.1 ms"', "Check the sign.")
     return step
+
+
+_COLUMN = [{"type": "string"}, {"type": "integer"}]
+_CHANNEL_KEYS = {
+    "column": {"anyOf": _COLUMN, "description": "header name, number from 0, or path in a .mat file"},
+    "unit": {"type": "string", "description": "of the scaled number; default: the one in the file, else SI"},
+    "scale": {"type": "number", "description": "factor"},
+    "sign": {"enum": [1, -1]},
+    "offset": {"type": "number", "description": "added after the scale"},
+    "counts_per_rev": {"type": "number", "description": "for the units counts and counts/s"},
+}
+_CHANNEL: dict[str, Any] = {
+    "anyOf": [
+        *_COLUMN,
+        {
+            "type": "object",
+            "properties": {field.name: _CHANNEL_KEYS[field.name] for field in fields(Channel)},
+            "required": ["column"],
+            "additionalProperties": False,
+        },
+    ]
+}
+_SAMPLE_TIME = {
+    "type": "object",
+    "properties": {"sample_time": _quantity(exclusiveMinimum=0)},
+    "required": ["sample_time"],
+    "additionalProperties": False,
+}
+
+EDGE = Key(_edge, _quantity())
+GAIN = Key(_gain, {"type": "number", "minimum": 0})
+PROPORTIONAL_GAIN = Key(_proportional_gain, {"type": "number", "exclusiveMinimum": 0})
+POLES = Key(
+    _poles,
+    {"type": "array", "items": {"type": "number", "exclusiveMaximum": 0}, "minItems": 3, "maxItems": 3},
+)
+CHANNELS = Key(
+    _channels,
+    {"type": "object", "properties": dict.fromkeys(SIGNAL_UNITS, _CHANNEL), "additionalProperties": False},
+)
+TIME = Key(_time, {"anyOf": [*_CHANNEL["anyOf"], _SAMPLE_TIME]})
+RESAMPLE = Key(_resample, {"anyOf": [{"type": "boolean"}, *_quantity(exclusiveMinimum=0)["anyOf"]]})

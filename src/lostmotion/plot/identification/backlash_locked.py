@@ -23,6 +23,7 @@ def backlash_locked(
     *,
     backlash: float | None = None,
     interval: tuple[float, float] | None = None,
+    source: str = "measured",
     axes: Axes | None = None,
 ) -> Figure:
     """Angle over torque; rows that the fit used stand out.
@@ -35,10 +36,12 @@ def backlash_locked(
         (torques, direction, side) → angles; of a ``LockedBacklash``, its method of that name.
     backlash, interval : rad, optional
         For the title and the lines at ±backlash/2.
+    source : str
+        What the angle is called in the legend: "simulated" if it is that, see ``source_of``.
     """
     figure, (axis,) = panels(axes, 1, size=(8.0, 5.4))
     m, theta, flank = (np.asarray(a, dtype=float) for a in (torque, angle, side))
-    axis.plot(m, 1e3 * theta, color="#bbbbbb", linewidth=0.8, label="measured")
+    axis.plot(m, 1e3 * theta, color="#bbbbbb", linewidth=0.8, label=source)
     used = flank != 0.0
     axis.plot(m[used], 1e3 * theta[used], ".", color=MEASURED["color"], markersize=4, label="used")
     if fitted is not None and used.any():

@@ -26,6 +26,7 @@ def friction_fit(
     *,
     signal: str = "speed_motor",
     torque_signal: str = "torque_motor",
+    source: str = "measured",
     title: str = "Friction from a torque step",
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
@@ -37,6 +38,8 @@ def friction_fit(
         s, Nm, and the signal's SI unit; NaN in ``fitted`` leaves a gap. Of a ``FrictionFit``, these are its arrays.
     signal, torque_signal : str
         Names; they give labels and units.
+    source : str
+        What the signal is called in the legend: "simulated" if it is that, see ``source_of``.
     axes : sequence of two Axes, optional
     """
     figure, (above, below) = panels(axes, 2, size=(9.0, 5.6), sharex=True)
@@ -46,7 +49,7 @@ def friction_fit(
         *thin_min_max(time, torque, BINS), label=axis_label(torque_signal), **{**MEASURED, "linewidth": 1.2}
     )
     above.set_ylabel(axis_label(torque_signal))
-    below.plot(*thin_min_max(time, factor * measured, BINS), label="measured", **MEASURED)
+    below.plot(*thin_min_max(time, factor * measured, BINS), label=source, **MEASURED)
     t, line = np.asarray(time, dtype=float), factor * fitted
     step = max(t.size // (2 * BINS), 1)
     below.plot(t[::step], line[::step], label="fitted", **ESTIMATED)

@@ -21,6 +21,7 @@ def prediction_fit(
     predicted: ArrayLike,
     *,
     signal: str = "speed_motor",
+    source: str = "measured",
     window: tuple[float, float] | None = None,
     lags: int = 100,
     axes: Sequence[Axes] | None = None,
@@ -33,6 +34,8 @@ def prediction_fit(
         ``predicted`` is the prediction one sample ahead.
     signal : str
         The signal's name; it gives label and unit.
+    source : str
+        What the signal is called in the legend: "simulated" if it is that, see ``source_of``.
     window : (start, stop), optional, s
         What the first panel shows; default: the quarter of a second in which the signal moves most.
     lags : int
@@ -48,7 +51,7 @@ def prediction_fit(
     figure, (overlay, error, correlation) = panels(axes, 3, size=(10.0, 7.2))
     start, stop = window or _liveliest(t, real, 0.25)
     part = (t >= start) & (t < stop)
-    overlay.plot(t[part], factor * real[part], label="measured", **MEASURED)
+    overlay.plot(t[part], factor * real[part], label=source, **MEASURED)
     overlay.plot(t[part], factor * guess[part], label="predicted", **ESTIMATED)
     overlay.set(xlabel="time (s)", ylabel=axis_label(signal), xlim=(start, stop))
     overlay.set_title("Prediction one sample ahead", loc="left")

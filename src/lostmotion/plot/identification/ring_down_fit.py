@@ -19,6 +19,7 @@ def ring_down_fit(
     windows: Sequence[tuple[ArrayLike, ArrayLike, ArrayLike]],
     *,
     signal: str = "torque_shaft",
+    source: str = "measured",
     title: str = "Ring-down",
     columns: int = 2,
     axes: Sequence[Axes] | None = None,
@@ -30,6 +31,8 @@ def ring_down_fit(
     windows : sequence of (time, measured, fitted), (n,) arrays each, s and SI
     signal : str
         The signal's name; it gives label and unit.
+    source : str
+        What the signal is called in the legend: "simulated" if it is that, see ``source_of``.
     title : str
     columns : int
     axes : sequence of Axes, optional
@@ -45,7 +48,7 @@ def ring_down_fit(
     figure, grid = panels(axes, count, columns=columns, size=size)
     factor, _ = display_unit(signal)
     for axis, (time, measured, fitted) in zip(grid, windows, strict=True):
-        axis.plot(time, factor * np.asarray(measured), label="measured", **MEASURED)
+        axis.plot(time, factor * np.asarray(measured), label=source, **MEASURED)
         axis.plot(time, factor * np.asarray(fitted), label="fitted oscillation", **ESTIMATED)
         axis.set(xlabel="time (s)", ylabel=axis_label(signal))
         axis.margins(x=0.0)

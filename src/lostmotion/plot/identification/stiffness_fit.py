@@ -23,6 +23,7 @@ def stiffness_fit(
     fitted: ArrayLike | None = None,
     used: ArrayLike | None = None,
     interval: tuple[float, float] | None = None,
+    source: str = "measured",
     title: str = "Shaft stiffness",
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
@@ -40,6 +41,8 @@ def stiffness_fit(
         The frequencies that the fit used; default: all.
     interval : (low, high), optional, Nm/rad
         95 % interval.
+    source : str
+        What the response is called in the legend: "simulated" if it is that, see ``source_of``.
     title : str
     axes : sequence of three Axes, optional
 
@@ -52,9 +55,9 @@ def stiffness_fit(
     figure, (size, phase, trust) = panels(axes, 3, size=(9.0, 7.2), sharex=True)
     dots = {"linestyle": "none", "color": MEASURED["color"], "markersize": 4}
     for axis, values in ((size, np.abs(measured)), (phase, np.degrees(np.angle(measured)))):
-        axis.plot(hertz[use], values[use], marker="o", label="measured, used by the fit", **dots)
+        axis.plot(hertz[use], values[use], marker="o", label=f"{source}, used by the fit", **dots)
         axis.plot(
-            hertz[~use], values[~use], marker="x", label="measured, not used", **{**dots, "color": "#999999"}
+            hertz[~use], values[~use], marker="x", label=f"{source}, not used", **{**dots, "color": "#999999"}
         )
     if fitted is not None:
         model = np.asarray(fitted, dtype=complex)

@@ -14,6 +14,7 @@ from ..style import (
     display_unit,
     is_held,
     panels,
+    source_of,
     title_and_legend,
 )
 
@@ -33,10 +34,10 @@ def observer_step(
     signals: Sequence[str] = SIGNALS,
     before: float = 0.05,
     after: float = 0.10,
-    source: str = "measurement",
+    source: str | None = None,
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
-    """Measurement, observer and set-point from ``before`` s before the step to ``after`` s after it.
+    """Recording, observer and set-point from ``before`` s before the step to ``after`` s after it.
 
     Parameters
     ----------
@@ -51,8 +52,8 @@ def observer_step(
         One panel each, as far as either recording holds it.
     before, after : float, s
         The paper draws 0.95 to 1.1 s around its step at 1 s.
-    source : str
-        What ``measured`` is called in the legend: say "virtual rig (simulated)" if it is that.
+    source : str, optional
+        What ``measured`` is called in the legend; default: "measured", or "simulated" if its signals say so.
     axes : sequence of Axes, optional
         One for each panel.
 
@@ -60,6 +61,7 @@ def observer_step(
     -------
     Figure
     """
+    source = source or source_of(measured)
     shown = [s for s in signals if s in measured or f"{s}_estimated" in estimated]
     figure, grid = panels(axes, len(shown), columns=2, size=(10.0, 6.2), sharex=True)
     span = (step_time - before, step_time + after)

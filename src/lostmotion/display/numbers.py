@@ -7,6 +7,8 @@ from typing import Any, TypeGuard
 
 #: Shown when there is no number.
 NONE = "–"
+#: With more decimals than this, a number is shown with an exponent (chosen: as ``digits`` does below 0.0001).
+SMALLEST_PLACES = 8
 
 _PREFIXES = {  # unit: (below this, factor, shown unit), smallest last; chosen for three to four digits
     "rad": ((0.5, 1e3, "mrad"),),
@@ -61,10 +63,33 @@ def with_interval(value: Any, low: Any, high: Any, unit: str) -> tuple[str, str]
     if not (is_number(value) and is_number(low) and is_number(high)):
         return given(value, unit), NONE
     factor, shown = _prefix(value, unit)
-    half, largest = 0.5 * abs(high - low) * factor, max(abs(low), abs(high)) * factor
-    places = _places(max(half, 1e-6 * largest)) if largest else 0
-    middle, left, right = (_fixed(v * factor, places) for v in (value, low, high))
+    middle, left, right = (
+        _fixed(v * factor, _common(low * factor, high * factor)) for v in (value, low, high)
+    )
     return _with_unit(middle, shown), f"{left} … {right}"
+
+
+def rounded(value: Any, low: Any, high: Any) -> tuple[str, str, str]:
+    """As ``with_interval``, but without unit and prefix, and each for itself: ("0.01213", "0.01205", "0.01221").
+
+    Very small numbers have exponents, each its own. What is missing is "–".
+    """
+    if not (is_number(low) and is_number(high)):
+        return (digits(value, 4) if is_number(value) else NONE), NONE, NONE
+    places, largest = _common(low, high), max(abs(low), abs(high))
+    numbers = (value, low, high)
+    if places > SMALLEST_PLACES and largest > 0.0:
+        first = math.floor(math.log10(largest))
+        texts = [digits(v, max(places + first + 1, 1)) if is_number(v) else NONE for v in numbers]
+    else:
+        texts = [_fixed(v, places) if is_number(v) else NONE for v in numbers]
+    return texts[0], texts[1], texts[2]
+
+
+def _common(low: float, high: float) -> int:
+    """Decimals for a value and both ends of its interval."""
+    half, largest = 0.5 * abs(high - low), max(abs(low), abs(high))
+    return _places(max(half, 1e-6 * largest)) if largest else 0
 
 
 def _fixed(value: float, places: int) -> str:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from lostmotion.report import numbers
+from lostmotion.display import numbers
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,174 @@
+"""What an identification by prediction error tells its user: every message, in the order of what it is about."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...drivetrain import PARAMETER_UNITS, Drivetrain
+from ...errors import Problem
+
+_EXCITE = {
+    "backlash": "Record reversals of the shaft torque: torque of both signs at steady speed.",
+    "stiffness": "Record torque with content near the zero and the pole of the drivetrain.",
+    "damping": "Record torque with content near the pole, with the gap closed.",
+    "coulomb": "Record steady speeds in both directions, with more torque than the friction holds.",
+    "viscous": "Record two speed levels in each direction, far apart.",
+    "lag": "Record torque with content above the pole.",
+}
+
+# The recording.
+
+
+def gaps(segments: int, recordings: int, left_out: float) -> Problem:
+    """``left_out``, s."""
+    return Problem(
+        "warning",
+        "recording",
+        f"{segments} pieces in {recordings} recording(s), {left_out:.3g} s left out",
+        "no gaps",
+        "The observer starts anew after each gap: a long piece tells more than many short ones.",
+    )
+
+
+def rows_joined(step: float, deviation: float, rows: int) -> Problem:
+    """Step of the counts and standard deviation of the speed, rad/s."""
+    return Problem(
+        "warning",
+        "speed_motor",
+        f"counts of {step:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s",
+        "finer ones",
+        f"{rows} rows each are taken as one. A finer encoder tells more.",
+    )
+
+
+def few_samples_per_period(samples: float, least: float) -> Problem:
+    return Problem(
+        "warning",
+        "recording.time",
+        f"{samples:.1f} samples per period of the torsional mode",
+        f"at least {least:.0f}",
+        "Record at a higher rate.",
+    )
+
+
+def inertia_contradicts_torque(seen: float, found: float) -> Problem:
+    """Inertia by the acceleration at low frequency, and as found, kg m2."""
+    return Problem(
+        "warning",
+        "torque_motor",
+        f"a low-frequency acceleration as of {seen:.3g} kg m2",
+        f"about {found:.3g} kg m2",
+        "Check sign, scale and unit of torque and speed.",
+    )
+
+
+# The prediction.
+
+
+def still_moving() -> Problem:
+    return Problem(
+        "warning",
+        "identification",
+        "a fit that was still moving",
+        "convergence",
+        "Check the nameplate values and the sign of the torque.",
+    )
+
+
+def not_white(excess: float, most: float) -> Problem:
+    """``excess``: slow innovations over white noise's share of them."""
+    return Problem(
+        "warning",
+        "identification",
+        f"innovations with {excess:.1f} times white noise's share of slow ones",
+        f"at most {most:g}",
+        "Friction, load or shaft are not as the model has them: try load_torque=True, another contact law, or "
+        "less speed and torque. The intervals allow for a coloured residual.",
+    )
+
+
+def too_coarse(level: float, deviation: float, most: float) -> Problem:
+    """Rms of the innovations and standard deviation of the speed, rad/s; ``most`` is the largest share."""
+    return Problem(
+        "warning",
+        "speed_motor",
+        f"innovations of {level:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s",
+        f"at most {100.0 * most:g} %",
+        "The resolution is too low, nothing is identified: take a finer encoder or a longer sample time.",
+    )
+
+
+def unmodelled_mode(frequency: float) -> Problem:
+    """Hz."""
+    return Problem(
+        "warning",
+        "identification",
+        f"prediction errors with a peak at {frequency:.0f} Hz",
+        "no resonance beyond that of motor and load",
+        "A further inertia or shaft: the intervals are widened for it. A torque with less content there "
+        "narrows them.",
+    )
+
+
+def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
+    """Other values predict the recording nearly as well: those that differ by more than a tenth are named (chosen)."""
+    texts = [
+        f"{name} {other[name]:.4g} {PARAMETER_UNITS[name]}"
+        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")
+        if abs(np.log(other[name] / getattr(found, name))) > 0.1
+    ]
+    return Problem(
+        "warning",
+        "identification",
+        f"a second minimum: {', '.join(texts)} predict nearly as well",
+        "one minimum",
+        "Fix what the nameplate knows well, or record more reversals and a wider band of torque.",
+    )
+
+
+def laws_alike(gain: float, certainty: float, least: float) -> Problem:
+    """Two contact laws: gain of the better one and the least that counts, as fractions; t statistic."""
+    return Problem(
+        "warning",
+        "contact",
+        f"laws whose predictions differ by {100.0 * gain:.2g} % (t = {certainty:.1f})",
+        f"at least {100.0 * least:g} % in most of the recording",
+        "They cannot be told apart here: keep the viscoelastic law, or record faster crossings of the gap.",
+    )
+
+
+# Single parameters.
+
+
+def not_excited(name: str, nameplate: float) -> Problem:
+    value = f"{nameplate:g} {PARAMETER_UNITS[name]}"
+    return Problem(
+        "warning",
+        name,
+        "a recording that does not tell it",
+        "excitation",
+        f"{_EXCITE.get(name, 'Record more torque.')} The nameplate's {value} is used instead.",
+    )
+
+
+def far_from_nameplate(name: str, found: float, nameplate: float, factor: float) -> Problem:
+    unit = PARAMETER_UNITS[name]
+    return Problem(
+        "warning",
+        name,
+        f"{found:.4g} {unit}",
+        f"within a factor of {factor} of the nameplate's {nameplate:.4g} {unit}",
+        "Check the nameplate, and scale and unit of the torque.",
+    )
+
+
+def correlated(names: Sequence[str], largest: float, limit: float) -> Problem:
+    return Problem(
+        "warning",
+        ", ".join(names),
+        f"correlations up to {largest:.3f}",
+        f"below {limit}",
+        "Only combinations of them are known well: fix one from the nameplate, or record a richer torque.",
+    )
