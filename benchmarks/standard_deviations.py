@@ -85,11 +85,15 @@ def on_the_model(seed: int) -> dict[str, list[tuple[float, float]]]:
     rows = slice(3000, None)
     law = lm.observers.kalman(plant, dt=DT)
     results = {
-        "kalman": judged(*of_fixed_gain(law, given, *physical_noises(plant), mode_share=0.0), true, rows)
+        "kalman": judged(*of_fixed_gain(law, given, *physical_noises(plant), eigenmode_share=0.0), true, rows)
     }
     for make in FILTERS:
         known = make(
-            plant, dt=DT, sensor_noise={"speed_motor": SENSOR}, process_torque=PROCESS_TORQUE, mode_share=0.0
+            plant,
+            dt=DT,
+            sensor_noise={"speed_motor": SENSOR},
+            process_torque=PROCESS_TORQUE,
+            eigenmode_share=0.0,
         )
         estimate = known.run(given)
         results[make.__name__] = judged(estimate, estimate, true, rows)

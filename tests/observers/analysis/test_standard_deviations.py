@@ -155,7 +155,7 @@ def test_a_missing_motor_torque_counts_as_known(noisy):
     given = {name: values[:500] for name, values in noisy[1].items()}
     gone = {**given, "torque_motor": np.where(np.arange(500) < 300, given["torque_motor"], np.nan)}
     # Without modes: theirs follow the estimated torque, which the missing samples do change.
-    options = {"process_covariance": PROCESS, "measurement_covariance": MEASUREMENT, "mode_share": 0.0}
+    options = {"process_covariance": PROCESS, "measurement_covariance": MEASUREMENT, "eigenmode_share": 0.0}
     told, wanted = (standard_deviations(law, data, **options) for data in (gone, given))
     for name in told:
         np.testing.assert_array_equal(told[name], wanted[name])

@@ -12,11 +12,12 @@ from lostmotion.compare.cases import Case
 from lostmotion.compare.experiment import experiment as leaderboard_experiment
 from lostmotion.compare.scores import SIGNALS, score
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.kernels.estimators import two_mass_model as at
-from lostmotion.kernels.estimators.extended_kalman import jacobian
-from lostmotion.kernels.estimators.parameter_tracking import EASE_LOAD, FACTOR, bound, new_state
+from lostmotion.kernels.estimators.layout import INVERSE_INERTIA_LOAD, PARAMETERS, STIFFNESS, TRACKED
+from lostmotion.kernels.estimators.tracking.prediction import jacobian
+from lostmotion.kernels.estimators.tracking.start import bound
+from lostmotion.kernels.estimators.two_mass_model import advance
 from lostmotion.observers import extended_kalman, moving_horizon, unscented_kalman
-from lostmotion.observers.filters.tuning import model_parameters, step_matrix
+from lostmotion.observers.filters.two_mass_parameters import model_parameters, transition
 from lostmotion.simulation import simulate
 
 FILTERS = (extended_kalman, unscented_kalman, moving_horizon)
@@ -38,18 +39,18 @@ def changed(stiffness: float, inertia_motor: float, inertia_load: float) -> Driv
 
 
 @pytest.mark.parametrize("factors", [(0.8, 1.0, 1.0), (1.0, 1.25, 1.0), (1.0, 1.0, 0.8), (1.2, 0.8, 1.25)])
-@pytest.mark.parametrize("piece", [DT, 2.5e-4])
-def test_a_factor_moves_the_model_as_the_changed_matrices_do(factors, piece):
-    """Over one piece in contact, at up to 70 Nm and 10 rad/s: RMS of the error far below any sensor's noise."""
-    p = model_parameters(TABLE_1, ("speed_motor",), piece, None, False)
-    assert p[at.PIECES] == 1.0
-    exact = step_matrix(changed(*factors), piece)
+@pytest.mark.parametrize("substep", [DT, 2.5e-4])
+def test_a_factor_moves_the_model_as_the_changed_matrices_do(factors, substep):
+    """Over one substep in contact, at up to 70 Nm and 10 rad/s: RMS of the error far below any sensor's noise."""
+    p = model_parameters(TABLE_1, ("speed_motor",), substep, None, False)
+    assert p["substeps"] == 1.0
+    exact = transition(changed(*factors), substep)
     rng = np.random.default_rng(1)
     errors = []
     for _ in range(200):
         x = (0.006 + rng.uniform(0.0, 0.01), rng.uniform(-10.0, 10.0), 0.0, 0.0)
         torque, gap = rng.uniform(-70.0, 70.0), 0.006
-        moved = at.advance(p, *x, 0.0, 0.0, gap, torque, factors[0], 1.0 / factors[1], 1.0 / factors[2])
+        moved = advance(p[()], *x, 0.0, 0.0, gap, torque, factors[0], 1.0 / factors[1], 1.0 / factors[2])
         errors.append(np.array(moved)[[0, 1, 2, 4]] - (exact @ [*x, torque, gap, 0.0, 0.0])[[0, 1, 2, 4]])
     rms = np.sqrt(np.mean(np.square(errors), axis=0))
     assert np.all(rms < [2e-6, 0.005, 0.005, 2e-6]), rms  # rad, rad/s, rad/s, rad
@@ -58,15 +59,16 @@ def test_a_factor_moves_the_model_as_the_changed_matrices_do(factors, piece):
 def test_factors_of_one_change_nothing():
     p = model_parameters(TABLE_1, ("speed_motor",), DT, None, False)
     x = (0.008, 3.0, -2.0, 0.0, 0.5, 2.0, 0.006, 12.0)
-    assert at.advance(p, *x) == at.advance(p, *x, 1.0, 1.0, 1.0)
+    assert advance(p[()], *x) == advance(p[()], *x, 1.0, 1.0, 1.0)
 
 
 def finite_differences(p, x, torque):
     """Of the four moving states and the turn, by the states and the factors."""
 
     def moved(v):
-        gap = float(np.clip(v[0] + p[at.LEAD_MIDDLE] * (v[1] - v[2]), -0.5 * v[6], 0.5 * v[6]))
-        return np.array(at.advance(p, *v[:4], v[5], v[7], gap, torque, *v[FACTOR : EASE_LOAD + 1])[:5])
+        gap = float(np.clip(v[0] + p["lead_middle"] * (v[1] - v[2]), -0.5 * v[6], 0.5 * v[6]))
+        factors = v[STIFFNESS : INVERSE_INERTIA_LOAD + 1]
+        return np.array(advance(p[()], *v[:4], v[5], v[7], gap, torque, *factors)[:5])
 
     steps = 1e-6 * np.eye(x.size)
     return np.array([(moved(x + step) - moved(x - step)) / 2e-6 for step in steps]).T
@@ -82,10 +84,10 @@ def test_the_derivatives_are_those_of_the_model(twist, speed_load):
     coulomb = 2.0 if speed_load else 90.0
     x = np.array([twist, 3.0, speed_load, 4.0, 0.0, 0.5, 0.012, coulomb, 0.85, 1.2, 0.9])
     edge = float(np.sign(twist)) if abs(twist) > 0.006 else 0.0
-    gap = float(np.clip(x[0] + p[at.LEAD_MIDDLE] * (x[1] - x[2]), -0.006, 0.006))
-    out = at.advance(p, *x[:4], x[5], x[7], gap, 12.0, *x[FACTOR:])
+    gap = float(np.clip(x[0] + p["lead_middle"] * (x[1] - x[2]), -0.006, 0.006))
+    out = advance(p[()], *x[:4], x[5], x[7], gap, 12.0, *x[STIFFNESS:])
     f = np.empty((5, x.size))
-    jacobian(p, x, gap, 1.0 - abs(edge), edge, (out[1] - x[1], out[2] - x[2]), out[5], out[6], f)
+    jacobian(p[()], x, gap, 1.0 - abs(edge), edge, (out[1] - x[1], out[2] - x[2]), out[5], out[6], f)
     f[4, 4] = 0.0  # the angle's own, which ``advance`` does not add
     expected = finite_differences(p, x, 12.0)
     for j in range(x.size):
@@ -127,11 +129,11 @@ def test_held_parameters_stay_as_told(make, experiment):
 
 
 def test_factors_stay_within_half_and_twice():
-    p = np.array(extended_kalman(TABLE_1, dt=DT).parameters)
-    state = new_state(p)
-    state[FACTOR : EASE_LOAD + 1] = 5.0, 0.1, -3.0
-    bound(p, state)
-    assert state[FACTOR : EASE_LOAD + 1] == pytest.approx([2.0, 0.5, 0.5])
+    p = np.array(extended_kalman(TABLE_1, dt=DT).parameters).view(PARAMETERS)[0]
+    x = np.ones(TRACKED)
+    x[STIFFNESS : INVERSE_INERTIA_LOAD + 1] = 5.0, 0.1, -3.0
+    bound(p, x)
+    assert x[STIFFNESS : INVERSE_INERTIA_LOAD + 1] == pytest.approx([2.0, 0.5, 0.5])
 
 
 @pytest.mark.parametrize("make", FILTERS)

@@ -9,7 +9,7 @@ from rig_runs import gap_f1, relative_rmse
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment as rig_case
 from lostmotion.errors import InvalidInput
-from lostmotion.kernels.estimators.interacting_models.mixing import regions
+from lostmotion.kernels.estimators.interacting_models.mixing import PARTS, regions
 from lostmotion.observers import interacting_models, kalman
 from lostmotion.observers.scale import PAPER
 from lostmotion.signals import excitation
@@ -93,9 +93,9 @@ def test_parts_of_a_normal_distribution_have_their_own_moments(z, deviation):
     density = np.exp(-0.5 * ((grid - z) / deviation) ** 2)
     density /= density.sum()
     inside = [grid > half, np.abs(grid) <= half, grid < -half]
-    part = np.empty(9)
-    regions(z, half, deviation, part)
-    chance, shift, lost = part.reshape(3, 3)
+    found = np.zeros(1, PARTS)[0]
+    regions(z, half, deviation, found)
+    chance, shift, lost = found["chance"], found["shift"], found["lost_share"]
     for m, part in enumerate(inside):
         share = density[part].sum()
         assert chance[m] == pytest.approx(share, abs=1e-5)

@@ -13,10 +13,9 @@ from lostmotion.compare import CASES
 from lostmotion.compare.experiment import experiment
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.kernels.estimators import two_mass_model as at
-from lostmotion.kernels.estimators.moving_horizon import FIRST_NODE, NODE
+from lostmotion.kernels.estimators.layout import HORIZON, HORIZON_PARAMETERS, NODE, PARAMETERS, place, size
 from lostmotion.observers import extended_kalman, kalman, moving_horizon, unscented_kalman
-from lostmotion.observers.filters.extended_kalman import DRIFT
+from lostmotion.observers.filters.tuning import DRIFT
 from lostmotion.signals import excitation, noise
 from lostmotion.simulation import simulate
 from lostmotion.systems import zero_order_hold
@@ -44,11 +43,11 @@ def plain_kalman(drivetrain, p, torque, speed, averaged):
     h = np.array([0.0, 0.0, 0.0, 1.0] if averaged else [0.0, 1.0, 0.0, 0.0])
     measured = DT * np.cumsum(speed) if averaged else speed
     keep = [0, 1, 2, 4]
-    q, cov = np.diag(p[[at.PROCESS + i for i in keep]]), np.diag(p[[at.START_VARIANCE + i for i in keep]])
+    q, cov = np.diag(p["Q"][keep]), np.diag(p["P0"][keep])
     x = np.array([0.0, speed[0], speed[0], 0.0])
     rows = []
     for u, y in zip(torque, measured, strict=True):
-        s = h @ cov @ h + p[at.VARIANCE]
+        s = h @ cov @ h + p["R"][0]
         gain = cov @ h / s
         x = x + gain * (y - h @ x)
         cov = cov - np.outer(gain, gain) * s
@@ -68,7 +67,8 @@ def test_without_gap_and_friction_each_is_the_kalman_filter(make, averaged):
     speed = true["speed_motor"] + 0.03 * rng.normal(size=300)
     stepper = make(linear, dt=DT, drift=HELD, uncertainty=HELD, speed_from_counts=averaged)
     result = stepper.run({"torque_motor": torque, "speed_motor": speed})
-    expected = plain_kalman(linear, stepper.parameters, torque, speed, averaged)
+    p = stepper.parameters[: size(PARAMETERS)].view(PARAMETERS)[0]
+    expected = plain_kalman(linear, p, torque, speed, averaged)
     names = [f"{s}_estimated" for s in ("twist", "speed_motor", "speed_load")]
     names += [f"{s}_deviation" for s in ("twist", "speed_motor", "speed_load")]
     for i, name in enumerate(names):
@@ -120,7 +120,7 @@ def test_finds_the_backlash_of_other_rigs(seed):
 
 
 def test_follows_a_backlash_that_grows_by_wear():
-    """10 % in 10 s, for 4 s: pieces of 0.1 s on the rig, each with a backlash 0.1 % larger."""
+    """10 % in 10 s, for 4 s: stretches of 0.1 s on the rig, each with a backlash 0.1 % larger."""
     new = rig.nominal_rig().drivetrain
     _, truth = rig.record(
         None, torque_motor=excitation(2.0, DT, seed=1, inertia=0.13, coulomb=2.0, viscous=0.02)
@@ -128,9 +128,9 @@ def test_follows_a_backlash_that_grows_by_wear():
     estimator = extended_kalman(Drivetrain.two_mass(**truth.parameters), dt=DT)
     rng = np.random.default_rng(3)
     state, final, errors = None, None, []
-    for piece in range(40):
-        worn = replace(new.shafts[2], backlash=0.012 * (1.0 + 0.001 * piece))
-        time = (piece * 1000 + np.arange(1000)) * DT
+    for stretch in range(40):
+        worn = replace(new.shafts[2], backlash=0.012 * (1.0 + 0.001 * stretch))
+        time = (stretch * 1000 + np.arange(1000)) * DT
         torque = 12.0 * np.sin(2.0 * np.pi * 9.0 * time) + 4.0 * np.sin(2.0 * np.pi * 2.3 * time)
         plant = replace(new, shafts=(*new.shafts[:2], worn))
         exact = simulate(plant, dt=DT, torque_motor=torque, state=final)
@@ -221,10 +221,10 @@ def test_the_trajectory_over_the_horizon_is_the_smoothed_one():
     torque, speed = 5.0 * rng.normal(size=20), 0.1 * rng.normal(size=20)
     stepper = moving_horizon(linear, dt=DT, horizon=2e-3, drift=HELD, uncertainty=HELD)
     state = stepper.run({"torque_motor": torque, "speed_motor": speed}).final_state["state"]
-    nodes = state[FIRST_NODE : FIRST_NODE + 20 * NODE].reshape(20, NODE)
-    assert nodes[:, :3] == pytest.approx(
-        smoothed(linear, stepper.parameters, torque, speed), rel=1e-6, abs=1e-9
-    )
+    first = place(HORIZON, "nodes")
+    nodes = state[first : first + 20 * size(NODE)].view(NODE)
+    p = stepper.parameters.view(HORIZON_PARAMETERS)[0]["common"]
+    assert nodes["x"][:, :3] == pytest.approx(smoothed(linear, p, torque, speed), rel=1e-6, abs=1e-9)
 
 
 def smoothed(drivetrain, p, torque, speed):
@@ -234,17 +234,17 @@ def smoothed(drivetrain, p, torque, speed):
     n = speed.size
     rows, right = [], []
     for i in range(3):
-        rows.append(np.eye(3 * n)[i] / np.sqrt(p[at.START_VARIANCE + i]))
-        right.append((0.0 if i == 0 else speed[0]) / np.sqrt(p[at.START_VARIANCE + i]))
+        rows.append(np.eye(3 * n)[i] / np.sqrt(p["P0"][i]))
+        right.append((0.0 if i == 0 else speed[0]) / np.sqrt(p["P0"][i]))
     for k in range(n):
-        rows.append(np.eye(3 * n)[3 * k + 1] / np.sqrt(p[at.VARIANCE]))
-        right.append(speed[k] / np.sqrt(p[at.VARIANCE]))
+        rows.append(np.eye(3 * n)[3 * k + 1] / np.sqrt(p["R"][0]))
+        right.append(speed[k] / np.sqrt(p["R"][0]))
     for k in range(n - 1):
         for i in range(3):
             row = np.zeros(3 * n)
             row[3 * (k + 1) + i] = 1.0
             row[3 * k : 3 * k + 3] -= phi[i]
-            weight = 1.0 / np.sqrt(p[at.PROCESS + i])
+            weight = 1.0 / np.sqrt(p["Q"][i])
             rows.append(weight * row)
             right.append(weight * gamma[i, 0] * torque[k])
     return np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0].reshape(n, 3)

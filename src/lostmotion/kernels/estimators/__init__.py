@@ -4,9 +4,9 @@
 MODULES = {
     "extended_kalman": "extended_kalman",
     "interacting_models": "interacting_models.step",
-    "moving_horizon": "moving_horizon",
-    "neural_network": "neural_network",
-    "sliding_mode": "sliding_mode",
-    "super_twisting": "super_twisting",
+    "moving_horizon": "moving_horizon.step",
+    "neural_network": "motor_speed.neural_network",
+    "sliding_mode": "motor_speed.sliding_mode",
+    "super_twisting": "motor_speed.super_twisting",
     "unscented_kalman": "unscented_kalman",
 }

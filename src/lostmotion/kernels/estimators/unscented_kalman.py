@@ -1,7 +1,7 @@
-"""Unscented Kalman filter with the states of ``parameter_tracking``: one step.
+"""Unscented Kalman filter with parameters as states: one step (Särkkä 2013, algorithm 5.14).
 
-Two points at ±√(n + 1) along each of the n columns of the covariance's Cholesky factor and one in the middle, all of
-positive weight (κ = 1; Julier & Uhlmann 2004, Proc. IEEE 92, 401–422). A direction without variance has no points.
+Two sigma points at ±√(n + 1) along each of the n columns of the covariance's Cholesky factor and one in the middle, all
+of positive weight (κ = 1; Julier & Uhlmann 2004, Proc. IEEE 92, 401–422). A direction without variance has no points.
 """
 
 from __future__ import annotations
@@ -11,151 +11,174 @@ import math
 import numpy as np
 from numba import njit
 
-from .parameter_tracking import (
+from .contact import predict_contact
+from .layout import (
+    ANGLE_COUNTED,
     BACKLASH,
-    BEFORE,
     COULOMB,
-    COVARIANCE,
-    EASE_LOAD,
-    EASE_MOTOR,
-    FACTOR,
-    FRICTION,
+    INVERSE_INERTIA_LOAD,
+    INVERSE_INERTIA_MOTOR,
+    MOVING,
+    PARAMETERS,
+    SPEED_LOAD,
+    SPEED_MOTOR,
+    STIFFNESS,
+    TORQUE_ACTUATOR,
+    TORQUE_LOAD,
+    TRACKED,
+    TWIST,
+    record,
+)
+from .records import reads, scratch
+from .runner import INIT, STEP
+from .tracking.correction import correct_all, write
+from .tracking.start import (
     LARGEST_FACTOR,
     LEAST_FACTOR,
-    LOAD_TORQUE,
-    MOVING,
-    N,
-    approach,
+    SIZE,
+    before_first_sample,
     begin,
-    correct_all,
-    new_state,
-    recover,
-    write,
-)  # fmt: skip
-from .runner import INIT, STEP
-from .two_mass_model import ANGLE, AVERAGED, LEAD_MIDDLE, PIECES, PROCESS, advance, clip
+    keep_before,
+    memory_of,
+    start_again_if_lost,
+)
+from .two_mass_model import advance, clip
 
-POINTS = 2 * N + 1
+_parameters = reads(PARAMETERS)
+_scratch = scratch(
+    record(
+        ("H", (TRACKED,)), ("PHt", (TRACKED,)), ("L", (TRACKED, TRACKED)), ("points", (2 * TRACKED + 1, TRACKED))
+    )
+)  # fmt: skip
+
+#: A pivot below this part of its variance is rounding: that direction has no variance (numerics).
+LEAST_PIVOT = 1e-13
 
 
 @njit(INIT, cache=True)
-def init(p):
-    return new_state(p)
+def init(parameters):
+    state = np.zeros(SIZE)
+    before_first_sample(_parameters(parameters), memory_of(state))
+    return state
 
 
 @njit(cache=True)
-def _factor(s, root):
-    """Lower Cholesky factor of the covariance; a direction without variance gives a column of zeros."""
-    for j in range(N):
-        pivot = s[COVARIANCE + j * N + j]
+def _cholesky(P, L):
+    """Lower factor L of P = L Lᵀ; a direction without variance gives a column of zeros."""
+    for j in range(TRACKED):
+        pivot = P[j, j]
         for k in range(j):
-            pivot -= root[j, k] * root[j, k]
-        regular = pivot > 1e-13 * s[COVARIANCE + j * N + j]
+            pivot -= L[j, k] * L[j, k]
+        regular = pivot > LEAST_PIVOT * P[j, j]
         diagonal = math.sqrt(pivot) if regular else 0.0
         inverse = 1.0 / diagonal if regular else 0.0
-        root[j, j] = diagonal
-        for i in range(j + 1, N):
-            total = s[COVARIANCE + i * N + j]
+        L[j, j] = diagonal
+        for i in range(j + 1, TRACKED):
+            total = P[i, j]
             for k in range(j):
-                total -= root[i, k] * root[j, k]
-            root[i, j] = total * inverse
+                total -= L[i, k] * L[j, k]
+            L[i, j] = total * inverse
+
+
+@njit(cache=True)
+def _sigma_points(x, L, points):
+    """The points that the covariance's factor L spans around x; returns how many."""
+    n = 0
+    for j in range(TRACKED):
+        n += L[j, j] > 0.0
+        points[0, j] = x[j]
+    reach = math.sqrt(n + 1.0)
+    count = 1
+    for j in range(TRACKED):
+        if L[j, j] > 0.0:
+            for i in range(TRACKED):
+                offset = reach * L[i, j] if j <= i else 0.0
+                points[count, i] = x[i] + offset
+                points[count + 1, i] = x[i] - offset
+            count += 2
+    return count
 
 
 @njit(cache=True)
 def _move(p, points, k, torque):
     """Point k a sample later, in place; returns the load's Coulomb torque. (A view of its row would cost 10 ns.)"""
     half = 0.5 * max(points[k, BACKLASH], 0.0)
-    stiffness = clip(points[k, FACTOR], LEAST_FACTOR, LARGEST_FACTOR)
-    motor = clip(points[k, EASE_MOTOR], LEAST_FACTOR, LARGEST_FACTOR)
-    ease = clip(points[k, EASE_LOAD], LEAST_FACTOR, LARGEST_FACTOR)
-    load = 0.0
-    for _ in range(int(p[PIECES])):
-        gap = clip(points[k, 0] + p[LEAD_MIDDLE] * (points[k, 1] - points[k, 2]), -half, half)
-        n0, n1, n2, n3, turn, _, load = advance(
+    stiffness = clip(points[k, STIFFNESS], LEAST_FACTOR, LARGEST_FACTOR)
+    motor = clip(points[k, INVERSE_INERTIA_MOTOR], LEAST_FACTOR, LARGEST_FACTOR)
+    load = clip(points[k, INVERSE_INERTIA_LOAD], LEAST_FACTOR, LARGEST_FACTOR)
+    friction = 0.0
+    for _ in range(int(p.substeps)):
+        z = points[k, TWIST] + p.lead_middle * (points[k, SPEED_MOTOR] - points[k, SPEED_LOAD])
+        n0, n1, n2, n3, turn, _, friction = advance(
             p,
-            points[k, 0],
-            points[k, 1],
-            points[k, 2],
-            points[k, 3],
-            points[k, LOAD_TORQUE],
+            points[k, TWIST],
+            points[k, SPEED_MOTOR],
+            points[k, SPEED_LOAD],
+            points[k, TORQUE_ACTUATOR],
+            points[k, TORQUE_LOAD],
             max(points[k, COULOMB], 0.0),
-            gap,
+            clip(z, -half, half),
             torque,
             stiffness,
             motor,
-            ease,
+            load,
         )
-        points[k, 0], points[k, 1], points[k, 2], points[k, 3] = n0, n1, n2, n3
-        points[k, ANGLE] += turn * p[AVERAGED]
-    return load / ease
+        points[k, TWIST], points[k, SPEED_MOTOR] = n0, n1
+        points[k, SPEED_LOAD], points[k, TORQUE_ACTUATOR] = n2, n3
+        points[k, ANGLE_COUNTED] += turn * p.counted
+    return friction / load
 
 
 @njit(cache=True)
-def _scatter(s, root, points):
-    """The points that the covariance's factor spans around the mean; returns how many."""
-    n = 0
-    for j in range(N):
-        n += root[j, j] > 0.0
-    reach = math.sqrt(n + 1.0)
-    points[0] = s[:N]
-    count = 1
-    for j in range(N):
-        if root[j, j] > 0.0:
-            for i in range(N):
-                offset = reach * root[i, j] if j <= i else 0.0
-                points[count, i] = s[i] + offset
-                points[count + 1, i] = s[i] - offset
-            count += 2
-    return count
-
-
-@njit(cache=True)
-def _gather(s, points, count, middle, products):
-    """Mean and covariance of the moved points; ``products`` (N, N) is scratch. Constants keep theirs."""
+def _moments(points, count, middle, x, P, products):
+    """Mean x and covariance P of the moved points; ``products`` is scratch. Constants keep theirs."""
     weight = 0.5 * middle
     for i in range(MOVING):
-        s[i] = middle * points[0, i]
+        x[i] = middle * points[0, i]
     for k in range(1, count):
         for i in range(MOVING):
-            s[i] += weight * points[k, i]
-    products[:] = 0.0
+            x[i] += weight * points[k, i]
+    for i in range(MOVING):
+        for j in range(TRACKED):
+            products[i, j] = 0.0
     for k in range(count):
         share = weight if k else middle
-        for j in range(N):
-            points[k, j] -= s[j]
+        for j in range(TRACKED):
+            points[k, j] -= x[j]
         for i in range(MOVING):
             part = share * points[k, i]
-            for j in range(N):
+            for j in range(TRACKED):
                 products[i, j] += part * points[k, j]
     for i in range(MOVING):
-        for j in range(i, N):
-            s[COVARIANCE + i * N + j] = s[COVARIANCE + j * N + i] = products[i, j]
+        for j in range(i, TRACKED):
+            P[i, j] = P[j, i] = products[i, j]
 
 
 @njit(cache=True)
-def _predict(p, s, torque, root, points):
-    for i in range(4):
-        s[BEFORE + i] = s[i]
-    approach(p, s)
-    _factor(s, root)
-    count = _scatter(s, root, points)
+def _predict(p, s, torque, L, points):
+    """x and P a sample on."""
+    x, P = s.estimate.x, s.estimate.P
+    _cholesky(P, L)
+    count = _sigma_points(x, L, points)
     middle = 2.0 / (count + 1.0)
     weight = 0.5 * middle
-    s[FRICTION] = middle * _move(p, points, 0, torque)
+    s.friction = middle * _move(p, points, 0, torque)
     for k in range(1, count):
-        s[FRICTION] += weight * _move(p, points, k, torque)
-    _gather(s, points, count, middle, root)
-    for i in range(N):
-        s[COVARIANCE + i * N + i] += p[PIECES] * p[PROCESS + i]
+        s.friction += weight * _move(p, points, k, torque)
+    _moments(points, count, middle, x, P, L)
+    for i in range(TRACKED):
+        P[i, i] += p.substeps * p.Q[i]
 
 
 @njit(STEP, cache=True)
-def step(p, s, inputs, faults, outputs):
-    root, points = np.empty((N, N)), np.empty((POINTS, N))
+def step(parameters, state, inputs, faults, outputs):
+    p, s, w = _parameters(parameters), memory_of(state), _scratch()
     torque, faults = begin(p, s, inputs, faults)
-    faults = correct_all(p, s, inputs, faults, points)
-    recover(p, s)
-    write(p, s, points[0], points[1], outputs)
-    _predict(p, s, torque, root, points)
-    recover(p, s)
+    faults = correct_all(p, s, inputs, faults, w.H, w.PHt)
+    start_again_if_lost(p, s)
+    write(p, s, w.H, w.PHt, outputs)
+    keep_before(s)
+    predict_contact(p, s.estimate.x, s.estimate.P, s.contact)
+    _predict(p, s, torque, w.L, w.points)
+    start_again_if_lost(p, s)
     return faults

@@ -7,7 +7,11 @@ import math
 import numpy as np
 from numba import njit
 
-from ..estimators.two_mass_model import by_modes
+from ..estimators.layout import TORQUE_MOMENTS
+from ..estimators.records import scratch
+from ..estimators.two_mass_model import eigenmode_variance
+
+_moments = scratch(TORQUE_MOMENTS)
 
 
 @njit(cache=True)
@@ -95,9 +99,10 @@ def output_spread(arguments, faults, of_state, of_input, of_curve, curves, check
 
 
 @njit(cache=True)
-def spread_by_modes(share, rate, torque):
-    """Variance that ``by_modes`` gives to each sample of an estimated shaft torque."""
-    memory, found = np.zeros(2), np.empty(torque.size)
+def eigenmode_variances(share, rate, torque):
+    """Variance that ``eigenmode_variance`` gives to each sample of an estimated shaft torque."""
+    moments, found = _moments(), np.empty(torque.size)
+    moments.mean = moments.variance = 0.0
     for k in range(torque.size):
-        found[k] = by_modes(share, rate, memory, 0, torque[k])
+        found[k] = eigenmode_variance(share, rate, moments, torque[k])
     return found

@@ -14,7 +14,7 @@ from ...recording import Recording
 from ...systems import DiscreteSystem
 from ...systems.inputs import input_columns
 from ..arguments import mapping, number
-from ..filters.tuning import MODE_SHARE, mode_numbers
+from ..filters.tuning import EIGENMODE_SHARE, eigenmode_numbers
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ def standard_deviations(
     *,
     process_covariance: Mapping[str, float],
     measurement_covariance: Mapping[str, float],
-    mode_share: float = MODE_SHARE,
+    eigenmode_share: float = EIGENMODE_SHARE,
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> Recording:
@@ -59,9 +59,9 @@ def standard_deviations(
         Continuous-time density; zero for states that are not named.
     measurement_covariance : mapping of measured signal → variance
         Continuous-time density; zero for signals that are not named.
-    mode_share : float
-        What modes beyond the model add to torque_shaft_deviation, as in ``tuning.Tuning``: a share of the estimate's
-        own standard deviation over the last ``tuning.MODE_MEMORY``. Zero where the model is the plant.
+    eigenmode_share : float
+        What eigenmodes beyond the model add to torque_shaft_deviation, as in ``tuning.Tuning``: a share of the
+        estimate's own standard deviation over the last ``tuning.EIGENMODE_MEMORY``. Zero where the model is the plant.
     samples : int
         Of the error, at least 2; the time it takes grows with it (some 10 µs per row with the default).
     seed : int
@@ -82,7 +82,7 @@ def standard_deviations(
     A nonlinear error's covariance by samples: Evensen 1994, J. Geophysical Research 99, 10143–10162; the settled one by
     doubling: Smith 1968, SIAM J. Applied Mathematics 16, 198–201.
     """
-    from ...kernels.law.error_samples import output_spread, spread_by_modes
+    from ...kernels.law.error_samples import eigenmode_variances, output_spread
     from ...kernels.law.step import law_run
 
     if not isinstance(observer, DiscreteSystem):
@@ -93,7 +93,7 @@ def standard_deviations(
             "standard_deviations.samples", repr(samples), "a whole number, at least 2", "Give more."
         )
     sensors = tuple(name for name in observer.inputs if name != "torque_motor")
-    modes = mode_numbers("standard_deviations.mode_share", mode_share, observer.dt)
+    eigenmodes = eigenmode_numbers("standard_deviations.eigenmode_share", eigenmode_share, observer.dt)
     q = _densities("process_covariance", observer.states, observer.states, process_covariance)
     r = _densities("measurement_covariance", observer.inputs, sensors, measurement_covariance)
     noise = q * observer.dt, r / observer.dt
@@ -109,7 +109,7 @@ def standard_deviations(
     if "torque_shaft_estimated" in observer.outputs:
         i = observer.outputs.index("torque_shaft_estimated")
         estimate, _ = law_run(observer.tables(), observer.init(), inputs)
-        spread[:, i] = np.sqrt(spread[:, i] ** 2 + spread_by_modes(*modes, estimate[:, i]))
+        spread[:, i] = np.sqrt(spread[:, i] ** 2 + eigenmode_variances(*eigenmodes, estimate[:, i]))
     names = [name.removesuffix("_estimated") + "_deviation" for name in observer.outputs]
     signals = {name: spread[:, i] for i, name in enumerate(names)}
     return Recording(

@@ -9,46 +9,39 @@ from typing import Unpack
 import numpy as np
 
 from ...drivetrain import Drivetrain
+from ...kernels.estimators.layout import COULOMB, INTERACTING_PARAMETERS, MODEL_COULOMB, TWIST
 from ...systems import Stepper
+from ..estimates import ESTIMATES, deviations, estimated
 from ..scale import scale_of
-from .extended_kalman import START_TWIST, tracking_parameters
+from .tracking_parameters import START_TWIST, tracking_parameters
 from .tuning import Tuning, measured_sensors
+from .two_mass_parameters import stepper
 
 OUTPUTS = (
-    "twist_estimated",
-    "twist_elastic_estimated",
-    "speed_motor_estimated",
-    "speed_load_estimated",
-    "torque_shaft_estimated",
-    "friction_load_estimated",
-    "torque_load_estimated",
-    "coulomb_estimated",
+    *ESTIMATES,
+    *estimated("torque_load", "coulomb"),
     "probability_contact_positive",
     "probability_gap",
     "probability_contact_negative",
-    "twist_deviation",
-    "speed_motor_deviation",
-    "speed_load_deviation",
-    "torque_shaft_deviation",
-    "torque_load_deviation",
-    "coulomb_deviation",
+    *deviations("twist", "speed_motor", "speed_load", "torque_shaft", "torque_load", "coulomb"),
 )
 
-#: As ``tuning.PROCESS_TORQUE``, Nm·√s, and ``extended_kalman.DRIFT``, Nm in 1 s (chosen on virtual rigs with even
-#: seeds: with a twist that wanders, the motor's inertia 20 % off and an unknown load torque need these).
-PROCESS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.03, "load": 0.01})
-DRIFT: Mapping[str, float] = MappingProxyType({"torque_load": 0.7})
+#: As ``tuning.TRACKING_TORQUE``, Nm·√s, and ``tuning.DRIFT``, Nm in 1 s. Calibration: virtual rigs with even seeds;
+#: with a twist that wanders, the motor's inertia 20 % off and an unknown load torque need these.
+MODELS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.03, "load": 0.01})
+MODELS_DRIFT: Mapping[str, float] = MappingProxyType({"torque_load": 0.7})
 
-#: How far the twist wanders beside the model in contact and in the gap, rad/√s (chosen): the gap lies beyond a piece of
-#: the joint that swings. An exact twist is held on to where it is wrong.
+#: How far the twist wanders beside the model in contact and in the gap, rad/√s. The gap lies beyond a part of the joint
+#: that swings, and an exact twist is held on to where it is wrong. Calibration: virtual rigs with even seeds.
 CONTACT_WANDER, GAP_WANDER = 5e-4, 2e-3
 
-#: Chance in a second that a model begins anew (chosen): what finds the twist again where it was lost.
+#: Chance in a second that a model begins anew: what finds the twist again where it was lost. Calibration: virtual rigs
+#: with even seeds.
 ANEW = 1e-5
 
-#: How long the errors of prediction are alike, s (chosen: the joint's own mode, 750 Hz, which no model has, swings for
-#: milliseconds; with 1 ms a fault of the sensor was forgotten too late). Samples closer than this are no independent
-#: evidence: the likelihood counts by its share of this time.
+#: How long the errors of prediction are alike, s. Samples closer than this are no independent evidence: the likelihood
+#: counts by its share of this time. Calibration: virtual rigs with even seeds, whose joint has an eigenmode of 750 Hz
+#: that swings for milliseconds; with 1 ms a fault of the sensor was forgotten too late.
 ALIKE = 5e-4
 
 
@@ -68,8 +61,8 @@ def interacting_models(
     Parameters
     ----------
     drivetrain, measured, dt, **tuning
-        As in ``extended_kalman``, with other defaults: ``PROCESS_TORQUE``, ``DRIFT``. Of ``drift`` and ``uncertainty``
-        only ``torque_load`` and ``coulomb`` count; the rest is fixed.
+        As in ``extended_kalman``, with other defaults: ``MODELS_TORQUE``, ``MODELS_DRIFT``. Of ``drift`` and
+        ``uncertainty`` only ``torque_load`` and ``coulomb`` count; the rest is fixed.
 
     Returns
     -------
@@ -89,26 +82,16 @@ def interacting_models(
     Distributions 1, section 13.10.1). For backlash as a hybrid system: Ferrari-Trecate & Gati 2006, Int. J. Control
     79, 496–507.
     """
-    from ...kernels.estimators import two_mass_model as at
-    from ...kernels.estimators.interacting_models import state as kernel
-
     measured = measured_sensors(measured)
-    p = np.zeros(kernel.GAP_PROCESS + 1)
-    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, PROCESS_TORQUE, tuning, DRIFT)
-    angle = scale_of(drivetrain).angle
-    p[at.START_VARIANCE] = (0.25 * drivetrain.backlash) ** 2 + (START_TWIST * angle) ** 2
-    for place in (at.START, at.START_VARIANCE, at.PROCESS):
-        p[place + kernel.COULOMB] = p[place + 7]  # the backlash is no state here
-    piece = dt / p[at.PIECES]
-    p[at.PROCESS] = (CONTACT_WANDER * angle) ** 2 * piece
-    p[kernel.GAP_PROCESS] = (GAP_WANDER * angle) ** 2 * piece
-    p[kernel.HALF], p[kernel.ANEW] = 0.5 * drivetrain.backlash, ANEW * piece
-    p[kernel.SHARE] = min(1.0, dt / ALIKE)
-    return Stepper(
-        name="interacting_models",
-        inputs=("torque_motor", *measured),
-        outputs=OUTPUTS,
-        dt=dt,
-        parameters=p,
-        estimator="interacting_models",
-    )
+    parameters = np.zeros((), INTERACTING_PARAMETERS)
+    p = parameters["common"]
+    p[()] = tracking_parameters(drivetrain, measured, dt, MODELS_TORQUE, tuning, MODELS_DRIFT)
+    angle, substep = scale_of(drivetrain).angle, dt / p["substeps"]
+    p["P0"][TWIST] = (0.25 * drivetrain.backlash) ** 2 + (START_TWIST * angle) ** 2
+    p["Q"][TWIST] = (CONTACT_WANDER * angle) ** 2 * substep
+    parameters["gap_Q"] = (GAP_WANDER * angle) ** 2 * substep
+    for of_states in (p["x0"], p["P0"], p["Q"]):
+        of_states[MODEL_COULOMB] = of_states[COULOMB]  # the backlash is no state here
+    parameters["half_gap"], parameters["anew"] = 0.5 * drivetrain.backlash, ANEW * substep
+    parameters["likelihood_share"] = min(1.0, dt / ALIKE)
+    return stepper("interacting_models", OUTPUTS, measured, dt, parameters)

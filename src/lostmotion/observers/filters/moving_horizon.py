@@ -9,13 +9,15 @@ import numpy as np
 
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
+from ...kernels.estimators.layout import HORIZON_PARAMETERS, MOST_NODES
 from ...systems import Stepper
 from ..arguments import positive
-from .extended_kalman import PROCESS_TORQUE, TRACKING_OUTPUTS, tracking_parameters
-from .tuning import Tuning, measured_sensors
+from .tracking_parameters import TRACKING_OUTPUTS, tracking_parameters
+from .tuning import TRACKING_TORQUE, Tuning, measured_sensors
+from .two_mass_parameters import stepper
 
-#: Most samples of a horizon, and Gauss–Newton passes for each new sample (chosen: 200 µs per sample).
-MAX_NODES, PASSES = 60, 2
+#: Numerics: Gauss–Newton passes for each new sample.
+PASSES = 2
 
 
 def moving_horizon(
@@ -38,14 +40,14 @@ def moving_horizon(
     Parameters
     ----------
     horizon : float, s
-        Length of the horizon; at least three samples, at most ``MAX_NODES``.
+        Length of the horizon; at least three samples, at most ``MOST_NODES``.
     drivetrain, measured, dt, **tuning
         As in ``extended_kalman``.
 
     Returns
     -------
     Stepper
-        Inputs torque_motor and ``measured``; outputs ``extended_kalman.TRACKING_OUTPUTS``.
+        Inputs torque_motor and ``measured``; outputs ``TRACKING_OUTPUTS``.
 
     Raises
     ------
@@ -57,23 +59,13 @@ def moving_horizon(
     Rostalski, Besselmann, Barić, van Belzen & Morari 2007, Int. J. Control 80, 1729–1740, estimate backlash so by mixed
     integers; here the regions are iterated along the trajectory (Gauss–Newton), which fits the time of a sample.
     """
-    from ...kernels.estimators import moving_horizon as kernel
-    from ...kernels.estimators import two_mass_model as at
-
     measured = measured_sensors(measured)
-    p = np.zeros(kernel.PASSES + 1)
-    p[: at.OWN] = tracking_parameters(drivetrain, measured, dt, PROCESS_TORQUE, tuning)
+    p = np.zeros((), HORIZON_PARAMETERS)
+    p["common"] = tracking_parameters(drivetrain, measured, dt, TRACKING_TORQUE, tuning)
     nodes = max(3, round(positive("horizon", horizon) / dt))
-    if nodes > MAX_NODES:
+    if nodes > MOST_NODES:
         raise InvalidInput(
-            "horizon", f"{nodes} samples", f"at most {MAX_NODES}", "Shorten it or sample more slowly."
+            "horizon", f"{nodes} samples", f"at most {MOST_NODES}", "Shorten it or sample more slowly."
         )
-    p[kernel.NODES], p[kernel.PASSES] = nodes, PASSES
-    return Stepper(
-        name="moving_horizon",
-        inputs=("torque_motor", *measured),
-        outputs=TRACKING_OUTPUTS,
-        dt=dt,
-        parameters=p,
-        estimator="moving_horizon",
-    )
+    p["nodes"], p["passes"] = nodes, PASSES
+    return stepper("moving_horizon", TRACKING_OUTPUTS, measured, dt, p)

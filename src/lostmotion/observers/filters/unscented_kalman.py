@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Unpack
 
 from ...drivetrain import Drivetrain
 from ...systems import Stepper
-from .extended_kalman import extended_kalman
-from .tuning import Tuning
+from .tracking_parameters import TRACKING_OUTPUTS, tracking_parameters
+from .tuning import TRACKING_TORQUE, Tuning, measured_sensors
+from .two_mass_parameters import stepper
 
 
 def unscented_kalman(
@@ -33,7 +33,7 @@ def unscented_kalman(
     Returns
     -------
     Stepper
-        Inputs torque_motor and ``measured``; outputs ``extended_kalman.TRACKING_OUTPUTS``.
+        Inputs torque_motor and ``measured``; outputs ``TRACKING_OUTPUTS``.
 
     Raises
     ------
@@ -44,5 +44,6 @@ def unscented_kalman(
     -----
     Julier & Uhlmann 2004, Proc. IEEE 92, 401–422, with κ = 1.
     """
-    extended = extended_kalman(drivetrain, measured=measured, dt=dt, **tuning)
-    return replace(extended, name="unscented_kalman", estimator="unscented_kalman")
+    measured = measured_sensors(measured)
+    parameters = tracking_parameters(drivetrain, measured, dt, TRACKING_TORQUE, tuning)
+    return stepper("unscented_kalman", TRACKING_OUTPUTS, measured, dt, parameters)

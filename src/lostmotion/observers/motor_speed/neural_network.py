@@ -8,12 +8,14 @@ from types import MappingProxyType
 import numpy as np
 
 from ...drivetrain import Drivetrain
+from ...kernels.estimators.layout import GAP_CENTRES, GAP_WEIGHTS, NETWORK_PARAMETERS
 from ...systems import Stepper
 from ..arguments import positive
-from ..filters.tuning import Array
+from ..estimates import ESTIMATES
+from ..filters.two_mass_parameters import Array, stepper
 from ..fixed_gain.kalman import kalman
 from ..scale import scale_of
-from .parameters import ESTIMATES, speed_only_parameters
+from .parameters import speed_only_parameters
 
 OUTPUTS = (*ESTIMATES, "backlash_estimated")
 
@@ -84,10 +86,9 @@ def neural_network(
     Schröder (ed.) 2000, Intelligent Observer and Control Design for Nonlinear Systems: separable
     nonlinearities at known places, error transfer function, normalised radial basis (GRNN). Gain: that of ``kalman``.
     """
-    from ...kernels.estimators import neural_network as kernel
+    from ...kernels.estimators.motor_speed.neural_network import basis
 
-    own = kernel.END_BASIS - kernel.FREE + kernel.N_GAP
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, own)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, NETWORK_PARAMETERS)
     scale, backlash = scale_of(drivetrain), drivetrain.backlash
     twist_range = max(1.5 * backlash, TWIST_RANGE * scale.angle) if twist_range is None else twist_range
     gap_error = max(0.5 * backlash, GAP_ERROR * scale.angle) if gap_error is None else gap_error
@@ -95,24 +96,17 @@ def neural_network(
     speed_range = SPEED_RANGE * scale.speed if speed_range is None else speed_range
     gap, friction = positive("gap_error", gap_error), positive("friction_error", friction_error)
     share = dt / positive("learning_time", learning_time)
-    p[kernel.GAIN : kernel.GAIN + 5] = _gain(drivetrain, dt, speed_from_counts)
-    p[kernel.FAST_GAIN : kernel.FAST_GAIN + 5] = _gain(drivetrain, dt, speed_from_counts, AFTER_BLACKOUT)
-    p[kernel.TWIST_RANGE] = positive("twist_range", twist_range)
-    p[kernel.SPEED_RANGE] = positive("speed_range", speed_range)
-    p[kernel.STEP_GAP], p[kernel.STEP_FRICTION] = gap**2 * share, friction**2 * share
-    p[kernel.INNOVATION] = (INNOVATION * scale.speed) ** 2
-    p[kernel.BOUND_GAP], p[kernel.BOUND_FRICTION] = 5.0 * gap, 5.0 * friction
-    ends = np.empty(kernel.GAP_CENTRES)
-    kernel.basis(1.0, kernel.GAP_CENTRES, ends)
-    p[kernel.END_BASIS :] = ends[kernel.N_GAP + 1 :] - ends[: kernel.N_GAP][::-1]
-    return Stepper(
-        name="neural_network",
-        inputs=("torque_motor", "speed_motor"),
-        outputs=OUTPUTS,
-        dt=dt,
-        parameters=p,
-        estimator="neural_network",
-    )
+    p["gain"] = _gain(drivetrain, dt, speed_from_counts)
+    p["fast_gain"] = _gain(drivetrain, dt, speed_from_counts, AFTER_BLACKOUT)
+    p["twist_range"] = positive("twist_range", twist_range)
+    p["speed_range"] = positive("speed_range", speed_range)
+    p["step_gap"], p["step_friction"] = gap**2 * share, friction**2 * share
+    p["innovation_variance"] = (INNOVATION * scale.speed) ** 2
+    p["bound_gap"], p["bound_friction"] = 5.0 * gap, 5.0 * friction
+    ends = np.empty(GAP_CENTRES)
+    basis(1.0, GAP_CENTRES, ends)
+    p["end_basis"] = ends[GAP_WEIGHTS + 1 :] - ends[:GAP_WEIGHTS][::-1]
+    return stepper("neural_network", OUTPUTS, ("speed_motor",), dt, p)
 
 
 def _gain(

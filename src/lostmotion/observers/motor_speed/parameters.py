@@ -8,19 +8,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...drivetrain import Drivetrain
+from ...kernels.estimators.layout import Record
 from ..arguments import positive
-from ..filters.tuning import FREEZE, PROCESS_TORQUE, Array, model_parameters
+from ..filters.tuning import PROCESS_TORQUE
+from ..filters.two_mass_parameters import FROZEN_MOVE, Parameters, model_parameters
 from ..scale import scale_of
-
-#: The outputs that every observer has.
-ESTIMATES = (
-    "twist_estimated",
-    "twist_elastic_estimated",
-    "speed_motor_estimated",
-    "speed_load_estimated",
-    "torque_shaft_estimated",
-    "friction_load_estimated",
-)
 
 #: An innovation beyond this is a jump, rad/s; it grows by that rate while no sample is believed, rad/s² (chosen).
 JUMP_LIMIT, JUMP_LIMIT_RATE = 4.0, 800.0
@@ -37,28 +29,21 @@ def speed_only_parameters(
     dt: float,
     sensor_noise: float | Mapping[str, float] | None,
     speed_from_counts: bool,
-    own: int,
-) -> Array:
-    """The parameters that ``kernels.estimators.motor_speed`` reads, and room for ``own`` more."""
-    from ...kernels.estimators import motor_speed as kernel
-    from ...kernels.estimators import two_mass_model as at
-
+    layout: Record,
+) -> Parameters:
+    """The parameters of an observer with this layout, all but its own of them filled in."""
     if not isinstance(sensor_noise, Mapping | None):
         sensor_noise = {"speed_motor": sensor_noise}
-    p = np.zeros(kernel.FREE + own)
-    p[: at.OWN] = model_parameters(
-        drivetrain,
-        ("speed_motor",),
-        dt,
-        sensor_noise,
-        speed_from_counts,
-    )
-    p[kernel.HALF], p[kernel.COULOMB] = 0.5 * drivetrain.backlash, drivetrain.coulomb
+    parameters = np.zeros((), layout)
+    own, p = parameters["common"], parameters["common"]["common"]
+    p[()] = model_parameters(drivetrain, ("speed_motor",), dt, sensor_noise, speed_from_counts)
+    own["half_gap"], own["coulomb"] = 0.5 * drivetrain.backlash, drivetrain.coulomb
     scale = scale_of(drivetrain)
-    p[kernel.EXPECTED] = (JUMP_LIMIT * scale.speed + OF_NOISE * p[at.STILL] / FREEZE) / p[at.GATE]
-    p[kernel.GROWTH] = JUMP_LIMIT_RATE * scale.speed * scale.rate * dt / p[at.GATE]
-    p[kernel.NOISE], p[kernel.COARSER] = p[at.STILL] / FREEZE, OF_NOISE / p[at.GATE]
-    return p
+    still = p["still"][0]
+    own["expected"] = (JUMP_LIMIT * scale.speed + OF_NOISE * still / FROZEN_MOVE) / p["gate"]
+    own["growth"] = JUMP_LIMIT_RATE * scale.speed * scale.rate * dt / p["gate"]
+    own["noise"], own["coarser"] = still / FROZEN_MOVE, OF_NOISE / p["gate"]
+    return parameters
 
 
 def load_corrections(drivetrain: Drivetrain, bandwidth: float, damping_ratio: float) -> tuple[float, float]:
@@ -87,22 +72,20 @@ def default_poles(
     return rate, ratio if damping_ratio is None else positive("damping_ratio", damping_ratio)
 
 
-def follow_share(drivetrain: Drivetrain, p: Array) -> float:
+def follow_share(drivetrain: Drivetrain, p: Parameters) -> float:
     """Share of the motor's error that one sample takes away, at most FASTEST: the sensor's noise against the model's.
 
     That of a Kalman filter of the motor alone with ``tuning.PROCESS_TORQUE`` on it: (density of the acceleration /
     density of the sensor) to the power ¼ if it counts angles, ½ if speeds.
     """
-    from ...kernels.estimators import two_mass_model as at
-
     acceleration = (PROCESS_TORQUE["motor"] * scale_of(drivetrain).torque / drivetrain.inertia_motor) ** 2
-    power = 0.25 if p[at.AVERAGED] else 0.5
-    rate = (acceleration / (p[at.VARIANCE] * p[at.DT])) ** power
-    return min(1.0 - math.exp(-rate * p[at.DT]), FASTEST)
+    model = p["common"]["common"]
+    power = 0.25 if model["counted"] else 0.5
+    rate = (acceleration / (model["R"][0] * model["dt"])) ** power
+    return min(1.0 - math.exp(-rate * model["dt"]), FASTEST)
 
 
-def error_of_counts(p: Array) -> float:
+def error_of_counts(p: Parameters) -> float:
     """Standard deviation of the innovation that the sensor alone makes, rad/s."""
-    from ...kernels.estimators import two_mass_model as at
-
-    return math.sqrt(p[at.VARIANCE]) / p[at.SCALE]
+    model = p["common"]["common"]
+    return math.sqrt(model["R"][0]) / float(model["scale"][0])

@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping
 
 from ...drivetrain import Drivetrain
+from ...kernels.estimators.layout import SLIDING_PARAMETERS
 from ...systems import Stepper
 from ..arguments import positive
+from ..estimates import ESTIMATES
+from ..filters.two_mass_parameters import stepper
 from ..scale import scale_of
 from .parameters import (
-    ESTIMATES,
     FASTEST,
     default_poles,
     follow_share,
@@ -51,7 +53,7 @@ def sliding_mode(
         ``UNKNOWN_TORQUE`` on the paper's rig, for others by ``scale.scale_of``.
     layer : float, rad/s, optional
         Innovation at which the whole correction acts, linear below; default: so that below it the motor speed is
-        followed as fast as its noise allows (``speed_only.follow_share``).
+        followed as fast as its noise allows (``parameters.follow_share``).
     bandwidth, damping_ratio : float, 1/s and –, optional
         How errors of twist and load speed die out in contact; default √(k/J_l) and 0.7, less for a coarse encoder.
     sensor_noise : float, rad/s, or mapping, optional
@@ -63,7 +65,7 @@ def sliding_mode(
     Returns
     -------
     Stepper
-        Inputs torque_motor, speed_motor; outputs ``speed_only.ESTIMATES``.
+        Inputs torque_motor, speed_motor; outputs ``estimates.ESTIMATES``.
 
     Raises
     ------
@@ -75,24 +77,15 @@ def sliding_mode(
     Merzouki & Cadiou 2005, Control Engineering Practice 13, 973–983: there the sliding correction is the estimate of
     the backlash's disturbing torque; here it corrects the model that contains the backlash. Defaults chosen.
     """
-    from ...kernels.estimators import sliding_mode as kernel
-
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, 5)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, SLIDING_PARAMETERS)
     if unknown_torque is None:
         unknown_torque = UNKNOWN_TORQUE * scale_of(drivetrain).torque
     reach = positive("unknown_torque", unknown_torque) / drivetrain.inertia_motor * dt
     share = follow_share(drivetrain, p)
     if layer is not None:
         share = min(math.sqrt(reach / positive("layer", layer)), FASTEST)
-    p[kernel.REACH], p[kernel.LAYER] = reach, reach / share**2 if layer is None else layer
-    p[kernel.TO_ANGLE] = share * (2.0 - share) * dt
+    p["reach"], p["layer"] = reach, reach / share**2 if layer is None else layer
+    p["to_angle"] = share * (2.0 - share) * dt
     poles = default_poles(drivetrain, share, dt, bandwidth, damping_ratio)
-    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(drivetrain, *poles)
-    return Stepper(
-        name="sliding_mode",
-        inputs=("torque_motor", "speed_motor"),
-        outputs=ESTIMATES,
-        dt=dt,
-        parameters=p,
-        estimator="sliding_mode",
-    )
+    p["to_twist"], p["to_load"] = load_corrections(drivetrain, *poles)
+    return stepper("sliding_mode", ESTIMATES, ("speed_motor",), dt, p)

@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping
 
 from ...drivetrain import Drivetrain
+from ...kernels.estimators.layout import TWISTING_PARAMETERS
 from ...systems import Stepper
 from ..arguments import positive
+from ..estimates import ESTIMATES
+from ..filters.two_mass_parameters import stepper
 from ..scale import scale_of
 from .parameters import (
-    ESTIMATES,
     default_poles,
     error_of_counts,
     load_corrections,
@@ -77,29 +79,20 @@ def super_twisting(
     Trans. Vehicular Technology 58, 4710–4719. The sign is a line where it would correct more than the three
     equal poles that the sensor's noise allows. Defaults chosen.
     """
-    from ...kernels.estimators import super_twisting as kernel
-
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, 8)
+    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, TWISTING_PARAMETERS)
     jm = drivetrain.inertia_motor
     scale = scale_of(drivetrain)
     torque_rate = TORQUE_RATE * scale.torque * scale.rate if torque_rate is None else torque_rate
     unknown_torque = UNKNOWN_TORQUE * scale.torque if unknown_torque is None else unknown_torque
     bound = positive("torque_rate", torque_rate) / jm
-    p[kernel.ROOT], p[kernel.INTEGRAL] = 1.5 * math.sqrt(bound) * dt, 1.1 * bound * dt**2
-    p[kernel.BOUND] = positive("unknown_torque", unknown_torque) / jm * dt
+    p["root"], p["integral"] = 1.5 * math.sqrt(bound) * dt, 1.1 * bound * dt**2
+    p["bound"] = positive("unknown_torque", unknown_torque) / jm * dt
     # At the sensor's own noise the root counts as a gain; angle and integral are placed for three equal poles there.
     error = error_of_counts(p)
-    share = min(math.sqrt(p[kernel.ROOT] / (3.0 * math.sqrt(error))), FASTEST)
-    p[kernel.LAYER] = max(p[kernel.INTEGRAL] / share**3, (p[kernel.ROOT] / (3.0 * share**2)) ** 2)
-    p[kernel.TO_ANGLE] = (1.0 - (1.0 - share) ** 3) * dt
+    share = min(math.sqrt(p["root"] / (3.0 * math.sqrt(error))), FASTEST)
+    p["layer"] = max(p["integral"] / share**3, (p["root"] / (3.0 * share**2)) ** 2)
+    p["to_angle"] = (1.0 - (1.0 - share) ** 3) * dt
     poles = default_poles(drivetrain, share, dt, bandwidth, damping_ratio)
-    p[kernel.TO_TWIST : kernel.TO_LOAD + 1] = load_corrections(drivetrain, *poles)
-    p[kernel.INERTIA] = jm / dt
-    return Stepper(
-        name="super_twisting",
-        inputs=("torque_motor", "speed_motor"),
-        outputs=OUTPUTS,
-        dt=dt,
-        parameters=p,
-        estimator="super_twisting",
-    )
+    p["to_twist"], p["to_load"] = load_corrections(drivetrain, *poles)
+    p["inertia"] = jm / dt
+    return stepper("super_twisting", OUTPUTS, ("speed_motor",), dt, p)

@@ -6,96 +6,66 @@ import math
 
 from numba import njit
 
-from ..two_mass_model import (
-    ANGLE,
-    AVERAGED,
-    COULOMB_BOUND,
-    DAMPING,
-    DOUBT,
-    DT,
-    FROZEN,
-    JUMP,
-    KIND,
-    LEAD,
-    MEMORY,
-    MODE_RATE,
-    MODE_SHARE,
-    SCALE,
+from ..kalman import correct, count_from_here, inflate, variance_along
+from ..layout import (
+    ANGLE_COUNTED,
+    MODEL_COULOMB,
+    MODEL_STATES,
+    MODELS,
     SPEED_LOAD,
     SPEED_MOTOR,
-    START_AGAIN,
-    STIFFNESS,
+    TORQUE_LOAD,
     TWIST,
+)
+from ..sensor_check import (
+    FROZEN,
+    JUMP,
+    OF_SPEED_LOAD,
+    OF_SPEED_MOTOR,
+    OF_TORQUE_SHAFT,
+    OF_TWIST,
+    REFUSED_RATE,
+    START_AGAIN,
     USE,
-    by_modes,
-    clip,
-    doubt,
-    next_count,
-    scalar_update,
-    sensor_believed,
+    check_sample,
     sensor_variance,
-    wound,
-    write_estimates,
-)  # fmt: skip
-from .state import (
-    BEFORE,
-    CHANCE,
-    COULOMB,
-    FRICTION,
-    HALF,
-    LOAD_TORQUE,
-    MODELS,
-    ONE,
-    SENSOR_MEMORY,
-    SHARE,
-    TORQUE_SPREAD,
-    N,
-    restart,
-)  # fmt: skip
+)
+from ..two_mass_model import clip, eigenmode_variance, elastic_change, write_estimates
+from .mixing import likeliest_model
+from .state import IN_GAP, edge, restart
 
 
 @njit(cache=True)
-def _row(p, s, m, kind, h):
-    """Predicted sensor value of model m (from counts: of the angle turned); its row over the states goes to h."""
-    at = m * ONE
-    for i in range(N):
-        h[i] = 0.0
-    if kind == SPEED_MOTOR:
-        state = ANGLE if p[AVERAGED] else 1
-        h[state] = 1.0
-        return s[at + state]
-    if kind == SPEED_LOAD:
-        h[2] = 1.0
-        return s[at + 2]
-    if kind == TWIST:
-        h[0] = 1.0
-        return s[at]
-    return _torque(p, s, m, h)
+def _predicted(own, x, m, kind, H):
+    """h(x): what a sensor should show by model m (from counts: the angle turned); the row ∂h/∂x goes to H."""
+    p = own.common
+    for i in range(MODEL_STATES):
+        H[i] = 0.0
+    if kind == OF_SPEED_MOTOR:
+        state = ANGLE_COUNTED if p.counted else SPEED_MOTOR
+        H[state] = 1.0
+        return x[state]
+    if kind == OF_SPEED_LOAD:
+        H[SPEED_LOAD] = 1.0
+        return x[SPEED_LOAD]
+    if kind == OF_TWIST:
+        H[TWIST] = 1.0
+        return x[TWIST]
+    return _shaft_torque(own, x, m, H)
 
 
 @njit(cache=True)
-def _torque(p, s, m, h):
-    """Shaft torque of model m; its row goes to h[0 … 2]."""
-    at, k = m * ONE, p[STIFFNESS]
-    closed = m != 1
-    h[0] = k if closed else 0.0
-    h[1] = p[DAMPING] - (0.0 if closed else k * p[LEAD])
-    h[2] = -h[1]
-    edge = (1 - m) * p[HALF]
-    return h[0] * (s[at] - edge) + h[1] * (s[at + 1] - s[at + 2])
+def _shaft_torque(own, x, m, H):
+    """Shaft torque by model m; its derivatives go to H[0 … 2]."""
+    p = own.common
+    H[TWIST] = 0.0 if m == IN_GAP else p.stiffness
+    H[SPEED_MOTOR] = p.damping - (p.stiffness * p.lead if m == IN_GAP else 0.0)
+    H[SPEED_LOAD] = -H[SPEED_MOTOR]
+    return H[TWIST] * (x[TWIST] - edge(own, m)) + H[SPEED_MOTOR] * (x[SPEED_MOTOR] - x[SPEED_LOAD])
 
 
 @njit(cache=True)
-def _likeliest(s):
-    best = 0
-    for m in range(MODELS):
-        if s[CHANCE + m] > s[CHANCE + best]:
-            best = m
-    return best
-
-
-@njit(cache=True)
-def _sudden(p, s, innovation):
+def _sudden(own, s, nu):
     """How much further a torque is off what all models expect than a shaft can wind within a sample.
 
     One of three models expects nearly any torque. But the shaft, touching or not, winds by no more than its ends turn
@@ -103,103 +73,101 @@ def _sudden(p, s, innovation):
     """
     rate, away = 0.0, 0.0
     for m in range(MODELS):
-        rate += s[CHANCE + m] * (s[m * ONE + 1] - s[m * ONE + 2])
-        away += s[CHANCE + m] * innovation[m]
-    return abs(away) - 2.0 * p[STIFFNESS] * p[DT] * abs(rate)
+        x = s.models[m].x
+        rate += s.probability[m] * (x[SPEED_MOTOR] - x[SPEED_LOAD])
+        away += s.probability[m] * nu[m]
+    return abs(away) - 2.0 * own.common.stiffness * own.common.dt * abs(rate)
 
 
 @njit(cache=True)
-def sensor(p, s, i, value, missing, h, gain, innovation, variance):
-    """One sensor in all models; returns whether it was not believed.
+def _moved_by_models(own, s, kind):
+    """Change of a predicted signal over the last sample by the models alone."""
+    state = SPEED_MOTOR if kind == OF_SPEED_MOTOR else SPEED_LOAD if kind == OF_SPEED_LOAD else TWIST
+    now = 0.0
+    for m in range(MODELS):
+        now += s.probability[m] * s.models[m].x[state]
+    if kind == OF_TORQUE_SHAFT:
+        return own.common.stiffness * elastic_change(now, s.before[TWIST], own.half_gap)
+    return now - s.before[state]
 
-    Scratch: h, gain (≥ 3, N); innovation, variance (≥ 3,).
-    """
-    kind = int(p[KIND + i])
-    best, error = 0, sensor_variance(p, s, SENSOR_MEMORY + MEMORY * i, i)
+
+@njit(cache=True)
+def correct_by_sensor(own, s, i, value, missing, w):
+    """Sensor i in all models; returns whether its sample was not used. Scratch: H, PHt, nu, S of each model."""
+    p, nu, S = own.common, w.nu, w.S
+    kind = int(p.kind[i])
+    best, R = 0, sensor_variance(p, i, s.sensors[i])
     for m in range(MODELS):
-        innovation[m] = value * p[SCALE + i] - _row(p, s, m, kind, h[m])
-        variance[m] = error
-        for j in range(N):
-            gain[m, j] = 0.0
-        for k in range(N):
-            if h[m, k] != 0.0:  # few are not
-                for j in range(N):
-                    gain[m, j] += s[m * ONE + N + k * N + j] * h[m, k]
-        for j in range(N):
-            variance[m] += h[m, j] * gain[m, j]
-        if innovation[m] * innovation[m] * variance[best] < innovation[best] * innovation[best] * variance[m]:
+        x, P = s.models[m].x, s.models[m].P
+        nu[m] = value * p.scale[i] - _predicted(own, x, m, kind, w.H)
+        S[m] = R + variance_along(P, w.H, w.PHt[m])
+        if nu[m] * nu[m] * S[best] < nu[best] * nu[best] * S[m]:
             best = m
-    moved = 0.0
-    column = 1 if kind == SPEED_MOTOR else 2 if kind == SPEED_LOAD else 0
-    for m in range(MODELS):
-        moved += s[CHANCE + m] * s[m * ONE + column]
-    away, spread = innovation[best], variance[best]
-    if kind > TWIST:
-        moved = p[STIFFNESS] * wound(moved, s[BEFORE], p[HALF])
-        sudden, own = _sudden(p, s, innovation), variance[_likeliest(s)]
-        if sudden > 0.0 and sudden * sudden * spread > away * away * own:
-            away, spread = sudden, own
-    else:
-        moved -= s[BEFORE + column]
-    verdict = sensor_believed(p, s, SENSOR_MEMORY + MEMORY * i, i, value, missing, moved, away, spread)
+    moved = _moved_by_models(own, s, kind)
+    away, variance = nu[best], S[best]
+    if kind == OF_TORQUE_SHAFT:
+        sudden, likeliest = _sudden(own, s, nu), S[likeliest_model(s)]
+        if sudden > 0.0 and sudden * sudden * variance > away * away * likeliest:
+            away, variance = sudden, likeliest
+    verdict = check_sample(p, i, s.sensors[i], value, missing, moved, away, variance)
     if verdict in (FROZEN, JUMP):
         for m in range(MODELS):
-            doubt(p, s, m * ONE + N, N, LOAD_TORQUE, math.exp(DOUBT * p[DT]))
+            inflate(s.models[m].P, TORQUE_LOAD, math.exp(REFUSED_RATE * p.dt), p.largest_deviation)
     if verdict == START_AGAIN:
-        restart(p, s, value if kind <= SPEED_LOAD else s[ONE + 1], LOAD_TORQUE)
+        restart(own, s, value if kind <= OF_SPEED_LOAD else s.models[IN_GAP].x[SPEED_MOTOR], TORQUE_LOAD)
     if verdict == USE:
-        _weigh(p, s, h, innovation, variance, gain)
-    if kind == SPEED_MOTOR and p[AVERAGED]:
+        _correct_models(own, s, w)
+    if kind == OF_SPEED_MOTOR and p.counted:
         for m in range(MODELS):
-            next_count(p, i, s, m * ONE, m * ONE + N, N, value, error, verdict == USE)
+            count_from_here(s.models[m].x, s.models[m].P, value * p.scale[i], R, verdict == USE)
     return verdict != USE
 
 
 @njit(cache=True)
-def _weigh(p, s, h, innovation, variance, gain):
-    """Every model corrected, and its chance by how likely the sample was."""
+def _correct_models(own, s, w):
+    """Every model corrected, and its probability by how likely the sample was."""
     total = 0.0
     for m in range(MODELS):
-        # Student's t with three degrees of freedom instead of Gauss: a mode that no model has must not decide; and of
-        # it the share of a sample, since errors of samples close to each other are alike.
-        tail = 1.0 + innovation[m] * innovation[m] / (3.0 * variance[m])
-        s[CHANCE + m] *= (tail * tail * math.sqrt(variance[m])) ** -p[SHARE]
-        total += s[CHANCE + m]
-        scalar_update(s, m * ONE, m * ONE + N, N, innovation[m], variance[m], gain[m])
-        s[m * ONE + COULOMB] = clip(s[m * ONE + COULOMB], 0.0, p[COULOMB_BOUND])
+        # Student's t with three degrees of freedom instead of Gauss: an eigenmode that no model has must not decide;
+        # and of it the share of a sample, since errors of samples close to each other are alike.
+        tail = 1.0 + w.nu[m] * w.nu[m] / (3.0 * w.S[m])
+        s.probability[m] *= (tail * tail * math.sqrt(w.S[m])) ** -own.likelihood_share
+        total += s.probability[m]
+        x = s.models[m].x
+        correct(x, s.models[m].P, w.PHt[m], w.nu[m], w.S[m])
+        x[MODEL_COULOMB] = clip(x[MODEL_COULOMB], 0.0, own.common.coulomb_bound)
     for m in range(MODELS):
-        s[CHANCE + m] /= total
+        s.probability[m] /= total
 
 
 @njit(cache=True)
-def write(p, s, h, work, outputs):
-    """All outputs: the mixture's means and standard deviations."""
-    mean, second = work[0], work[1]
-    for i in range(N):
-        mean[i] = second[i] = 0.0
+def write(own, s, H, mean, variance, outputs):
+    """All outputs: the mixture's means and standard deviations; ``H``, ``mean``, ``variance`` are scratch."""
+    p = own.common
+    for i in range(MODEL_STATES):
+        mean[i] = variance[i] = 0.0
         for m in range(MODELS):
-            mean[i] += s[CHANCE + m] * s[m * ONE + i]
+            mean[i] += s.probability[m] * s.models[m].x[i]
         for m in range(MODELS):
-            apart = s[m * ONE + i] - mean[i]
-            second[i] += s[CHANCE + m] * (s[m * ONE + N + i * N + i] + apart * apart)
-    write_estimates(p, mean[0], mean[1], mean[2], p[HALF], s[FRICTION], outputs)
+            apart = s.models[m].x[i] - mean[i]
+            variance[i] += s.probability[m] * (s.models[m].P[i, i] + apart * apart)
+    write_estimates(p, mean[TWIST], mean[SPEED_MOTOR], mean[SPEED_LOAD], own.half_gap, s.friction, outputs)
     torque, square = 0.0, 0.0
     for m in range(MODELS):
-        one = _torque(p, s, m, h)
-        variance, c = 0.0, m * ONE + N
+        one, P, of_one = _shaft_torque(own, s.models[m].x, m, H), s.models[m].P, 0.0
         for j in range(3):
             for k in range(3):
-                variance += h[j] * h[k] * s[c + j * N + k]
-        torque += s[CHANCE + m] * one
-        square += s[CHANCE + m] * (one * one + variance)
+                of_one += H[j] * H[k] * P[j, k]
+        torque += s.probability[m] * one
+        square += s.probability[m] * (one * one + of_one)
     outputs[4] = torque
-    outputs[6], outputs[7] = mean[LOAD_TORQUE], mean[COULOMB]
+    outputs[6], outputs[7] = mean[TORQUE_LOAD], mean[MODEL_COULOMB]
     for m in range(MODELS):
-        outputs[8 + m] = s[CHANCE + m]
+        outputs[8 + m] = s.probability[m]
     for i in range(3):
-        outputs[11 + i] = math.sqrt(max(second[i], 0.0))
-        s[BEFORE + i] = mean[i]
-    modes = by_modes(p[MODE_SHARE], p[MODE_RATE], s, TORQUE_SPREAD, torque)
-    outputs[14] = math.sqrt(max(square - torque * torque, 0.0) + modes)
-    outputs[15] = math.sqrt(max(second[LOAD_TORQUE], 0.0))
-    outputs[16] = math.sqrt(max(second[COULOMB], 0.0))
+        outputs[11 + i] = math.sqrt(max(variance[i], 0.0))
+        s.before[i] = mean[i]
+    eigenmodes = eigenmode_variance(p.eigenmode_share, p.eigenmode_rate, s.torque_moments, torque)
+    outputs[14] = math.sqrt(max(square - torque * torque, 0.0) + eigenmodes)
+    outputs[15] = math.sqrt(max(variance[TORQUE_LOAD], 0.0))
+    outputs[16] = math.sqrt(max(variance[MODEL_COULOMB], 0.0))

@@ -17,7 +17,7 @@ from lostmotion.observers import (
     standard_deviations,
     unscented_kalman,
 )
-from lostmotion.observers.filters.tuning import MODE_MEMORY, MODE_SHARE
+from lostmotion.observers.filters.tuning import EIGENMODE_MEMORY, EIGENMODE_SHARE
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 
@@ -70,7 +70,7 @@ def test_on_the_rig_the_errors_are_within_their_deviations(make, work):
     assert 0.9 < within < 0.99
     assert 0.75 < ratio < 2.2
     without, _ = judged(
-        *observed(make, work.drivetrain, given, mode_share=0.0), work.truth["torque_shaft"], work.judged
+        *observed(make, work.drivetrain, given, eigenmode_share=0.0), work.truth["torque_shaft"], work.judged
     )
     assert without < 0.6
 
@@ -84,7 +84,7 @@ def test_without_a_share_they_are_right_on_their_own_model(make):
     speed = true["speed_motor"] + SENSOR * rng.normal(size=torque.size)
     told = {"sensor_noise": {"speed_motor": SENSOR}, "process_torque": UNKNOWN} if make is not kalman else {}
     given = {"torque_motor": torque, "speed_motor": speed}
-    result = observed(make, PLANT, given, counted=False, mode_share=0.0, **told)
+    result = observed(make, PLANT, given, counted=False, eigenmode_share=0.0, **told)
     within, ratio = judged(*result, true["torque_shaft"], slice(3000, None))
     assert within > 0.93
     assert 0.85 < ratio < 1.4
@@ -94,12 +94,12 @@ def test_without_a_share_they_are_right_on_their_own_model(make):
 def test_it_is_a_share_of_the_torques_own_running_deviation_and_changes_nothing_else(make, work):
     given = work.recording.only("torque_motor", "speed_motor").window(0.0, 0.3)
     (estimate, told), (same, without) = (
-        observed(make, work.drivetrain, given, mode_share=share) for share in (0.2, 0.0)
+        observed(make, work.drivetrain, given, eigenmode_share=share) for share in (0.2, 0.0)
     )
     for first, second in ((estimate, same), (told, without)):
         for name in set(first) - {"torque_shaft_deviation"}:
             np.testing.assert_array_equal(first[name], second[name], err_msg=name)
-    rate = 1.0 - np.exp(-DT / MODE_MEMORY)
+    rate = 1.0 - np.exp(-DT / EIGENMODE_MEMORY)
     mean = variance = 0.0
     expected = []
     for torque in estimate["torque_shaft_estimated"]:
@@ -114,7 +114,9 @@ def test_a_steady_torque_makes_no_mode_swing():
     """10 Nm held against a load that rests."""
     plant = PLANT.with_parameters(coulomb=20.0)
     given = {"torque_motor": np.full(5000, 10.0), "speed_motor": np.zeros(5000)}
-    usual, without = (observed(kalman, plant, given, mode_share=share) for share in (MODE_SHARE, 0.0))
+    usual, without = (
+        observed(kalman, plant, given, eigenmode_share=share) for share in (EIGENMODE_SHARE, 0.0)
+    )
     assert usual[0]["torque_shaft_estimated"][-1] == pytest.approx(10.0, abs=0.5)
     added = usual[1]["torque_shaft_deviation"] ** 2 - without[1]["torque_shaft_deviation"] ** 2
     assert added.max() > 0.1
@@ -124,7 +126,7 @@ def test_a_steady_torque_makes_no_mode_swing():
 @pytest.mark.parametrize("make", [extended_kalman, unscented_kalman, interacting_models])
 def test_a_lost_estimate_forgets_what_the_torque_did(make):
     torque, speed = 20.0 * np.sin(200.0 * np.arange(300) * DT), np.zeros(300)
-    usual, without = (make(PLANT, dt=DT, mode_share=share) for share in (MODE_SHARE, 0.0))
+    usual, without = (make(PLANT, dt=DT, eigenmode_share=share) for share in (EIGENMODE_SHARE, 0.0))
     state = usual.init()
     for inputs in zip(torque, speed, strict=True):
         state, _, _ = usual.step(state, inputs)
@@ -141,6 +143,8 @@ def test_a_lost_estimate_forgets_what_the_torque_did(make):
 
 def test_a_share_below_zero_is_refused():
     with pytest.raises(InvalidInput, match="zero or more"):
-        extended_kalman(PLANT, dt=DT, mode_share=-0.1)
+        extended_kalman(PLANT, dt=DT, eigenmode_share=-0.1)
     with pytest.raises(InvalidInput, match="zero or more"):
-        observed(kalman, PLANT, {"torque_motor": np.zeros(3), "speed_motor": np.zeros(3)}, mode_share=-0.1)
+        observed(
+            kalman, PLANT, {"torque_motor": np.zeros(3), "speed_motor": np.zeros(3)}, eigenmode_share=-0.1
+        )

@@ -1,4 +1,4 @@
-"""A touch of the gap that the estimate only believes in: Kalman filters that track parameters take it back."""
+"""A contact that is only predicted: Kalman filters that track parameters cancel it once the speed contradicts."""
 
 from __future__ import annotations
 
@@ -8,22 +8,8 @@ import numpy as np
 import pytest
 
 from lostmotion.drivetrain import Drivetrain
-from lostmotion.kernels.estimators.parameter_tracking import (
-    COVARIANCE,
-    EASE_LOAD,
-    EASE_MOTOR,
-    FACTOR,
-    IMPULSE,
-    ODDS,
-    PULL,
-    WIDE,
-    WIDE_SPEED,
-    N,
-    judge_touch,
-    new_state,
-)
-from lostmotion.kernels.estimators.two_mass_model import DT as SAMPLE
-from lostmotion.kernels.estimators.two_mass_model import INERTIA_LOAD, INERTIA_MOTOR
+from lostmotion.kernels.estimators.contact import cancel_contact
+from lostmotion.kernels.estimators.layout import PARAMETERS, SPEED_LOAD, TRACKING, TWIST
 from lostmotion.observers import extended_kalman, unscented_kalman
 from lostmotion.signals import excitation
 from lostmotion.simulation import Sensor, measure, simulate
@@ -59,50 +45,54 @@ def test_a_gap_that_is_wide_against_the_winding_is_not_lost(make, largest, stiff
     assert found["backlash_estimated"][-1] == pytest.approx(0.012, rel=0.1)
 
 
-def touching(pull, wide):
-    """Parameters and state of a filter that expects ``pull``, with the deviation ``wide`` before the touch, rad."""
-    p = extended_kalman(stiff(5e4), dt=DT).parameters
-    s = new_state(p)
-    s[FACTOR] = s[EASE_MOTOR] = s[EASE_LOAD] = 1.0
-    s[0], s[2], s[PULL], s[WIDE], s[WIDE_SPEED] = 6.4e-3, 3.0, pull, wide**2, 0.1**2
+def predicted(torque, deviation):
+    """Parameters and memory of a filter that predicts a contact; its ``deviation`` before that, rad."""
+    observer = extended_kalman(stiff(5e4), dt=DT)
+    p = observer.parameters.view(PARAMETERS)[0]
+    s = observer.functions.init(np.array(observer.parameters)).view(TRACKING)[0]
+    x, contact = s["estimate"]["x"], s["contact"]
+    x[TWIST], x[SPEED_LOAD], contact["torque"] = 6.4e-3, 3.0, torque
+    contact["variance"], contact["speed_variance"] = deviation**2, 0.1**2
     return p, s
 
 
 def judged(p, s, innovation, samples=6, deviation=0.05):
+    estimate = s["estimate"]
     for _ in range(samples):
-        judge_touch(p, s, innovation, deviation**2)
+        cancel_contact(p, estimate["x"], estimate["P"], s["contact"], innovation, deviation**2)
 
 
-def test_a_touch_that_the_speed_contradicts_is_taken_back():
-    p, s = touching(20.0, 1e-3)
-    variances = s[COVARIANCE], s[COVARIANCE + 2 * N + 2]
+def test_a_predicted_contact_is_cancelled_once_the_log_odds_exceed_2():
+    p, s = predicted(20.0, 1e-3)
+    x, P = s["estimate"]["x"], s["estimate"]["P"]
+    variances = P[TWIST, TWIST], P[SPEED_LOAD, SPEED_LOAD]
     effect = (
-        20.0 * p[SAMPLE] / p[INERTIA_MOTOR]
+        20.0 * p["dt"] / p["inertia_motor"]
     )  # rad/s in a sample, 2.2 deviations: as if there were no torque
-    judge_touch(p, s, effect, 0.05**2)
-    assert s[0] == 6.4e-3  # not after one sample
-    judge_touch(p, s, effect, 0.05**2)
-    assert s[0] == pytest.approx(5e-3)
-    assert s[2] == pytest.approx(3.0 - 2.0 * 20.0 * p[SAMPLE] / p[INERTIA_LOAD])
-    assert s[COVARIANCE] == pytest.approx(variances[0] + 1e-6)
-    assert s[COVARIANCE + 2 * N + 2] == pytest.approx(variances[1] + 0.01)
-    assert s[ODDS] == s[IMPULSE] == 0.0
+    judged(p, s, effect, 1)
+    assert x[TWIST] == 6.4e-3  # not after one sample
+    judged(p, s, effect, 1)
+    assert x[TWIST] == pytest.approx(5e-3)
+    assert x[SPEED_LOAD] == pytest.approx(3.0 - 2.0 * 20.0 * p["dt"] / p["inertia_load"])
+    assert P[TWIST, TWIST] == pytest.approx(variances[0] + 1e-6)
+    assert P[SPEED_LOAD, SPEED_LOAD] == pytest.approx(variances[1] + 0.01)
+    assert s["contact"]["log_odds"] == s["contact"]["impulse"] == 0.0
 
 
-def test_on_the_other_side_it_is_taken_back_to_there():
-    p, s = touching(-20.0, 1e-3)
-    judged(p, s, -20.0 * p[SAMPLE] / p[INERTIA_MOTOR], 2)
-    assert s[0] == pytest.approx(-5e-3)
-    assert s[2] == pytest.approx(3.0 + 2.0 * 20.0 * p[SAMPLE] / p[INERTIA_LOAD])
+def test_on_the_other_side_it_is_cancelled_to_there():
+    p, s = predicted(-20.0, 1e-3)
+    judged(p, s, -20.0 * p["dt"] / p["inertia_motor"], 2)
+    assert s["estimate"]["x"][TWIST] == pytest.approx(-5e-3)
+    assert s["estimate"]["x"][SPEED_LOAD] == pytest.approx(3.0 + 2.0 * 20.0 * p["dt"] / p["inertia_load"])
 
 
 @pytest.mark.parametrize(
-    ("pull", "wide", "innovation"),
+    ("torque", "deviation", "innovation"),
     [(20.0, 1e-3, 0.0), (20.0, 1e-3, -0.1), (20.0, 8e-5, 0.11), (0.0, 1e-3, 0.11)],
     ids=["as predicted", "more torque still", "no room for a doubt", "in the gap"],
 )
-def test_otherwise_a_touch_stays(pull, wide, innovation):
-    p, s = touching(pull, wide)
-    before = s.copy()
+def test_otherwise_a_predicted_contact_stays(torque, deviation, innovation):
+    p, s = predicted(torque, deviation)
+    before = s.tobytes()
     judged(p, s, innovation)
-    assert np.array_equal(s, before)
+    assert s.tobytes() == before

@@ -1,0 +1,94 @@
+"""Kalman filter, one scalar measurement after the other: innovation, correction, prediction of the covariance.
+
+    ν = y − h(x),    S = H P Hᵀ + R,    K = P Hᵀ / S,    x ← x + K ν,    P ← P − K S Kᵀ
+    x ← f(x, u),     P ← F P Fᵀ + Q
+
+Särkkä 2013, Bayesian Filtering and Smoothing, theorem 4.2, for the extended filter algorithm 5.4; scalar measurements
+in turn: Simon 2006, Optimal State Estimation, section 6.1.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from .layout import ANGLE_COUNTED, SPEED_MOTOR
+
+
+@njit(cache=True, inline="always")
+def variance_along(P, H, PHt):
+    """H P Hᵀ; P Hᵀ goes to ``PHt``. Most entries of a row H are zero."""
+    n = H.size
+    for j in range(n):
+        PHt[j] = 0.0
+    for k in range(n):
+        if H[k] != 0.0:
+            for j in range(n):
+                PHt[j] += P[k, j] * H[k]
+    variance = 0.0
+    for j in range(n):
+        variance += H[j] * PHt[j]
+    return variance
+
+
+@njit(cache=True, inline="always")
+def correct(x, P, PHt, nu, S):
+    """x and P corrected by the innovation ν of variance S."""
+    n = x.size
+    for i in range(n):
+        x[i] += PHt[i] / S * nu
+    for i in range(n):
+        for j in range(i, n):
+            P[i, j] = P[j, i] = P[i, j] - PHt[i] * PHt[j] / S
+
+
+@njit(cache=True)
+def predict_covariance(F, P, Q, FP):
+    """F P Fᵀ + Q, where ``F`` has the rows of the moving states, the others are constants; ``FP`` is scratch."""
+    moving, n = F.shape
+    for i in range(moving):
+        for j in range(n):
+            FP[i, j] = F[i, 0] * P[0, j]
+        for k in range(1, n):
+            for j in range(n):
+                FP[i, j] += F[i, k] * P[k, j]
+    for i in range(moving):
+        for j in range(i, moving):
+            total = FP[i, 0] * F[j, 0]
+            for k in range(1, n):
+                total += FP[i, k] * F[j, k]
+            P[i, j] = P[j, i] = total
+        for j in range(moving, n):
+            P[i, j] = P[j, i] = FP[i, j]
+    for i in range(n):
+        P[i, i] += Q[i]
+
+
+@njit(cache=True)
+def inflate(P, states, factor, largest):
+    """Standard deviations of the first states grow by a factor, while that of the motor speed is below ``largest``.
+
+    So an estimate that was surer than it should be, after a drop-out say, believes its sensor again within
+    milliseconds.
+    """
+    if P[SPEED_MOTOR, SPEED_MOTOR] > largest * largest:
+        return
+    for i in range(states):
+        for j in range(P.shape[0]):
+            P[i, j] *= factor
+            P[j, i] *= factor
+
+
+@njit(cache=True, inline="always")
+def count_from_here(x, P, turned, R, used):
+    """After the encoder counted: the counted angle is measured from the newest count on.
+
+    A used sample moves it by what was counted, ``turned``. Otherwise the count is not known: the angle is then its
+    error alone, white noise of the variance R.
+    """
+    if used:
+        x[ANGLE_COUNTED] -= turned
+        return
+    x[ANGLE_COUNTED] = 0.0
+    for j in range(x.size):
+        P[ANGLE_COUNTED, j] = P[j, ANGLE_COUNTED] = 0.0
+    P[ANGLE_COUNTED, ANGLE_COUNTED] = R

@@ -1,0 +1,1 @@
+"""Observers with one sensor, the motor speed, and a fixed gain."""
