@@ -17,7 +17,7 @@ from ..numerics.vectors import (
 )
 from ..plant.enclosure import no_crossing
 from ..plant.event_loop import DONE, NEED_MODE, add_change, finish_sample
-from ..plant.layout import COMPILED, Array, Indices, block_size, mode_number, places_of
+from ..plant.layout import COMPILED, INNER, Array, Indices, block_size, mode_number, places_of
 
 
 class SensorTables(NamedTuple):
@@ -101,7 +101,7 @@ class _Places(NamedTuple):
     n_outputs: int
 
 
-@njit(inline="always", **COMPILED)
+@njit(forceinline=True, **INNER)
 def loop_places(entered, loop):
     s = loop.sensors
     return _Places(
@@ -115,7 +115,7 @@ def loop_places(entered, loop):
     )  # fmt: skip
 
 
-@njit(**COMPILED)
+@njit(**INNER)
 def _shown(p, value, i, k):
     """What the sensor of input i shows in sample k."""
     resolution = read(p.resolution, i)
@@ -128,7 +128,7 @@ def _shown(p, value, i, k):
     return value + read(p.disturbance, k * p.noise_row + i)
 
 
-@njit(inline="always", **COMPILED)
+@njit(forceinline=True, **INNER)
 def _measure(p, m, s, k):
     """The law's inputs in sample k, to their row."""
     for i in range(p.n_inputs):
@@ -145,7 +145,7 @@ def _measure(p, m, s, k):
         write(p.measured, k * p.n_inputs + i, value)
 
 
-@njit(inline="always", **COMPILED)
+@njit(forceinline=True, **INNER)
 def control(p, m, s, k, last):
     """Sensors and law of sample k, and the torques on the plant, which s holds then; returns the first one."""
     u, y = k * p.n_inputs, (k + p.delay) * p.n_outputs
