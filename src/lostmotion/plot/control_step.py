@@ -8,13 +8,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..recording import Recording
-from .style import SERIES, SET_POINT, Floats, axis_label, display_unit, is_held, panels, title_and_legend
+from .style import (
+    SERIES,
+    SET_POINT,
+    Floats,
+    axis_label,
+    display_unit,
+    is_held,
+    panels,
+    thin_min_max,
+    title_and_legend,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SIGNALS = ("speed_load", "speed_motor", "torque_motor", "twist")
+#: A line is drawn by its extremes in so many parts of the window (chosen: a panel is 360 points wide).
+BINS = 500
 
 
 def control_step(
@@ -60,7 +72,8 @@ def control_step(
             )
         for (name, response), line in zip(cut.items(), SERIES, strict=False):
             if signal in response:
-                axis.plot(response.time, factor * response[signal], label=name, drawstyle=style, **line)
+                thinned = thin_min_max(response.time, factor * response[signal], BINS)
+                axis.plot(*thinned, label=name, drawstyle=style, **line)
         if signal == "torque_motor" and torque_limit is not None:
             _draw_limits(axis, torque_limit, [r[signal] for r in cut.values() if signal in r])
         axis.set(ylabel=axis_label(signal), xlim=(first.time[0], first.time[-1]))

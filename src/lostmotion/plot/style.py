@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -132,11 +131,10 @@ def thin_min_max(time: ArrayLike, values: ArrayLike, bins: int) -> tuple[Floats,
     t, v = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     if t.size <= 2 * bins:
         return t, v
-    edges = np.linspace(0, t.size, bins + 1).astype(int)
-    kept: list[int] = [0]
-    for start, stop in pairwise(edges):
-        part = v[start:stop]
-        kept += sorted({start + int(np.argmin(part)), start + int(np.argmax(part))})
-    kept.append(t.size - 1)
-    rows = np.unique(kept)
+    width = -(-t.size // bins)
+    starts = np.arange(0, t.size, width)
+    # The last bin is filled up with the last value, which is in it anyway.
+    parts = np.append(v, np.full(starts.size * width - t.size, v[-1])).reshape(-1, width)
+    lowest, highest = starts + parts.argmin(axis=1), starts + parts.argmax(axis=1)
+    rows = np.unique(np.concatenate([[0], lowest, highest, [t.size - 1]]))
     return t[rows], v[rows]

@@ -132,7 +132,9 @@ def _one(
     sampled(block, density, dt, step, noise)
     c, memory, gain = np.zeros((sensors, n)), np.zeros(sensors, dtype=np.int64), np.zeros((n, sensors))
     _rows(channels, averaged, angle, n_model, parameters, c, memory)
-    phi[:n_model, :n_model] = step[:n_model, :n_model]
+    for i in range(n_model):
+        for j in range(n_model):
+            phi[i, j] = step[i, j]
     for i in range(sensors):
         if memory[i] >= 0:
             phi[memory[i], 1 if channels[i] == SPEED_MOTOR else 2] = 1.0

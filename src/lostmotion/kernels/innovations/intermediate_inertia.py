@@ -129,7 +129,9 @@ def _one(parameters, joint, bandwidth, dt, speed_from_counts, bounds, torque, sp
     density[2, 2] = bandwidth[1] ** 2
     _continuous(parameters, joint, block)
     sampled(block, density, dt, step, noise)
-    phi[:n, :n] = step[:n, :n]
+    for i in range(n):
+        for j in range(n):
+            phi[i, j] = step[i, j]
     phi[n, 1] = 1.0
     c, gain = np.zeros((1, n + 1)), np.zeros((n + 1, 1))
     c1 = 0.5 if speed_from_counts else 1.0

@@ -35,7 +35,7 @@ def four_rows(at, table, x0, x1, x2, v):
     return add(fused(load(at, table), x0, rest), late)
 
 
-@njit(inline="always", **COMPILED)
+@njit(forceinline=True, **INNER)
 def _finish(places, address_s, digits, radix, start, k, events, count):
     """The rest of sample k by `finish_sample`; returns status, where it goes on (0 if it ended), events, the mode."""
     status, reached, count = finish_sample(

@@ -176,7 +176,7 @@ def _advance(at, table, s, change, order, time, N, C, idle):
     add_change(s, change, N)
 
 
-@njit(inline="always", **COMPILED)
+@njit(**INNER)
 def finish_sample(places, s, digits, start, k, events, space, count, N, C, E, idle):
     """The rest of sample k from time `start` (in samples), event by event; returns status, time reached, event count.
 
