@@ -15,8 +15,8 @@ PLANT = lm.Drivetrain.two_mass(
 )  # fmt: skip
 
 
-def recorded(plant: lm.Drivetrain, bits: int) -> lm.Recording:
-    torque = lm.signals.excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+def recorded(plant: lm.Drivetrain, bits: int, seed: int = 1) -> lm.Recording:
+    torque = lm.signals.excitation(2.0, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     run = lm.simulate(plant, torque_motor=torque, dt=DT)
     count = 2.0 * np.pi / 2**bits
     counts = np.floor(run["angle_motor"] / count)
@@ -26,11 +26,17 @@ def recorded(plant: lm.Drivetrain, bits: int) -> lm.Recording:
 
 @pytest.mark.parametrize("true", ["viscoelastic", "dead_zone"])
 def test_the_true_law_predicts_better(true: str):
-    result = compare_contacts(recorded(PLANT.with_contact(true), 20), start=PLANT)
-    assert result.better == true and result.problems == ()
-    assert result.gain > 0.1 and result.certainty > 3.0
-    assert result.found[true].drivetrain.contact == true
-    assert result.found[true].values["damping"] == pytest.approx(PLANT.damping, rel=0.02)
+    """In most recordings, and never the wrong one: a single block that stands out makes it "cannot be told"."""
+    told = []
+    for seed in (1, 2, 3):
+        result = compare_contacts(recorded(PLANT.with_contact(true), 20, seed), start=PLANT)
+        assert result.better in (true, None)
+        if result.better == true:
+            assert result.problems == () and result.gain > 0.1 and result.certainty > 3.0
+            assert result.found[true].drivetrain.contact == true
+            assert result.found[true].values["damping"] == pytest.approx(PLANT.damping, rel=0.02)
+        told.append(result.better)
+    assert told.count(true) >= 2
 
 
 def test_without_much_damping_they_cannot_be_told_apart():

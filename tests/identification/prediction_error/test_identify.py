@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import binomtest
 
 import lostmotion as lm
 from lostmotion.identification import Identification
@@ -103,7 +104,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         found = lm.identify(counted(simulated(seed, 5.0), phase=0.1 * seed), start=PLANT)
         hits += [low <= TABLE_I[n] <= high for n, (low, high) in found.intervals.items()]
     assert len(hits) == 6 * len(NAMES)
-    assert np.mean(hits) >= 0.9
+    # Too few only where chance would hardly make it so: the last digits move single intervals over the truth.
+    assert binomtest(sum(hits), len(hits), 0.95, "less").pvalue > 0.005
 
 
 def test_intervals_shrink_with_the_recording():
