@@ -53,16 +53,18 @@ def _field(dtype: np.dtype[Any]) -> Any:
 
 
 def reads(dtype: np.dtype[Any]) -> Any:
-    """A function for kernels: the record at the start of a flat array, which its caller keeps alive."""
+    """A function for kernels: the record at the start of a flat array, or at a pointer; its caller keeps it alive."""
     kind = record_type(dtype)
 
     @intrinsic
-    def record(typing: Any, array: Any) -> Any:
+    def record(typing: Any, numbers: Any) -> Any:
         def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            view = context.make_array(signature.args[0])(context, builder, args[0])
-            return builder.bitcast(view.data, context.get_value_type(kind))
+            start = args[0]
+            if isinstance(numbers, types.Array):
+                start = context.make_array(numbers)(context, builder, start).data
+            return builder.bitcast(start, context.get_value_type(kind))
 
-        return kind(array), code
+        return kind(numbers), code
 
     return record
 

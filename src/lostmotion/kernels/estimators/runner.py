@@ -9,9 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-#: As ``law_code.INPUT_BOUND``: an input outside ±INPUT_BOUND (NaN and infinity included) is replaced by the last good
-#: one.
-INPUT_BOUND = 1e30
+from .verdicts import INPUT_BOUND
 
 _ARRAY = types.float64[::1]
 

@@ -1,8 +1,7 @@
-"""Which sample of a sensor is used: one that is missing, frozen, or a jump is not, and the filter predicts through it.
+"""Which sample of a sensor an estimator uses: one that is missing, frozen, or a jump is not, see ``verdicts``.
 
-The innovation is judged by its own standard deviation (the validation gate of Bar-Shalom, Li & Kirubarajan 2001,
-Estimation with Applications to Tracking and Navigation, section 5.4): that is how well the estimate knows the signal.
-The laws with a fixed gain have no covariance; see ``kernels.law.input_check``.
+The innovation is judged by its own standard deviation, that is by how well the estimate knows the signal (validation
+gate: Bar-Shalom & Fortmann 1988, Tracking and Data Association).
 """
 
 from __future__ import annotations
@@ -11,8 +10,7 @@ import math
 
 from numba import njit
 
-#: What is done with a sample: use it; predict through it since it is missing, frozen or a jump; start again from it.
-USE, MISSING, START_AGAIN, FROZEN, JUMP = 0, 1, 2, 3, 4
+from .verdicts import FROZEN, JUMP, MISSING, START_AGAIN, USE
 
 #: What a sensor measures: its ``kind``.
 OF_SPEED_MOTOR, OF_SPEED_LOAD, OF_TWIST, OF_TORQUE_SHAFT = 0, 1, 2, 3

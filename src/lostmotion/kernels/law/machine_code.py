@@ -12,7 +12,8 @@ import struct
 import threading
 from typing import Any, NamedTuple
 
-from .input_check import GOOD, INPUT_BOUND, LARGER, LEARNED, REMEMBERED, REPLACED, SUDDEN, check
+from ..estimators.verdicts import INPUT_BOUND, START_AGAIN, USE
+from .input_check import LARGER, LEARNED, REMEMBERED, SUDDEN, check
 
 #: Slope of a curve's segment: nought, one, or any other. A flat one need not wait for the curve's argument.
 FLAT, ONE, STEEP = 0, 1, 2
@@ -131,9 +132,9 @@ def _checked(
     check's numbers are those from ``place`` on, and it remembers from ``at`` on.
     """
     limit, hold, forget = (w.load("%numbers", place + part) for part in range(3))
-    last, times, _, before, doubt, *late = (w.load("%state", at + part) for part in range(REMEMBERED))
+    last, repeats, _, last_error, refused, *late = (w.load("%state", at + part) for part in range(REMEMBERED))
     error = w.make(f"fsub double {given}, {predicted}")
-    size, change = w.size(error), w.size(w.make(f"fsub double {error}, {before}"))
+    size, change = w.size(error), w.size(w.make(f"fsub double {error}, {last_error}"))
     bound = w.larger(limit, w.times(late[0], LEARNED))
     sudden = w.larger(w.times(limit, SUDDEN), w.times(late[1], LARGER))
     usual = w.usable(given)
@@ -142,17 +143,17 @@ def _checked(
         w.make(f"fcmp ole double {size}, {bound}"),
         w.make(f"fcmp ole double {change}, {sudden}"),
         w.make(f"fcmp one double {given}, {last}"),
-        w.make(f"fcmp ogt double {times}, 0.0"),
-        w.make(f"fcmp olt double {doubt}, {hold}"),
+        w.make(f"fcmp ogt double {repeats}, 0.0"),
+        w.make(f"fcmp olt double {refused}, {hold}"),
     ):
         usual = w.make(f"and i1 {usual}, {condition}")
     w.lines.append(f"br i1 {usual}, label %good{i}, label %other{i}, !prof !0")
     w.label(f"good{i}")
-    found = (size, change, w.smaller(times, hold))
+    found = (size, change, w.smaller(repeats, hold))
     late = [
         w.larger(new, w.make(f"fmul double {forget}, {old}")) for new, old in zip(found, late, strict=True)
     ]
-    for part, value in enumerate((given, "1.0", before, error, "0.0", *late)):
+    for part, value in enumerate((given, "1.0", last_error, error, "0.0", *late)):
         w.store(value, "%state", at + part)
     w.lines.append(f"br label %taken{i}")
     w.label(f"other{i}")
@@ -163,9 +164,9 @@ def _checked(
     )
     if not keep:
         kept = w.make(f"select i1 {w.usable(predicted)}, double {predicted}, double {kept}")
-    replaced = w.make(f"icmp eq i64 {verdict}, {REPLACED}")
+    replaced = w.make(f"icmp sgt i64 {verdict}, {START_AGAIN}")
     value = w.make(f"select i1 {replaced}, double {kept}, double {given}")
-    good = w.make(f"icmp eq i64 {verdict}, {GOOD}")
+    good = w.make(f"icmp eq i64 {verdict}, {USE}")
     bad = w.make(f"select i1 {good}, i64 0, i64 {1 << i}")
     w.lines.append(f"br label %taken{i}")
     w.label(f"taken{i}")

@@ -6,8 +6,9 @@ from numba import njit
 
 from ..layout import ANGLE_COUNTED, SPEED_LOAD, SPEED_MOTOR, TORQUE_ACTUATOR, TWIST
 from ..missing_inputs import torque_to_use
-from ..sensor_check import FROZEN, LOST, START_AGAIN, USE, check_sample, deviation_of_counts
+from ..sensor_check import LOST, check_sample, deviation_of_counts
 from ..two_mass_model import advance, clip, write_estimates
+from ..verdicts import FROZEN, START_AGAIN, USE
 
 #: Each sample that is there again makes up for so many in which torque and speed were missing (calibrated on virtual
 #: rigs 1 to 4).

@@ -23,19 +23,16 @@ from ..layout import (
     TWIST,
 )
 from ..sensor_check import (
-    FROZEN,
-    JUMP,
     OF_SPEED_LOAD,
     OF_SPEED_MOTOR,
     OF_TORQUE_SHAFT,
     OF_TWIST,
     REFUSED_RATE,
-    START_AGAIN,
-    USE,
     check_sample,
     sensor_variance,
 )
 from ..two_mass_model import eigenmode_variance, elastic_change, write_estimates
+from ..verdicts import FROZEN, JUMP, START_AGAIN, USE
 from .start import bound, restart
 
 
