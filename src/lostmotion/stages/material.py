@@ -33,7 +33,7 @@ VALIDATION_PART = 0.3
 
 @dataclass(frozen=True)
 class Settings:
-    """What is designed: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), PI (Nm s/rad, Nm/rad)."""
+    """What is designed: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), kp and ki of the PI."""
 
     sample_time: float | None = None
     torque_limit: float = np.inf
