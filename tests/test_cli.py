@@ -221,3 +221,44 @@ def test_ctrl_c_keeps_the_previous_output(tmp_path: Path) -> None:
     assert "Traceback" not in rest
     assert (tmp_path / "out" / "results.json").read_bytes() == before
     assert {p.name for p in tmp_path.iterdir()} == {"short.csv", "rig.toml", "out"}
+
+
+def complete(shell: str, **environment: str) -> str:
+    """What the installed command answers a shell that asks by the environment, as completion scripts do."""
+    code = "import sys; sys.argv[0] = 'lostmotion'; from lostmotion.cli import main; main()"
+    asked = {**os.environ, "_LOSTMOTION_COMPLETE": shell, **environment}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, env=asked, check=False
+    )
+    return done.stdout
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell"])
+def test_a_completion_script_for_each_shell(shell: str) -> None:
+    script = complete(f"source_{shell}")
+    assert "_LOSTMOTION_COMPLETE" in script and f"complete_{shell}" in script
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("i", ["init", "identify"]),
+        ("run --s", ["--seed"]),
+        ("init --sch", ["--schema"]),
+        ("compare o", ["observers"]),
+        ("frf --method H", ["H1", "H2", "Hv"]),
+        ("frf --output speed_m", ["speed_motor"]),
+        ("excite --kind ", ["levels", "step", "chirp", "multisine", "prbs", "noise"]),
+    ],
+)
+def test_commands_options_and_values_are_completed(typed: str, offered: list[str]) -> None:
+    words = f"lostmotion {typed}"
+    found = complete("complete_bash", COMP_WORDS=words, COMP_CWORD=str(len(words.split(" ")) - 1))
+    assert found.split() == offered
+
+
+def test_the_kinds_that_are_offered_are_all_that_there_are() -> None:
+    from lostmotion.cli.options import KINDS
+    from lostmotion.experiment import shapes
+
+    assert set(KINDS) == set(shapes.KINDS)

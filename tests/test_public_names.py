@@ -115,11 +115,12 @@ def test_names_of_a_page_exist_in_public_rooms(page: Path) -> None:
         for dotted in attributes(tree):
             resolve(dotted)
     for span in INLINE.findall(FENCED.sub("", text)):
-        if match := re.match(r"(lm|lostmotion|\w+)((?:\.\w+)+)", span):
+        match = re.match(r"(\w+)((?:\.\w+)+)", span)
+        if match and not FILE.search(span):
             first, rest = match.groups()
             if first in ("lm", "lostmotion"):
                 resolve(f"lm{rest}")
-            elif first in ROOMS and not FILE.search(span):
+            elif first in ROOMS:
                 resolve(f"lm.{first}{rest}")
 
 

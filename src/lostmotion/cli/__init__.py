@@ -40,7 +40,6 @@ app = typer.Typer(
     help="From a recording to an identified drivetrain with backlash, observer, controller, evidence and C code.",
     epilog=EXIT_CODES,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 app.callback()(_options)

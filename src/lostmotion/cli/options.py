@@ -3,9 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any
 
 import typer
+
+#: Values of ``frf --method`` and ``excite --kind``; those of ``experiment.shapes.KINDS``, which is slow to load.
+METHODS = ("H1", "H2", "Hv")
+KINDS = ("levels", "step", "chirp", "multisine", "prbs", "noise")
+
+
+def completing(names: Iterable[str]) -> Callable[[str], list[str]]:
+    """What the shell offers for the beginning of a value."""
+    return lambda incomplete: [name for name in names if name.startswith(incomplete)]
+
+
+def signals(incomplete: str) -> list[str]:
+    from ..recording import SIGNAL_UNITS
+
+    return completing(SIGNAL_UNITS)(incomplete)
 
 
 def positive(value: float | None) -> float | None:
@@ -31,6 +47,6 @@ SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed; default: the 
 
 
 def known_method(name: str) -> Any:
-    if name not in ("H1", "H2", "Hv"):
-        raise typer.BadParameter(f"{name!r} is none of H1, H2, Hv", param_hint="--method")
+    if name not in METHODS:
+        raise typer.BadParameter(f"{name!r} is none of {', '.join(METHODS)}", param_hint="--method")
     return name

@@ -8,7 +8,17 @@ from typing import Annotated
 import typer
 
 from .messages import finished, interruptible
-from .options import SeedOption, finite_positive, known_method, positive, spread_below_one
+from .options import (
+    KINDS,
+    METHODS,
+    SeedOption,
+    completing,
+    finite_positive,
+    known_method,
+    positive,
+    signals,
+    spread_below_one,
+)
 
 
 def identify(
@@ -33,9 +43,13 @@ def identify(
 def frf(
     file: Annotated[Path | None, typer.Argument(help="TOML or .npz; without: the virtual rig.")] = None,
     out: Annotated[Path, typer.Option(help="Name of the files to write, .json and .png.")] = Path("frf"),
-    signal_in: Annotated[str, typer.Option("--input", help="Input signal.")] = "torque_motor",
-    signal_out: Annotated[str, typer.Option("--output", help="Output signal.")] = "speed_motor",
-    method: Annotated[str, typer.Option(help="H1, H2 or Hv.")] = "H1",
+    signal_in: Annotated[
+        str, typer.Option("--input", help="Input signal.", autocompletion=signals)
+    ] = "torque_motor",
+    signal_out: Annotated[
+        str, typer.Option("--output", help="Output signal.", autocompletion=signals)
+    ] = "speed_motor",
+    method: Annotated[str, typer.Option(help="H1, H2 or Hv.", autocompletion=completing(METHODS))] = "H1",
     reference: Annotated[str | None, typer.Option(help="Reference signal of a closed loop.")] = None,
     low: Annotated[float, typer.Option(help="Lowest frequency, Hz.")] = 1.0,
     high: Annotated[float, typer.Option(help="Highest frequency, Hz.")] = 200.0,
@@ -65,7 +79,10 @@ def excite(
     out: Annotated[Path, typer.Option(help="Name of the files to write: .csv, .json, .png.")] = Path(
         "designed_torque"
     ),
-    kind: Annotated[str, typer.Option(help="levels, step, chirp, multisine, prbs or noise.")] = "levels",
+    kind: Annotated[
+        str,
+        typer.Option(help="levels, step, chirp, multisine, prbs or noise.", autocompletion=completing(KINDS)),
+    ] = "levels",
     duration: Annotated[float, typer.Option(callback=finite_positive, help="s")] = 10.0,
     dt: Annotated[float, typer.Option(callback=finite_positive, help="Sample time of the drive, s.")] = 1e-4,
     torque_limit: Annotated[

@@ -33,7 +33,7 @@ VALIDATION_PART = 0.3
 
 @dataclass(frozen=True)
 class Settings:
-    """What is designed: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), PI (Nm s/rad, 1/s)."""
+    """What is designed: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), kp and ki of the PI."""
 
     sample_time: float | None = None
     torque_limit: float = np.inf
@@ -111,7 +111,6 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
         torque_limit=np.inf if law.torque_limit is None else law.torque_limit,
         poles=law.poles,
         kp=Settings.kp if law.kp is None else law.kp,
-        # The file gives the integral gain in Nm/rad, the controller takes it relative to kp.
         ki=Settings.ki if law.ki is None else law.ki,
     )
     problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
