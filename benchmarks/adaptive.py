@@ -23,7 +23,7 @@ from lostmotion.compare.statistics import median
 from lostmotion.recording import Recording
 
 DURATION, FROM, TARGET = 8.0, 5.0, 1.5
-OFF = tuple(case for case in CASES if case.told)
+OFF = tuple(case for case in CASES if case.factors)
 RIGHT = tuple(case for case in CASES if case.name in ("nominal", "identified"))
 #: Observers that are shown; moving horizon on request.
 NAMES = (
@@ -92,7 +92,7 @@ def print_table(rigs: list[dict[tuple[str, str], Row]], name: str, cases: tuple[
             cell([row[p] for row in rows], 1) for p in known
         ]
         print(f"| {case.name} | " + " | ".join(cells) + " |")
-        if case.told:
+        if case.factors:
             worst = {s: max(worst[s], median([row[s] for row in rows]).value) for s in SIGNALS}
     verdict = "met" if max(worst.values()) <= TARGET else "missed"
     print(

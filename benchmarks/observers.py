@@ -274,7 +274,7 @@ def print_targets(board: Leaderboard) -> None:
         board.observers, key=lambda n: (board.median(n, "identified", "f1_gap") or median([0.0])).value
     )
     rows.append([f"best F1 after identification: {best}", "≥ 0.95", at(best, "identified", "f1_gap")])
-    off = [case.name for case in board.cases if case.told]
+    off = [case.name for case in board.cases if case.factors]
     for name in ("Observer 1", "load torque", "H∞, load torque", "Observer 2, load torque"):
         for metric, words in (("speed_load", "load speed"), ("torque_shaft", "shaft torque")):
             worst = max(off, key=lambda c: board.median(name, c, metric).value)  # type: ignore[union-attr]

@@ -118,7 +118,7 @@ def test_few_rigs_prove_nothing():
     assert few.to_dict()["observers"][0]["wins"] is None
     text = few.to_markdown()
     assert row(text, "steady")[4] == "–" and "0 – 0 – 0" not in text
-    assert "Fewer than 5 rigs prove no win" in text
+    assert "Fewer than 5 rigs: no wins" in text
     assert "Fewer than" not in board(rigs=5).to_markdown()
 
 
@@ -141,6 +141,12 @@ def test_json_says_what_was_compared_by_what(full):
 def test_csv_has_a_line_for_each_score(full):
     rows = list(csv.DictReader(io.StringIO(full.to_csv())))
     assert len(rows) == len(CASES) * 6 * 3
+
+
+def test_tables_fit_on_a_screen():
+    text = board(names=("Observer 1", "extended Kalman, both sensors")).to_markdown()
+    assert max(map(len, text.splitlines())) <= 120
+    assert all(f"| {group} |" in text for group in {case.group for case in CASES})
 
 
 def test_one_case_of_several_is_called_by_its_own_name(full):

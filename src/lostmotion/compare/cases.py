@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-#: Parameters that an observer may be told wrongly, one at a time.
+#: Parameters that are given wrong to the observers, one at a time.
 PARAMETERS = (
     "inertia_motor",
     "inertia_load",
@@ -20,7 +20,7 @@ PARAMETERS = (
 
 @dataclass(frozen=True)
 class Case:
-    """One experiment; every field that is left out is the nominal one.
+    """One experiment; a field that is left out has its nominal value.
 
     Parameters
     ----------
@@ -32,20 +32,20 @@ class Case:
     parameters : {"equivalent", "identified"}
         What the observers are built on: the rig's equivalent two-mass parameters, or those identified from a
         recording of their own.
-    told : mapping of parameter → factor
-        By how much the observers' parameters are off.
+    factors : mapping of parameter → factor
+        Applied to the parameters that the observers are given.
     encoder_bits : int
     torque_noise : float, Nm
         Noise of the shaft's torque sensor.
     ripple : float, Nm
-        White torque at the motor that nobody knows of.
+        White torque at the motor; not given to the observers.
     dt : float, s
     delay : float, samples
-        By how much the sensors are late, which nobody knows of.
+        Delay of the sensors; not given to the observers.
     dropouts : float
-        Fraction of samples that the motor's sensor loses, in bursts.
+        Fraction of the motor sensor's samples that are lost, in bursts.
     load_torque : float, Nm
-        Size of a load torque that nobody knows of.
+        Size of a load torque; not given to the observers.
     work : {"reversing", "sticking", "control"}
     wrong_start : bool
         The observer starts on the wrong side of the gap.
@@ -55,7 +55,7 @@ class Case:
     group: str
     quick: bool = False
     parameters: str = "equivalent"
-    told: Mapping[str, float] = field(default_factory=dict)
+    factors: Mapping[str, float] = field(default_factory=dict)
     encoder_bits: int = 20
     torque_noise: float = 0.3
     ripple: float = 0.0
@@ -70,7 +70,9 @@ class Case:
 def _off(parameter: str, factor: float) -> Case:
     quick = (parameter, factor) in (("inertia_load", 1.2), ("backlash", 1.2))
     percent = f"{100.0 * (factor - 1.0):+.0f} %".replace("-", "−")
-    return Case(f"{parameter} {percent}", "one parameter off by 20 %", quick=quick, told={parameter: factor})
+    return Case(
+        f"{parameter} {percent}", "one parameter off by 20 %", quick=quick, factors={parameter: factor}
+    )
 
 
 CASES: tuple[Case, ...] = (

@@ -43,9 +43,9 @@ def compare_observers(
     Parameters
     ----------
     out : folder, optional
-        Gets leaderboard.json, .csv, .md and .svg, and ``scores/`` with one file per duration, case and seed. A later
+        For leaderboard.json, .csv, .md and .svg, and ``scores/`` with one file per duration, case and seed. A later
         call with the same folder computes only what is missing there or was made by other code. A table of all
-        observers and cases that lies there is not replaced by a smaller one.
+        observers and cases in it is not replaced by a smaller one.
     quick : bool
         Fewer cases, two seeds, shorter recordings.
     seeds : int or sequence of int, optional
@@ -56,9 +56,9 @@ def compare_observers(
     duration : float, s, optional
         Length of each recording; default 3 s, quick 1.5 s.
     workers : int, optional
-        Processes; default one for each core; 1: none but this one.
+        Processes; default one for each core; 1: this process alone.
     force : bool
-        Replace the folder's table, whatever it holds; its scores stay.
+        Replace the folder's table in any case; its scores stay.
     progress : callable (fraction, text), optional
 
     Returns
@@ -68,8 +68,8 @@ def compare_observers(
     Raises
     ------
     InvalidInput
-        For unknown names, seeds or workers that are no whole numbers, a duration that is too short to judge, a
-        folder that cannot be written, and one that holds a larger table.
+        For unknown names, seeds or workers that are no whole numbers, a duration that is too short, a folder that
+        cannot be written, and one that contains a larger table.
     """
     count, default = QUICK if quick else FULL
     length = _duration(default if duration is None else duration)
@@ -118,7 +118,7 @@ def _jobs(
     cache: ScoreCache,
     duration: float,
 ) -> Iterator[Job]:
-    """What is missing, seed by seed, so that an interrupted comparison is complete for its first rigs."""
+    """Jobs that are missing, seed by seed, so that an interrupted comparison is complete for its first rigs."""
     for seed in seeds:
         for case in cases:
             missing = tuple(e.name for e in entries if e.name not in cache.scores(case.name, seed))

@@ -1,4 +1,4 @@
-"""The observers on trial: one list, each entry made from a drivetrain and the data sheets of the sensors."""
+"""The observers that are compared: one list, each made from a drivetrain and the data sheets of the sensors."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Runs(Protocol):
 
 @dataclass(frozen=True)
 class Sensing:
-    """What an observer is told of the sensors.
+    """What an observer is given about the sensors.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Sensing:
     speed_noise : float, rad/s
         Standard deviation of one sample of the motor speed, from the encoder's resolution.
     torque_noise : float, Nm
-        The same of the shaft's torque sensor.
+        The same for the torque sensor on the shaft.
     """
 
     dt: float
@@ -69,7 +69,7 @@ class Contestant:
 
 
 class MotorSpeed:
-    """The motor speed taken for the load's: what a drive without an observer has."""
+    """The motor speed taken as load speed: what a drive without an observer has."""
 
     inputs = ("torque_motor", "speed_motor")
 
@@ -102,13 +102,13 @@ def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain,
 
     def made(d: Drivetrain, s: Sensing) -> Runs:
         noise = {"speed_motor": s.speed_noise, "torque_shaft": s.torque_noise}
-        told = {name: noise[name] for name in options.get("measured", ("speed_motor",))}
-        return make(d, dt=s.dt, speed_from_counts=s.averaged, sensor_noise=told, **options)
+        given = {name: noise[name] for name in options.get("measured", ("speed_motor",))}
+        return make(d, dt=s.dt, speed_from_counts=s.averaged, sensor_noise=given, **options)
 
     return made
 
 
-#: Row that all others are compared with.
+#: Observer that all others are compared with.
 REFERENCE = "Observer 1"
 
 CONTESTANTS: tuple[Contestant, ...] = (

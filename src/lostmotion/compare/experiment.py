@@ -20,17 +20,17 @@ from .contestants import Sensing
 Array = NDArray[np.float64]
 
 #: Speeds (rad/s) and ramp (s) of the reversing experiment, and rms (Nm) of its noise (chosen: the shaft torque reverses
-#: more than a hundred times a second, the load is in the gap for nearly half of the time).
+#: more than a hundred times a second, the joint is open for nearly half of the time).
 LEVELS, RAMP, NOISE = (4.0, 10.0, -4.0, -10.0, 6.0, -6.0), 0.1, 7.0
-#: Torque noise (Nm) and square wave (Nm, Hz) under which the load rests half of the time (chosen).
+#: Torque noise (Nm) and square wave (Nm, Hz) under which the load is at rest half of the time (chosen).
 STICKING_NOISE, STICKING_WAVE, STICKING_RATE = 1.0, 0.9, 5.0
 #: Set-points under control change every so often, s, within ± rad/s (chosen).
 HOLD, SPEED = 0.1, 4.0
-#: Length of a lost stretch of samples, s (chosen).
+#: Length of a burst of lost samples, s (chosen).
 BURST = 2e-3
-#: Time before the estimates count, s. After a wrong start they count at once, for so long.
+#: Settling time before the estimates are judged, s. After a wrong start they are judged at once, for this long.
 SETTLING, AFTER_WRONG_START = 0.3, 0.5
-#: Motor torque that holds the joint closed with the load at rest, Nm (chosen: below Coulomb friction).
+#: Motor torque that keeps the joint closed with the load at rest, Nm (chosen: below Coulomb friction).
 PRELOAD = 1.2
 #: Identified parameters come from the rig's own excitation, with start values off by this factor.
 START_OFF = 1.5
@@ -38,7 +38,7 @@ START_OFF = 1.5
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """What the observers get, and what they are judged by.
+    """What the observers are given, and what they are judged by.
 
     Parameters
     ----------
@@ -48,10 +48,10 @@ class Experiment:
         speed_load, torque_shaft, twist_elastic; ``gap``: 1.0 where the joint is open.
     backlash : float, rad
     drivetrain : Drivetrain
-        What the observers are told.
+        The model given to the observers.
     sensing : Sensing
     judged : slice
-        Rows that count.
+        Samples that are judged.
     """
 
     recording: Recording
@@ -68,14 +68,16 @@ def experiment(case: Case, seed: int, duration: float) -> Experiment:
     plant = _rig(case, seed, resolution)
     recording, true = _record(plant, case, seed, duration)
     equivalent = rig.two_mass_equivalent(plant.drivetrain, np.linspace(-LEVELS[1], LEVELS[1], 2000))
-    parameters = {name: value for name, value in equivalent.items() if value is not None}  # speeds tell all
+    parameters = {
+        name: value for name, value in equivalent.items() if value is not None
+    }  # the speeds identify all
     shown = _disturbed(recording, true, plant, case, seed)
     truth = _truth(plant, true)
-    told = _identified(seed, parameters) if case.parameters == "identified" else parameters
-    told = {name: value * case.told.get(name, 1.0) for name, value in told.items()}
+    given = _identified(seed, parameters) if case.parameters == "identified" else parameters
+    given = {name: value * case.factors.get(name, 1.0) for name, value in given.items()}
     first, last = round(SETTLING / case.dt), len(shown)
     if case.wrong_start:
-        # The plant rests on one side of the gap; the observer sees the mirrored signals and believes in the other.
+        # The plant rests on one side of the gap; the observer is given mirrored signals and settles on the other.
         mirror = np.where(np.arange(last) < first, -1.0, 1.0)
         shown = shown.with_signals("simulated", **{name: mirror * shown[name] for name in shown})
         last = first + round(AFTER_WRONG_START / case.dt)
@@ -84,7 +86,7 @@ def experiment(case: Case, seed: int, duration: float) -> Experiment:
         recording=shown,
         truth=truth,
         backlash=parameters["backlash"],
-        drivetrain=Drivetrain.two_mass(**told),  # type: ignore[arg-type]
+        drivetrain=Drivetrain.two_mass(**given),  # type: ignore[arg-type]
         sensing=sensing,
         judged=slice(first, last),
     )
@@ -100,7 +102,7 @@ def _rig(case: Case, seed: int, resolution: float) -> rig.Rig:
 
 
 def _record(plant: rig.Rig, case: Case, seed: int, duration: float) -> tuple[Recording, Recording]:
-    """What the sensors show, and the true signals."""
+    """The sensors' signals, and the true ones."""
     channels, dt = ("speed_motor", "torque_shaft"), case.dt
     n = round(duration / dt)
     rng = np.random.default_rng([seed, 41])
@@ -135,7 +137,7 @@ def _torque(case: Case, seed: int, duration: float) -> Array:
 
 
 def _disturbed(recording: Recording, true: Recording, plant: rig.Rig, case: Case, seed: int) -> Recording:
-    """Sensors that are late or lose samples."""
+    """The recording with delay and lost samples."""
     if case.delay:
         late = {"angle_motor": _late(true["angle_motor"], true["speed_motor"], case)}
         late["torque_shaft"] = np.interp(true.time - case.delay * case.dt, true.time, true["torque_shaft"])

@@ -15,14 +15,14 @@ from .scores import Score
 
 #: Case, seed, duration (s), observers.
 Job = tuple[str, int, float, tuple[str, ...]]
-#: Length of a first run that counts for nothing, s (chosen: some samples at the longest sample time).
+#: Length of a first run that is not timed, s (chosen: some samples at the longest sample time).
 COMPILING = 0.02
 
 Result = tuple[str, int, dict[str, Score]]
 
 
 def run_jobs(jobs: Sequence[Job], workers: int) -> Generator[Result, None, None]:
-    """Results as they come. Whoever leaves early, by Ctrl-C too, ends what still runs."""
+    """Results as they come. Leaving early, by Ctrl-C too, ends the jobs that still run."""
     if workers == 1 or len(jobs) < 2:
         yield from map(run_job, jobs)
         return
@@ -36,7 +36,7 @@ def run_jobs(jobs: Sequence[Job], workers: int) -> Generator[Result, None, None]
             for future in as_completed(futures):
                 yield future.result()
         except BaseException:
-            # The pool itself would wait for the jobs that run, and for those that it has handed out beyond them.
+            # The pool itself would wait for the running jobs, and for those that it has already handed out.
             for process in processes:
                 process.terminate()
             raise
@@ -44,7 +44,7 @@ def run_jobs(jobs: Sequence[Job], workers: int) -> Generator[Result, None, None]
 
 @contextmanager
 def _interrupts_wait() -> Iterator[None]:
-    """Ctrl-C comes when the block is left: within a fork Python's own hooks would swallow it."""
+    """Delays Ctrl-C to the end of the block: within a fork Python's own hooks would swallow it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -71,8 +71,6 @@ def run_job(job: Job) -> Result:
     found = {}
     for observer in names:
         made = entries[observer].make(data.drivetrain, data.sensing)
-        made.run(
-            data.recording.only(*made.inputs).window(0.0, COMPILING)
-        )  # else the first time would be the compiler's
+        made.run(data.recording.only(*made.inputs).window(0.0, COMPILING))  # compiles: it must not be timed
         found[observer] = score(made, data)
     return name, seed, found

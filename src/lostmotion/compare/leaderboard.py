@@ -18,7 +18,10 @@ from .contestants import REFERENCE
 from .scores import METRICS, Score
 from .statistics import FEWEST_SEEDS, Estimate, median, overall, ratio, verdict
 
-#: What the ranking and the wins are about.
+#: Groups of cases in one table, so that it fits on a screen.
+SCREEN = 4
+
+#: Signal of the ranking and the wins.
 RANKED_BY = "speed_load"
 _PERCENT = ("speed_load", "torque_shaft", "twist_elastic", "backlash_error")
 
@@ -35,7 +38,7 @@ class Leaderboard:
     seeds : tuple of int
     scores : mapping case → seed → observer → score
     settings : mapping
-        Duration, whether quick, and whether the table is a part: cases or observers were chosen.
+        Duration, whether quick, and whether the table is a part (cases or observers were chosen).
     """
 
     observers: Mapping[str, str]
@@ -68,14 +71,14 @@ class Leaderboard:
         return any(row.get(observer, {}).get("torque_sensor") for row in rows)
 
     def counted(self, observer: str) -> tuple[Case, ...]:
-        """Cases that count for the observer: what only changes a sensor that it does not read is no case of its own."""
+        """Cases that count for the observer: not those that only change a sensor that it does not read."""
         reads = self.needs_torque_sensor(observer)
         return tuple(case for case in self.cases if reads or not _torque_sensor_alone(case))
 
     def overall(self, observer: str, metric: str = RANKED_BY) -> Estimate | None:
         """Geometric mean of that ratio over the counted cases of each group, then over groups.
 
-        So a group of sixteen cases weighs as much as a single case.
+        So a group of sixteen cases has the weight of one.
         """
         table: dict[str, dict[str, dict[int, float]]] = {}
         for case in self.counted(observer):
@@ -98,7 +101,7 @@ class Leaderboard:
         return counts if any(counts.values()) else None
 
     def times_per_sample(self, observer: str) -> dict[float, float]:
-        """Smallest processor time of a sample over all runs, the least disturbed, s, by sample time, s."""
+        """Smallest processor time per sample over all runs (s), by sample time (s)."""
         times: dict[float, float] = {}
         for case in self.cases:
             for spent in self.values(observer, case.name, "time_per_sample").values():
@@ -110,7 +113,7 @@ class Leaderboard:
         return self.times_per_sample(observer).get(self.cases[0].dt)
 
     def largest_time_per_sample(self, observer: str) -> float | None:
-        """That time at the sample time where it is largest, s: some filters predict a long sample in pieces."""
+        """That time at the sample time where it is largest, s: some filters predict a long sample in sub-steps."""
         return max(self.times_per_sample(observer).values(), default=None)
 
     def ranking(self) -> list[str]:
@@ -182,13 +185,12 @@ class Leaderboard:
         return text.getvalue()
 
     def to_markdown(self) -> str:
-        """Ranking, then a table of the load speed by group of cases, then what the nominal case says."""
-        return "\n\n".join([self._ranking_table(), self._group_table(), self._nominal_table()]) + "\n"
+        """Ranking, tables of the load speed by group of cases, and a table of the nominal case."""
+        return "\n\n".join([self._ranking_table(), self._group_tables(), self._nominal_table()]) + "\n"
 
     def _ranking_table(self) -> str:
         lines = [
-            "| observer | kind | needs torque sensor | load-speed error / Observer 1's (95 %) "
-            "| wins – ties – losses | µs per sample | at its slowest sample time |",
+            "| observer | kind | torque sensor | error / Observer 1 (95 %) | wins – ties – losses | µs | µs at most |",
             "|---|---|---|---|---|---|---|",
         ]
         for name in self.ranking():
@@ -201,29 +203,34 @@ class Leaderboard:
         return "\n".join([*lines, "", *self._remarks()])
 
     def _remarks(self) -> list[str]:
-        """What the ranking's numbers mean."""
+        """Notes to the ranking."""
         lines = [
-            "Geometric mean over the cases of each group, then over groups; wins are counted by case.",
-            "Time of a whole run over the number of its samples: in few long samples the call itself counts, too.",
+            "Error of the load speed: geometric mean over the cases of each group, then over groups. Wins by case.",
+            "Time per sample of a whole run, at the nominal sample time and at the one where it is largest.",
         ]
         left_out = [case.name for case in self.cases if _torque_sensor_alone(case)]
         if left_out:
             lines.append(f"Only for observers that read the torque sensor: {', '.join(left_out)}.")
         if len(self.seeds) < FEWEST_SEEDS:
-            lines.append(f"Fewer than {FEWEST_SEEDS} rigs prove no win and no loss.")
+            lines.append(f"Fewer than {FEWEST_SEEDS} rigs: no wins and losses.")
         return lines
 
     def column(self, group: str) -> str:
-        """What a column of that group is called: one case of several by its own name."""
+        """Heading of the group's column: a single case by its own name."""
         cases = [case.name for case in self.cases if case.group == group]
         several = sum(case.group == group for case in CASES) > 1
         return cases[0] if len(cases) == 1 and several else group
 
-    def _group_table(self) -> str:
+    def _group_tables(self) -> str:
         groups = self.groups()
+        parts = [groups[i : i + SCREEN] for i in range(0, len(groups), SCREEN)]
+        return "\n\n".join(
+            ["Load speed, RMSE in % of range, worst case of each group:", *map(self._group_table, parts)]
+        )
+
+    def _group_table(self, groups: tuple[str, ...]) -> str:
         heads = [self.column(group) for group in groups]
-        lines = ["| load speed, RMSE in % of range, worst of the group | " + " | ".join(heads) + " |"]
-        lines.append("|---" * (len(groups) + 1) + "|")
+        lines = ["| observer | " + " | ".join(heads) + " |", "|---" * (len(groups) + 1) + "|"]
         for name in self.ranking():
             cells = [_percent(self.worst_of_group(name, group, RANKED_BY)) for group in groups]
             lines.append(f"| {name} | " + " | ".join(cells) + " |")
@@ -232,8 +239,8 @@ class Leaderboard:
     def _nominal_table(self) -> str:
         case = self.cases[0].name
         heads = {
-            "speed_load": "load speed %", "torque_shaft": "shaft torque %", "twist_elastic": "elastic twist %",
-            "f1_gap": "F1 of the gap", "impact_delay": "impact off by ms", "impacts_found": "impacts found",
+            "speed_load": "load speed %", "torque_shaft": "shaft torque %", "twist_elastic": "twist %",
+            "f1_gap": "F1 of the gap", "impact_delay": "impact ms", "impacts_found": "impacts found",
             "backlash_error": "backlash %",
         }  # fmt: skip
         lines = [f"| {case} | " + " | ".join(heads.values()) + " |", "|---" * (len(heads) + 1) + "|"]
@@ -255,7 +262,7 @@ class Leaderboard:
 
 
 def _torque_sensor_alone(case: Case) -> bool:
-    """Whether the case is the nominal one but for the noise of the shaft's torque sensor."""
+    """Whether the case differs from the nominal one in the noise of the torque sensor alone."""
     nominal = Case(case.name, case.group, quick=case.quick)
     return case != nominal and replace(case, torque_noise=nominal.torque_noise) == nominal
 

@@ -1,4 +1,4 @@
-"""Names of cases and observers as a keyboard has them: without −, ∞, or the right case."""
+"""Names of cases and observers as typed on a keyboard: ASCII for − and ∞, any case."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ _ASCII = str.maketrans({"−": "-", "–": "-", "∞": "infinity"})
 
 
 def plain(name: str) -> str:
-    """What two spellings of one name have in common: letters in lower case, ASCII for − and ∞, no blanks."""
+    """A name in lower case, with ASCII for − and ∞, without blanks."""
     return "".join(name.translate(_ASCII).casefold().split())
 
 
 def known_names(what: str, given: Sequence[str], known: Sequence[str]) -> list[str]:
-    """The names as the list of the known has them.
+    """The names as in the list of known ones.
 
     Raises
     ------
     InvalidInput
-        For names that are not in it, with the nearest one that is; and for none.
+        For unknown names, with the nearest known one; and for none.
     """
     expected = f"a list of names of {what}"
     listed = "`lostmotion compare observers --list` lists all names."

@@ -1,4 +1,4 @@
-"""Scores that are kept in files, so that an interrupted comparison goes on, and a change of the code starts it over."""
+"""Scores kept in files: an interrupted comparison continues, and a change of the code starts it over."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .scores import Score
 
 Scores = dict[str, Score]
 
-#: Sources that no score depends on: the layers above, and what makes tables of the scores.
+#: Sources that no score depends on: the layers above, and the modules that make tables of scores.
 ABOVE = ("cli", "run", "commands", "terminal", "stages", "experiment", "report", "plot", "export", "io")
 TABLES = tuple(
     f"compare/{name}"
@@ -61,13 +61,13 @@ class ScoreCache:
                 ) from None
 
     def scores(self, case: str, seed: int) -> Scores:
-        """What is known, by observer."""
+        """Known scores, by observer."""
         if (case, seed) not in self._found:
             self._found[case, seed] = self._read(case, seed)
         return self._found[case, seed]
 
     def add(self, case: str, seed: int, found: Scores) -> None:
-        """Keeps the scores beside those of other observers."""
+        """Adds scores to those of other observers."""
         scores = self._found[case, seed] = {**self.scores(case, seed), **found}
         if self.folder is not None:
             content = {"sources": source_hash(), "case": case, "seed": seed, "scores": scores}
@@ -78,7 +78,7 @@ class ScoreCache:
         return (self.folder or Path()) / f"{words}__{seed}.json"
 
     def _read(self, case: str, seed: int) -> Scores:
-        """The file's scores; a file that is torn or was made by other code counts as none."""
+        """The file's scores; none from a damaged file or one made by other code."""
         if self.folder is None or not self._path(case, seed).is_file():
             return {}
         try:

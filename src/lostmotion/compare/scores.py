@@ -1,4 +1,4 @@
-"""What one observer is worth in one experiment."""
+"""Score of one observer in one experiment."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Score = dict[str, float | None]
 
-#: The estimate says "gap" where its shaft torque is below this, Nm (chosen: what a torque sensor tells from zero).
+#: The estimate counts as "gap" where its shaft torque is below this, Nm (chosen: resolution of a torque sensor).
 GAP_TORQUE = 0.5
 #: An estimated impact belongs to a true one if it lies within this time of it, s (chosen).
 IMPACT_WINDOW = 5e-3
-#: Shorter openings of the joint count neither as gap nor as impact, s (chosen: three periods of the joint's own mode).
+#: Shorter openings of the joint count neither as gap nor as impact, s (chosen: three periods of the
+#: joint's own eigenmode).
 SHORTEST_GAP = 2e-3
 #: The backlash estimate is the mean over this last part of the experiment.
 LAST_PART = 0.1
 
-#: What counts as an estimate that is no number, or beyond all bounds: no observer gains by it (chosen).
+#: Replaces estimates that are not finite or larger: a failed observer must not gain by it (chosen).
 LARGEST = 1e9
 
 SIGNALS = ("speed_load", "torque_shaft", "twist_elastic")
@@ -64,12 +65,12 @@ def score(observer: Runs, data: Experiment) -> Score:
 
 
 def _bounded(estimate: Array) -> Array:
-    """Numbers within ±LARGEST; NaN becomes LARGEST, so that it is punished and not taken for zero."""
+    """Numbers within ±LARGEST; NaN becomes LARGEST: a failure must not look like a zero."""
     return np.clip(np.nan_to_num(estimate, nan=LARGEST), -LARGEST, LARGEST)
 
 
 def _says_gap(estimate: Recording, rows: slice) -> Mask | None:
-    """Where the observer believes in the gap: by its own probability, or by its shaft torque."""
+    """Where the observer reports a gap: by its own probability, or by its shaft torque."""
     if "probability_gap" in estimate:
         return np.asarray(estimate["probability_gap"][rows] > 0.5)
     if "torque_shaft_estimated" in estimate:
@@ -78,7 +79,7 @@ def _says_gap(estimate: Recording, rows: slice) -> Mask | None:
 
 
 def _runs(mask: Mask) -> NDArray[np.int64]:
-    """(n, 2) first row and row after the last of every stretch of True."""
+    """(n, 2) first index and index after the last of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return edges.reshape(-1, 2).astype(np.int64)
 

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 #: Resamples of the bootstrap, and its seed (chosen).
 RESAMPLES, SEED = 2000, 0
-#: Fewest seeds for a verdict: five on one side by chance alone have 6 %.
+#: Fewest seeds for a verdict: by chance alone five lie on one side in 6 % of all cases.
 FEWEST_SEEDS = 5
 
 
@@ -50,8 +50,8 @@ def ratio(own: Mapping[int, float], reference: Mapping[int, float]) -> Estimate 
 def overall(table: Mapping[str, Mapping[str, Mapping[int, float]]]) -> Estimate | None:
     """Geometric mean of the ratio to the reference over the cases of each group, then over groups, per seed.
 
-    ``table``: group → case → seed → log of the ratio. Only seeds that every case has count; they are resampled as a
-    whole.
+    ``table``: group → case → seed → log of the ratio. Only seeds that every case has are used; they are
+    resampled as a whole.
     """
     rows = [row for cases in table.values() for row in cases.values()]
     seeds = sorted(set.intersection(*map(set, rows))) if rows else []
@@ -64,7 +64,7 @@ def overall(table: Mapping[str, Mapping[str, Mapping[int, float]]]) -> Estimate 
 
 
 def verdict(found: Estimate | None, seeds: int) -> str:
-    """Win, loss or tie of one case: a win has its whole interval below 1; few seeds prove nothing."""
+    """Win, loss or tie of one case: a win has its whole interval below 1; with few seeds none."""
     if found is None or seeds < FEWEST_SEEDS:
         return "–"
     if found.high < 1.0:

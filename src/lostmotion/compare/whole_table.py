@@ -1,4 +1,4 @@
-"""The table of all observers and cases in a folder: hours of work, which no part of it replaces unasked."""
+"""Keeps the table of all observers and cases in a folder: hours of work, not replaced by a part of it unasked."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from .leaderboard import Leaderboard
 
 
 def keep_whole_table(folder: Path, new: Leaderboard) -> None:
-    """Refuse a folder whose table is whole and would lose observers, cases, rigs or length to the new one.
+    """Raise if the folder contains a whole table that would lose observers, cases, rigs or length.
 
     Whole is a table of all observers and cases of a comparison, quick or not. A part of one may be replaced: its scores
-    stay. What the package no longer has counts for nothing.
+    stay. Observers and cases that the package no longer has are ignored.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def keep_whole_table(folder: Path, new: Leaderboard) -> None:
             "rigs": len(set(old["seeds"]) - set(new.seeds)),
         }
     except (OSError, ValueError, KeyError, TypeError):
-        return  # no table, or none of this package
+        return  # no table, or not of this package
     if settings.get("part"):
         return
     words = [f"{count} of its {what}" for what, count in lost.items() if count]

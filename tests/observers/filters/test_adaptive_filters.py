@@ -111,7 +111,7 @@ def test_finds_a_parameter_20_percent_off(make, name, told):
 def test_target_with_a_parameter_20_percent_off(make, name):
     """Load speed, shaft torque and elastic twist within 1.5 % of range after 5 s."""
     for told in (0.8, 1.2):
-        data = leaderboard_experiment(Case("off", "", told={name: told}), 5, 6.0)
+        data = leaderboard_experiment(Case("off", "", factors={name: told}), 5, 6.0)
         observer = make(data.drivetrain, dt=DT, speed_from_counts=True)
         found = score(observer, replace(data, judged=slice(50000, None)))
         assert max(found[s] for s in SIGNALS) < 0.015, (told, found)
