@@ -186,6 +186,7 @@ def test_a_crossing_by_hand():
     assert found.impact_speed == 2.5
     assert found.lash_time == pytest.approx(0.006, abs=1e-12)
     assert found.oscillation == pytest.approx(0.3 / np.sqrt(2.0), rel=1e-2)
+    assert found.swing == pytest.approx(0.3 * np.sin(0.4 * np.pi), rel=1e-3)
     assert found.motor_overshoot == pytest.approx(0.3 * np.sin(0.4 * np.pi), rel=1e-3)
 
 

@@ -260,8 +260,8 @@ class CrossingMetrics:
         From the step to the first crossing of 90 %: unlike the rise time it holds the crossing of the gap.
     motor_overshoot : float, rad/s
         Largest excursion of the motor speed beyond the new set-point; zero if there is none.
-    oscillation : float or None, rad/s
-        RMS of motor speed − load speed over ``OSCILLATION_TIME`` from the arrival on.
+    oscillation, swing : float or None, rad/s
+        RMS and largest size of motor speed − load speed over ``OSCILLATION_TIME`` from the arrival on.
     impacts : int
     impact_speed : float, rad/s
         Largest closing speed of an impact; zero without one.
@@ -272,6 +272,7 @@ class CrossingMetrics:
     arrival_time: float | None
     motor_overshoot: float
     oscillation: float | None
+    swing: float | None
     impacts: int
     impact_speed: float
     lash_time: float
@@ -311,10 +312,10 @@ def crossing_metrics(
     slip = load - _pair(time, speed_motor)[1]
     part = (times >= step_time) & (times < stop_time)
     arrival = _first_crossing(times[part] - step_time, (load[part] - before) / (after - before), 0.9)
-    oscillation = None
+    oscillation = swing = None
     if arrival is not None:
         judged = (times >= step_time + arrival) & (times < step_time + arrival + OSCILLATION_TIME)
-        oscillation = float(np.sqrt(np.mean(slip[judged] ** 2)))
+        oscillation, swing = float(np.sqrt(np.mean(slip[judged] ** 2))), float(np.max(np.abs(slip[judged])))
     ours = events.only(
         np.array([place == f"shaft {shaft}" for place in events.places], dtype=bool)[events.place]
     )
@@ -324,6 +325,7 @@ def crossing_metrics(
         arrival_time=arrival,
         motor_overshoot=motor.overshoot / 100.0 * abs(after - before),
         oscillation=oscillation,
+        swing=swing,
         impacts=len(impacts),
         impact_speed=float(np.max(np.abs(impacts.speed), initial=0.0)),
         lash_time=_time_apart(ours, step_time, min(stop_time, float(times[-1]))),
