@@ -9,6 +9,7 @@ import pytest
 
 from lostmotion import metrics
 from lostmotion.errors import InvalidInput
+from lostmotion.events import Event, Events
 
 
 def second_order(time: np.ndarray, omega: float, zeta: float, step_time: float = 0.0) -> np.ndarray:
@@ -155,3 +156,65 @@ def test_torque_before_the_step_does_not_count():
 def test_step_metrics_misuse(step_time, after):
     with pytest.raises(InvalidInput):
         metrics.step_metrics(np.arange(1000) * 1e-3, np.zeros(1000), step_time, 0.0, after)
+
+
+def crossing(events, motor, load, **changes):
+    time = np.arange(1000) * 1e-3
+    given = {"step_time": 0.1, "before": -2.0, "after": 2.0, **changes}
+    return metrics.crossing_metrics(time, motor(time), load(time), Events.of(events), **given)
+
+
+def ramp(time):
+    return np.clip(-2.0 + 40.0 * (time - 0.1), -2.0, 2.0)
+
+
+def test_a_crossing_by_hand():
+    events = [
+        Event(0.05, "separation", "shaft 3", -9.0), Event(0.06, "impact", "shaft 3", -9.0),
+        Event(0.103, "separation", "shaft 3", 0.1), Event(0.104, "impact", "shaft 1", 7.0),
+        Event(0.108, "impact", "shaft 3", 2.5), Event(0.120, "separation", "shaft 3", -0.5),
+        Event(0.121, "impact", "shaft 3", 0.4), Event(0.15, "stick", "friction 4", 0.0),
+    ]  # fmt: skip
+    found = crossing(
+        events,
+        motor=lambda t: ramp(t) + np.where(t > 0.19, 0.3 * np.sin(2.0 * np.pi * 100.0 * t), 0.0),
+        load=ramp,
+        shaft=3,
+    )
+    assert found.arrival_time == pytest.approx(0.09, abs=1e-9)
+    assert found.impacts == 2
+    assert found.impact_speed == 2.5
+    assert found.lash_time == pytest.approx(0.006, abs=1e-12)
+    assert found.oscillation == pytest.approx(0.3 / np.sqrt(2.0), rel=1e-2)
+    assert found.swing == pytest.approx(0.3 * np.sin(0.4 * np.pi), rel=1e-3)
+    assert found.motor_overshoot == pytest.approx(0.3 * np.sin(0.4 * np.pi), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "events, apart",
+    [
+        ([], 0.0),
+        ([Event(0.25, "impact", "shaft 1", 1.0)], 0.15),
+        ([Event(0.25, "separation", "shaft 1", 1.0)], 0.25),
+        ([Event(0.6, "separation", "shaft 1", 1.0)], 0.0),
+    ],
+)
+def test_time_in_the_gap_counts_from_the_step_to_the_end(events, apart):
+    found = crossing(events, ramp, ramp, stop_time=0.5)
+    assert found.lash_time == pytest.approx(apart, abs=1e-12)
+
+
+def test_a_load_that_never_arrives_has_no_oscillation():
+    found = crossing([], ramp, lambda t: -2.0 + 0.0 * t)
+    assert found.arrival_time is None and found.oscillation is None and found.impact_speed == 0.0
+
+
+def test_recovery_from_a_disturbance():
+    time = np.arange(1000) * 1e-3
+    error = np.where(time < 0.2, 5.0, -0.8 * np.exp(-(time - 0.2) / 0.02))
+    found = metrics.recovery(time, error, 0.2, 0.08)
+    assert found.largest_error == pytest.approx(0.8)
+    assert found.time == pytest.approx(0.02 * math.log(10.0), abs=1e-5)
+    assert metrics.recovery(time, error + 1.0, 0.2, 0.08).time is None
+    with pytest.raises(InvalidInput, match="recovery"):
+        metrics.recovery(time, error, 0.2, 0.0)

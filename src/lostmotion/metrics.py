@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InvalidInput
+from .events import Events
 
 Array = NDArray[np.float64]
 
@@ -20,6 +21,8 @@ MAX_LAG = 0.05
 STEADY_PART = 0.2
 #: Band around the new set-point for the settling time, as a fraction of the step.
 SETTLING_BAND = 0.02
+#: Time after the arrival over which the motor's oscillation is averaged, s (chosen: ten periods of 100 Hz).
+OSCILLATION_TIME = 0.1
 
 
 def _finite(where: str, values: ArrayLike) -> Array:
@@ -232,16 +235,134 @@ def _first_crossing(elapsed: Array, progress: Array, level: float) -> float | No
     return float(elapsed[0]) if i == 0 else _interpolate(elapsed, progress, i - 1, level)
 
 
-def _settling_time(elapsed: Array, distance: Array) -> float | None:
+def _settling_time(elapsed: Array, distance: Array, band: float = SETTLING_BAND) -> float | None:
     """Last entry into the band; zero if the signal never leaves it, ``None`` if it ends outside."""
-    outside = np.flatnonzero(distance > SETTLING_BAND)
+    outside = np.flatnonzero(distance > band)
     if outside.size == 0:
         return 0.0
     i = int(outside[-1])
-    return None if i == distance.size - 1 else _interpolate(elapsed, distance, i, SETTLING_BAND)
+    return None if i == distance.size - 1 else _interpolate(elapsed, distance, i, band)
 
 
 def _interpolate(elapsed: Array, values: Array, i: int, level: float) -> float:
     """Time at which the straight line from sample i to i + 1 meets the level."""
     share = (level - values[i]) / (values[i + 1] - values[i])
     return float(elapsed[i] + share * (elapsed[i + 1] - elapsed[i]))
+
+
+@dataclass(frozen=True)
+class CrossingMetrics:
+    """What a step of the set-point through the gap does to the drivetrain.
+
+    Parameters
+    ----------
+    arrival_time : float or None, s
+        From the step to the first crossing of 90 %: unlike the rise time it holds the crossing of the gap.
+    motor_overshoot : float, rad/s
+        Largest excursion of the motor speed beyond the new set-point; zero if there is none.
+    oscillation, swing : float or None, rad/s
+        RMS and largest size of motor speed − load speed over ``OSCILLATION_TIME`` from the arrival on.
+    impacts : int
+    impact_speed : float, rad/s
+        Largest closing speed of an impact; zero without one.
+    lash_time : float, s
+        Time inside the gap.
+    """
+
+    arrival_time: float | None
+    motor_overshoot: float
+    oscillation: float | None
+    swing: float | None
+    impacts: int
+    impact_speed: float
+    lash_time: float
+
+
+def crossing_metrics(
+    time: ArrayLike,
+    speed_motor: ArrayLike,
+    speed_load: ArrayLike,
+    events: Events,
+    step_time: float,
+    before: float,
+    after: float,
+    *,
+    shaft: int = 1,
+    stop_time: float = np.inf,
+) -> CrossingMetrics:
+    """Metrics of the crossing of the gap in shaft number ``shaft`` (from 1, from the motor on) after one step.
+
+    Parameters
+    ----------
+    time : (n,) array, s
+    speed_motor, speed_load : (n,) arrays, rad/s
+    events : Events
+        Of the simulated plant.
+    step_time, stop_time : float, s
+    before, after : float, rad/s
+        Set-point before and after the step.
+
+    Raises
+    ------
+    InvalidInput
+        As ``step_metrics``.
+    """
+    motor = step_metrics(time, speed_motor, step_time, before, after, stop_time=stop_time)
+    times, load = _pair(time, speed_load)
+    slip = load - _pair(time, speed_motor)[1]
+    part = (times >= step_time) & (times < stop_time)
+    arrival = _first_crossing(times[part] - step_time, (load[part] - before) / (after - before), 0.9)
+    oscillation = swing = None
+    if arrival is not None:
+        judged = (times >= step_time + arrival) & (times < step_time + arrival + OSCILLATION_TIME)
+        oscillation, swing = float(np.sqrt(np.mean(slip[judged] ** 2))), float(np.max(np.abs(slip[judged])))
+    ours = events.only(
+        np.array([place == f"shaft {shaft}" for place in events.places], dtype=bool)[events.place]
+    )
+    ours = ours.only((ours.time >= step_time) & (ours.time < stop_time))
+    impacts = ours.of_kind("impact")
+    return CrossingMetrics(
+        arrival_time=arrival,
+        motor_overshoot=motor.overshoot / 100.0 * abs(after - before),
+        oscillation=oscillation,
+        swing=swing,
+        impacts=len(impacts),
+        impact_speed=float(np.max(np.abs(impacts.speed), initial=0.0)),
+        lash_time=_time_apart(ours, step_time, min(stop_time, float(times[-1]))),
+    )
+
+
+def _time_apart(events: Events, start: float, stop: float) -> float:
+    """Time between separations and the next impacts; what is open at an end counts up to it, no event as contact."""
+    turns = [(e.time, e.kind) for e in events if e.kind in ("impact", "separation")]
+    if not turns:
+        return 0.0
+    inside = [start] if turns[0][1] == "impact" else []
+    inside += [t for t, _ in turns] + ([stop] if turns[-1][1] == "separation" else [])
+    return float(np.sum(np.diff(inside)[::2]))
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """How a disturbance was rejected: largest error (signal's unit) and time (s) from which on it stays in the band.
+
+    ``time`` is ``None`` where the signal ends outside the band.
+    """
+
+    largest_error: float
+    time: float | None
+
+
+def recovery(
+    time: ArrayLike, error: ArrayLike, start: float, band: float, stop_time: float = np.inf
+) -> Recovery:
+    """How an error (n,) goes back into ±band after a disturbance at ``start`` (s)."""
+    times, errors = _pair(time, error)
+    part = (times >= start) & (times < stop_time)
+    if not band > 0.0 or np.count_nonzero(part) < 5:
+        raise InvalidInput(
+            "recovery", f"band {band}, {np.count_nonzero(part)} samples", "a positive band, five samples or more",
+            "Check band and times.",
+        )  # fmt: skip
+    size = np.abs(errors[part])
+    return Recovery(float(np.max(size)), _settling_time(times[part] - start, size, band))

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
 
-from lostmotion.controllers import pi, pole_placement
+from lostmotion.controllers import lqi, pi, pole_placement, soft_landing
 from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Drivetrain, Friction
 from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque
 from lostmotion.observers.fixed_gain.gates import POSITIVE_PART
 from lostmotion.observers.model import SENSORS
-from lostmotion.systems import DiscreteSystem, connect, one_sample_delay
+from lostmotion.systems import DiscreteSystem, connect, minimum, one_sample_delay, rate_limit
 
 TABLE_1 = Drivetrain.two_mass(
     inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
@@ -31,6 +31,22 @@ def observer_1_with_pole_placement() -> DiscreteSystem:
     controller = pole_placement(TABLE_1, dt=1e-4, torque_limit=73.5)
     return connect(
         [observer, controller], inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",)
+    )
+
+
+def soft_landing_behind_lqi() -> DiscreteSystem:
+    plant = TABLE_1.with_parameters(lag=3e-4)
+    observer = kalman(plant, dt=1e-4, load_torque=True, speed_from_counts=True)
+    speed = lqi(plant, dt=1e-4, largest_error=2.0, largest_torque=73.5, torque_limit=73.5)
+    limiter = soft_landing(plant, dt=1e-4, contact_speed=0.6, torque_limit=73.5)
+    return connect(
+        [
+            observer.renamed({"torque_motor": "torque_motor_acting"}),
+            speed.renamed({"torque_motor": "torque_wished"}),
+            limiter,
+        ],
+        inputs=("speed_reference", "speed_motor", "torque_motor_acting"),
+        outputs=("torque_motor",),
     )
 
 
@@ -65,6 +81,18 @@ CONTROLLERS = {
         ONE_SIDED, dt=1e-4, torque_limit=73.5, friction_compensation="reference"
     ),
     "pole placement, uncompensated": pole_placement(TABLE_1, dt=1e-4, friction_compensation="none"),
+    "lqi": lqi(TABLE_1, dt=1e-4, largest_error=2.0, largest_torque=73.5),
+    "lqi with limit, lag and friction of the motor": lqi(
+        ONE_SIDED.with_parameters(lag=3e-4),
+        dt=1e-4,
+        largest_error=2.0,
+        largest_torque=73.5,
+        torque_limit=73.5,
+    ),
+    "soft landing": soft_landing(TABLE_1, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
+    "observer + lqi + soft landing": soft_landing_behind_lqi(),
+    "minimum": minimum("a", "b", "c", 1e-4),
+    "rate limit": rate_limit("a", "b", rate=1e4, dt=1e-4),
     "delay": one_sample_delay("torque_motor", 1e-4, start=0.5),
     "observer 1 + pole placement": observer_1_with_pole_placement(),
 }

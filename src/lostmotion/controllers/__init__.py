@@ -1,6 +1,11 @@
 """Controllers: each file makes one control law, as a DiscreteSystem."""
 
+from .lqi import QuadraticFeedback, lqi, quadratic_feedback
 from .pi import pi
 from .pole_placement import StateFeedback, pole_placement, state_feedback
+from .soft_landing import soft_landing
 
-__all__ = ["StateFeedback", "pi", "pole_placement", "state_feedback"]
+__all__ = [
+    "QuadraticFeedback", "StateFeedback", "lqi", "pi", "pole_placement", "quadratic_feedback", "soft_landing",
+    "state_feedback",
+]  # fmt: skip

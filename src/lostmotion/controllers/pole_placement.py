@@ -10,18 +10,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..curves import PiecewiseLinear, saturation
+from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
+from .reference_direction import reference_direction
 
 FrictionCompensation = Literal["estimated", "reference", "none"]
 
 #: Poles of the state feedback, 1/s: Fietzek & Rinderknecht, section V.
 DEFAULT_POLES = (-400.0, -400.0, -400.0)
-
-#: Speed set-point (rad/s) from which on the compensation by its direction is full; linear below (chosen).
-REFERENCE_BAND = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +138,7 @@ def pole_placement(
     curves = []
     levels = _levels_by_reference(drivetrain, design.friction_gain, friction_compensation)
     if max(levels) > 0.0:
-        curves.append(_direction(*levels))
+        curves.append(reference_direction(*levels))
     direct = np.array([row])
     by_reference = np.eye(1, len(inputs))
     n = len(curves)
@@ -178,8 +176,3 @@ def _levels_by_reference(
     motor, load = drivetrain.frictions
     share = friction_gain if compensation == "reference" else 0.0
     return motor.coulomb_plus + share * load.coulomb_plus, motor.coulomb_minus + share * load.coulomb_minus
-
-
-def _direction(plus: float, minus: float) -> PiecewiseLinear:
-    """−minus for negative set-points, plus for positive ones, zero at zero."""
-    return PiecewiseLinear(((-REFERENCE_BAND, -minus), (0.0, 0.0), (REFERENCE_BAND, plus)))

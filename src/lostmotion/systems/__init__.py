@@ -1,9 +1,14 @@
 """Discrete laws as data: the types, how to join several of them, and how to get there from continuous time."""
 
 from .connect import connect
+from .design_model import DesignModel, SteadyState, design_model, steady_state
 from .discrete_system import DiscreteSystem
 from .discretisation import one_sample_delay, zero_order_hold
 from .input_check import InputCheck
+from .limits import maximum, minimum, rate_limit
 from .stepper import Stepper
 
-__all__ = ["DiscreteSystem", "InputCheck", "Stepper", "connect", "one_sample_delay", "zero_order_hold"]
+__all__ = [
+    "DesignModel", "DiscreteSystem", "InputCheck", "SteadyState", "Stepper", "connect", "design_model", "maximum",
+    "minimum", "one_sample_delay", "rate_limit", "steady_state", "zero_order_hold",
+]  # fmt: skip

@@ -1,0 +1,175 @@
+"""Soft landing: limits the speed at which the gap closes, behind any law that wishes a torque."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..curves import PiecewiseLinear, saturation
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+from ..systems import DiscreteSystem
+from ..systems.limits import POSITIVE_PART
+
+Array = NDArray[np.float64]
+
+#: The approach-speed control acts within lag + dt, but not within less than this many samples (chosen on the virtual
+#: rigs 1 to 5).
+LEAST_SAMPLES = 4.0
+#: Torque kept for braking, as a share of the torque limit: the rest is for model errors (chosen likewise).
+BRAKING_SHARE = 0.9
+#: Torque allowed per estimated shaft torque, once the shaft is wound (chosen likewise).
+RELEASE = 10.0
+#: Steepest fall of the approach speed with the distance, as a share of the control's rate. The feedforward of braking
+#: then never takes more than this share of the speed: the motor cannot stall before the edge.
+STEEPEST = 0.5
+#: Points of the braking parabola (chosen: on the paper's rig the chords then lie up to 2 % below it).
+POINTS = 8
+
+_INPUTS = (
+    "torque_wished",
+    "twist_estimated",
+    "twist_elastic_estimated",
+    "speed_motor_estimated",
+    "speed_load_estimated",
+    "torque_motor_acting",
+)
+
+
+def soft_landing(
+    drivetrain: Drivetrain,
+    *,
+    dt: float,
+    contact_speed: float,
+    torque_limit: float,
+    braking_torque: float | None = None,
+    rate: float | None = None,
+    release: float = RELEASE,
+) -> DiscreteSystem:
+    """Limit of the approach speed in the gap: torque_motor = max(min(torque_wished, U₊), −U₋) within ±torque_limit.
+
+    ::
+
+        U₊ = K·(W(h − x) − w) + release·stiffness·max(twist_elastic, 0)      U₋ likewise, with all signs turned
+        W(s) = V(s)·(1 − V′(s)·J/K)                V·V′ = min(a, c·V) from V(0) = v on, V = v behind the edge
+        w = speed_motor − speed_load + (lag·torque_actuator + dt·torque_motor_acting)/J
+        x = twist + lag·(speed_motor − speed_load) + dt·(w − dt·torque_motor_acting/(2·J))
+
+    J is the motor's inertia, h half the backlash, K = rate·J, a = braking_torque/J, v = contact_speed, c = rate/2.
+    w and x are speed and distance after the torque that is on its way: under lag and one sample of delay the motor in
+    the gap is a double integrator of the next torque. V is the speed from which the motor can brake to v with the
+    deceleration a, straight near the edge, where the parabola would be steeper than the control can follow; W carries
+    the braking torque as feedforward. Once the shaft is wound the limit gives way with its torque, and the wished
+    torque goes through.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Two masses.
+    dt : float, s
+    contact_speed : float, rad/s
+        Speed v at which the gap may close.
+    torque_limit : float, Nm
+    braking_torque : float, Nm
+        Kept for braking; default ``BRAKING_SHARE``·torque_limit.
+    rate : float, 1/s
+        Of the approach-speed control; default 1/(lag + dt), at most 1/(``LEAST_SAMPLES``·dt).
+    release : float
+        Torque allowed per shaft torque; at 1 + rate·(lag + dt) or below the limit would hold back a steady torque.
+
+    Returns
+    -------
+    DiscreteSystem
+        Inputs torque_wished, twist_estimated, twist_elastic_estimated, speed_motor_estimated, speed_load_estimated,
+        torque_motor_acting (what acts from this sample on, see ``lqi``); output torque_motor; state torque_actuator,
+        where the drivetrain has a lag.
+
+    Raises
+    ------
+    InvalidInput
+        If there are not two masses with backlash, a number is not positive, the rate is beyond 1/dt, or the release too
+        small.
+
+    Notes
+    -----
+    Friction of the motor and the load's acceleration are left out: on the paper's rig 10 Nm at the load shift the
+    contact speed by 0.03 rad/s.
+    """
+    braking_torque = BRAKING_SHARE * torque_limit if braking_torque is None else braking_torque
+    rate = 1.0 / max(drivetrain.lag + dt, LEAST_SAMPLES * dt) if rate is None else rate
+    _check(drivetrain, dt, rate, release, contact_speed=contact_speed, torque_limit=torque_limit,
+           braking_torque=braking_torque)  # fmt: skip
+    inertia, lag = drivetrain.inertia_motor, drivetrain.lag
+    gain = rate * inertia
+    # Rows over (state torque_actuator, inputs): speed and distance after the torque that is on its way.
+    one = {name: row for name, row in zip(("torque_actuator", *_INPUTS), np.eye(7), strict=True)}
+    closing = one["speed_motor_estimated"] - one["speed_load_estimated"]
+    speed = closing + (lag * one["torque_actuator"] + dt * one["torque_motor_acting"]) / inertia
+    ahead = speed - 0.5 * dt / inertia * one["torque_motor_acting"]
+    distance = one["twist_estimated"] + lag * closing + dt * ahead
+    elastic, wished = one["twist_elastic_estimated"], one["torque_wished"]
+    approach = _approach(drivetrain.backlash, contact_speed, braking_torque / inertia, rate, gain)
+    released = PiecewiseLinear(((0.0, 0.0),), 0.0, release * drivetrain.stiffness)
+    z = np.array([
+        -distance, distance, elastic, -elastic,
+        wished + gain * speed,      # torque_wished − U₊
+        -wished - gain * speed,     # −U₋ − min(torque_wished, U₊)
+        wished,
+    ])  # fmt: skip
+    H = np.zeros((7, 7))
+    H[4, [0, 2]] = -1.0
+    H[5, [1, 3, 4]] = -1.0, -1.0, 1.0
+    H[6, [4, 5]] = -1.0, 1.0
+    state: dict[str, Any] = {}
+    if lag > 0.0:
+        decay = math.exp(-dt / lag)
+        state = {
+            "states": ("torque_actuator",), "A": np.array([[decay]]), "F": z[:, :1],
+            "B": (1.0 - decay) * one["torque_motor_acting"][None, 1:],
+        }  # fmt: skip
+    return DiscreteSystem(
+        inputs=_INPUTS, outputs=("torque_motor",), dt=dt, name="soft_landing", G=z[:, 1:], H=H, J=np.eye(1, 7, 6),
+        curves=(
+            approach, approach, released, released, POSITIVE_PART, POSITIVE_PART, saturation(torque_limit)
+        ),
+        **state,
+    )  # fmt: skip
+
+
+def _approach(backlash: float, contact: float, braking: float, rate: float, gain: float) -> PiecewiseLinear:
+    """K·W over minus the distance from the middle of the gap: rad → Nm.
+
+    The points of the parabola lie at equal steps of the speed.
+    """
+    corner = max(contact, braking / (STEEPEST * rate))
+    straight = (corner - contact) / (STEEPEST * rate)
+    top = math.sqrt(corner**2 + 2.0 * braking * backlash)
+    parabola = np.linspace(corner, top, POINTS)
+    s = straight + (parabola**2 - corner**2) / (2.0 * braking)
+    w = parabola - braking / rate
+    if straight > 0.0:
+        s, w = np.append(0.0, s), np.append(contact * (1.0 - STEEPEST), w)
+    behind = contact / rate
+    points = np.column_stack([np.append(-behind, s) - 0.5 * backlash, gain * np.append(contact, w)])
+    slope = float(np.diff(points[-2:, 1])[0] / np.diff(points[-2:, 0])[0])
+    return PiecewiseLinear(tuple((float(a), float(b)) for a, b in points), 0.0, slope)
+
+
+def _check(drivetrain: Drivetrain, dt: float, rate: float, release: float, **torques: float) -> None:
+    for name, value in {"dt": dt, "rate": rate, **torques}.items():
+        if not (math.isfinite(value) and value > 0.0):
+            raise InvalidInput(
+                f"soft_landing.{name}", repr(value), "a positive number in SI units", "Check the unit."
+            )
+    if not drivetrain.backlash > 0.0:
+        raise InvalidInput("soft_landing", "a drivetrain without backlash", "a gap", "Leave the limiter out.")
+    if rate * dt > 1.0:
+        raise InvalidInput(
+            "soft_landing.rate", f"{rate:g} 1/s", f"at most 1/dt = {1.0 / dt:g} 1/s", "Lower it."
+        )
+    least = 1.0 + rate * (drivetrain.lag + dt)
+    if not release > least:
+        raise InvalidInput("soft_landing.release", f"{release:g}", f"more than {least:.3g}", "Raise it.")

@@ -1,0 +1,156 @@
+"""Soft landing: the contact speed that was asked for, no hold on steady torques, the mirror image, misuse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lostmotion.controllers import lqi, soft_landing
+from lostmotion.drivetrain import Drivetrain
+from lostmotion.errors import InvalidInput
+from lostmotion.metrics import crossing_metrics, step_metrics
+from lostmotion.observers import kalman
+from lostmotion.simulation import Sensor, simulate
+from lostmotion.systems import DiscreteSystem, connect, one_sample_delay
+
+DT, LIMIT = 1e-4, 73.5
+PLANT = Drivetrain.two_mass(
+    inertia_motor=0.0195, inertia_load=0.111, stiffness=6500.0, damping=0.42, backlash=0.012, coulomb=2.0,
+    viscous=0.0175, lag=3e-4,
+)  # fmt: skip
+ACTING = one_sample_delay("torque_motor", DT, "torque_motor_acting")
+
+
+def limiter(plant=PLANT, **changes) -> DiscreteSystem:
+    return soft_landing(plant, **{"dt": DT, "contact_speed": 0.6, "torque_limit": LIMIT, **changes})
+
+
+def landing(plant: Drivetrain, torque: float, **changes):
+    """A constant wished torque from the far edge of the gap on, all states known; at rest at first."""
+    law = connect(
+        [limiter(plant, **changes), ACTING],
+        inputs=("torque_wished", "twist_estimated", "twist_elastic_estimated", "speed_motor_estimated",
+                "speed_load_estimated"),
+        outputs=("torque_motor",),
+    )  # fmt: skip
+    elastic = DiscreteSystem(
+        inputs=("twist",), outputs=("twist_elastic_estimated",), dt=DT, curves=(dead(plant),),
+        G=np.ones((1, 1)), J=np.ones((1, 1)),
+    )  # fmt: skip
+    known = {
+        "twist_estimated": "twist",
+        "speed_motor_estimated": "speed_motor",
+        "speed_load_estimated": "speed_load",
+    }
+    return simulate(
+        plant, dt=DT, law=[elastic, law], delay=1, torque_wished=np.full(4000, torque),
+        sensors={name: Sensor(source) for name, source in known.items()},
+        state=(-np.sign(torque) * 0.49 * plant.backlash, 0.0, 0.0),
+    )  # fmt: skip
+
+
+def dead(plant):
+    from lostmotion.curves import dead_zone
+
+    return dead_zone(0.5 * plant.backlash)
+
+
+@pytest.mark.parametrize("contact_speed", [0.2, 0.6, 2.0])
+@pytest.mark.parametrize("backlash", [0.003, 0.012, 0.1])
+@pytest.mark.parametrize("lag", [0.0, 3e-4])
+def test_the_gap_closes_at_the_speed_that_was_asked_for(contact_speed, backlash, lag):
+    plant = PLANT.with_parameters(backlash=backlash, lag=lag, coulomb=0.0)
+    for torque in (30.0, -60.0):
+        found = landing(plant, torque, contact_speed=contact_speed)
+        first = next(e for e in found.events if e.kind == "impact")
+        # What is left is the lag of the control behind the falling speed, and samples of 0.1 ms on small gaps.
+        assert 0.6 * contact_speed < abs(first.speed) < 1.3 * contact_speed
+        assert np.sign(first.speed) == np.sign(torque)
+
+
+def test_in_the_gap_its_coordinates_are_a_double_integrator_of_the_next_torque():
+    plant, n = PLANT.with_parameters(backlash=50.0, coulomb=0.0, viscous=0.0), 300
+    torque = 40.0 * np.random.default_rng(5).normal(size=n)
+    acting = np.concatenate([[0.0], torque[:-1]])
+    run = simulate(plant, dt=DT, torque_motor=acting)
+    law = limiter(plant)
+    signals = {
+        "torque_wished": np.zeros(n), "twist_estimated": run["twist"], "twist_elastic_estimated": np.zeros(n),
+        "speed_motor_estimated": run["speed_motor"], "speed_load_estimated": run["speed_load"],
+        "torque_motor_acting": acting,
+    }  # fmt: skip
+    u = np.column_stack([signals[name] for name in law.inputs])
+    state = np.zeros(n)
+    for k in range(n - 1):
+        state[k + 1] = law.A[0, 0] * state[k] + law.B[0] @ u[k]
+    # Arguments of the curves: 1 is the distance, 4 the speed times rate·inertia.
+    distance, speed = (state * law.F[i, 0] + u @ law.G[i] for i in (1, 4))
+    speed = speed / (plant.inertia_motor / (plant.lag + DT))
+    step = DT * torque / plant.inertia_motor
+    np.testing.assert_allclose(np.diff(speed), step[:-1], atol=1e-11)
+    np.testing.assert_allclose(np.diff(distance), DT * (speed + 0.5 * step)[:-1], atol=1e-13)
+
+
+@pytest.mark.parametrize("torque", [-73.0, -5.0, 0.3, 20.0, 73.0])
+def test_a_steady_torque_goes_through(torque):
+    elastic = torque / PLANT.stiffness
+    steady = {
+        "torque_wished": torque, "twist_estimated": elastic + 0.006 * np.sign(torque),
+        "twist_elastic_estimated": elastic, "speed_motor_estimated": 5.0, "speed_load_estimated": 5.0,
+        "torque_motor_acting": torque,
+    }  # fmt: skip
+    found = limiter().run({name: np.full(100, value) for name, value in steady.items()})
+    assert found["torque_motor"][-1] == pytest.approx(torque, rel=1e-12)
+
+
+def test_it_is_its_own_mirror_image():
+    rng = np.random.default_rng(4)
+    law = limiter()
+    data = {name: rng.normal(size=500) for name in law.inputs}
+    data["torque_wished"] *= 60.0
+    data["twist_estimated"] *= 0.006
+    data["twist_elastic_estimated"] *= 0.003
+    plus = law.run(data)["torque_motor"]
+    minus = law.run({name: -values for name, values in data.items()})["torque_motor"]
+    # Where neither limit holds alone the upper one goes first; a contradiction of both is not met in the loop.
+    both = np.abs(plus + minus) < 1e-9
+    assert np.mean(both) > 0.95
+    assert np.ptp(plus) == pytest.approx(2.0 * LIMIT)
+
+
+def test_behind_lqi_the_impact_is_a_quarter_and_the_step_as_fast():
+    def run(soft):
+        observer = kalman(PLANT, dt=DT, load_torque=True, process_covariance={"torque_load": 1e6})
+        speed = lqi(PLANT, dt=DT, largest_error=2.0, largest_torque=LIMIT, torque_limit=LIMIT)
+        parts = [observer.renamed({"torque_motor": "torque_motor_acting"}), ACTING, speed]
+        if soft:
+            parts[2:] = [speed.renamed({"torque_motor": "torque_wished"}), limiter()]
+        law = connect(parts, inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",))
+        reference = np.where(np.arange(8000) < 3000, -2.0, 2.0)
+        found = simulate(PLANT, dt=DT, law=law, delay=1, speed_reference=reference)
+        load = step_metrics(found.time, found["speed_load"], 0.3, -2.0, 2.0)
+        return load, crossing_metrics(
+            found.time, found["speed_motor"], found["speed_load"], found.events, 0.3, -2.0, 2.0
+        )
+
+    (_, hard), (step, soft) = run(False), run(True)
+    assert soft.impact_speed < 1.0 and soft.impact_speed < 0.25 * hard.impact_speed
+    assert soft.arrival_time < 0.019
+    assert step.overshoot < 1.0 and step.steady_error < 1e-3
+
+
+@pytest.mark.parametrize(
+    "changes, complaint",
+    [
+        ({"contact_speed": 0.0}, r"soft_landing\.contact_speed"),
+        ({"torque_limit": np.inf}, r"soft_landing\.torque_limit"),
+        ({"braking_torque": -1.0}, r"soft_landing\.braking_torque"),
+        ({"rate": 2e4}, r"soft_landing\.rate"),
+        ({"release": 1.5}, r"soft_landing\.release"),
+        ({"dt": np.nan}, r"soft_landing\.dt"),
+        ({"plant": PLANT.with_parameters(backlash=0.0)}, "backlash"),
+    ],
+)
+def test_misuse(changes, complaint):
+    with pytest.raises(InvalidInput, match=complaint):
+        limiter(**changes)
