@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from ..jit import njit
 from ..numerics.vectors import address, write, write_integer
 from ..plant.enclosure import no_crossing
 from ..plant.event_loop import DONE, NEED_MODE, add_change, copy_state, finish_sample

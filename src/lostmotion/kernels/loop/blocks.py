@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from ..jit import njit
 from ..plant.entered import enter
 from ..plant.event_loop import DONE, NEED_MODE
 from ..plant.layout import COMPILED
