@@ -1,16 +1,8 @@
-"""Drops compiled kernels whose sources changed: numba looks at a kernel's own file only, not at what it imports.
-
-For every module below a folder a hash over its source and those of the kernels that it imports is kept in one file
-beside numba's. Where it differs, that module's compiled files go. Processes that do this at the same time do no harm:
-numba writes its files whole, and compiles again where one is missing.
-"""
+"""When a compiled kernel is stale: the hash of its source and of all kernels that it imports."""
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import json
-import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -51,28 +43,3 @@ def _imported(module: str, source: str) -> set[str]:
         found.add("/".join(parts))
         found |= {"/".join([*parts, name]) for name in re.findall(r"\w+", names)}
     return found
-
-
-def drop_stale(folder: Path) -> list[str]:
-    """Removes what numba compiled from other sources; returns the modules. Does nothing where it cannot write."""
-    record = folder / "__pycache__" / "kernel-sources.json"
-    hashes = source_hashes(folder)
-    try:
-        known = json.loads(record.read_text())
-    except (OSError, ValueError):
-        known = {}
-    stale = [name for name, value in hashes.items() if known.get(name) != value]
-    if not stale:
-        return []
-    with contextlib.suppress(OSError):
-        record.parent.mkdir(exist_ok=True)
-        for name in stale:
-            module = folder / name
-            cache = module.parent / "__pycache__"
-            for compiled in (*cache.glob(f"{module.name}.*.nbi"), *cache.glob(f"{module.name}.*.nbc")):
-                compiled.unlink(missing_ok=True)
-        # Last, and whole: a process that ends before leaves the old record, and the next one starts over.
-        part = record.with_suffix(f".{os.getpid()}")
-        part.write_text(json.dumps(hashes))
-        part.replace(record)
-    return stale

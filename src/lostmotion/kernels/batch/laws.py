@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from ..loop.blocks import run_with_laws
 from ..loop.laws import Loop
 from ..numerics.vectors import address, read

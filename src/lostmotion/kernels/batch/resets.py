@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from ..jit import njit
 from ..plant.equations import ANGLE, ELEMENT, GAP, SHAFT_NUMBERS
 
 _INNER: Any = {

@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from ..loop.any_plant import run_open_loop
 from ..loop.two_mass import run_open_loop_two_mass
 from ..numerics.vectors import address

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from ..jit import njit
 from .layout import (
     BACKLASH,
     INVERSE_INERTIA_LOAD,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from .contact import predict_contact
 from .layout import MOVING, PARAMETERS, TRACKED, record
 from .records import reads, scratch

@@ -9,8 +9,7 @@ in turn: Simon 2006, Optimal State Estimation, section 6.1.
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..jit import njit
 from .layout import ANGLE_COUNTED, SPEED_MOTOR
 
 

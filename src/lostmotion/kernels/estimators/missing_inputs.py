@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..jit import njit
 from .layout import SPEED_MOTOR, TWIST
 
 

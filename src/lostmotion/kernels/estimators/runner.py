@@ -7,8 +7,9 @@ steppers, and each step once in its own module; an indirect call costs some ten 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from ..jit import njit
 from .verdicts import INPUT_BOUND
 
 _ARRAY = types.float64[::1]

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from ..jit import njit
 from .verdicts import FROZEN, JUMP, MISSING, START_AGAIN, USE
 
 #: What a sensor measures: its ``kind``.

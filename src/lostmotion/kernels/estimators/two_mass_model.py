@@ -13,8 +13,7 @@ A long sample is split into equal substeps, so that the gap term is held for a s
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..jit import njit
 from .layout import FRICTION_LOAD, FRICTION_MOTOR, GAP, TORQUE
 
 #: Rows of [Φ Γ].

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from .contact import predict_contact
 from .layout import (
     ANGLE_COUNTED,

@@ -7,8 +7,8 @@ lock. The loop over the samples works on arrays and takes three times as long as
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from .two_mass import continuous, predictor_gain, sampled
 
 #: Channels by number; the motor speed is always the first column.

@@ -7,8 +7,8 @@ before the gap. Stiffness and damping are those of the two masses with the same 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from .two_mass import predictor_gain, sampled
 
 #: States: twist behind the joint piece, speed_motor, speed_load, torque_actuator, twist before it, speed of the piece.

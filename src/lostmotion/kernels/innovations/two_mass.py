@@ -8,7 +8,8 @@ milliseconds per 8 × 8 matrix on a busy machine.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..jit import njit
 
 #: Terms of the series, and largest norm before squaring: 0.5¹³/13! is below rounding.
 _TERMS = 12

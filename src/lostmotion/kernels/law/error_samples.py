@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from ..estimators.layout import TORQUE_MOMENTS
 from ..estimators.records import scratch
 from ..estimators.two_mass_model import eigenmode_variance
+from ..jit import njit
 
 _moments = scratch(TORQUE_MOMENTS)
 

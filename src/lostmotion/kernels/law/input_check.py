@@ -6,11 +6,12 @@ and, for good samples, the laws' machine code hold copies of this rule.
 
 from __future__ import annotations
 
-from numba import cfunc, njit, types
+from numba import types
 
 from ..estimators.layout import record, size
 from ..estimators.records import reads
 from ..estimators.verdicts import FROZEN, INPUT_BOUND, JUMP, MISSING, START_AGAIN, USE
+from ..jit import cfunc, njit
 
 #: A jump is an error beyond the limit and LEARNED times the largest of late, or a change of the error, away from the
 #: prediction, beyond SUDDEN times the limit and LARGER times the largest of late. Calibration: virtual rigs 1 to 4.

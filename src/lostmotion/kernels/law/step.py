@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numpy.typing import NDArray
 
+from ..jit import njit
 from ..numerics.vectors import address, intrinsic
 
 _LONG = ir.IntType(64)

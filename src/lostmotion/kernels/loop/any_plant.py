@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from ..jit import njit
 from ..numerics.vectors import address, write, write_integer
 from ..plant.enclosure import no_crossing
 from ..plant.event_loop import DONE, NEED_MODE, add_change, copy_state, finish_sample
-from ..plant.layout import COMPILED, block_size, mode_number, places_of
+from ..plant.layout import COMPILED, INNER, block_size, mode_number, places_of
 from .laws import ALGEBRAIC_LOOP, control, loop_places
 
 
 def _any_plant_loop(with_laws: bool) -> Any:
     """The loop under given torques or with laws; numba leaves out the branches of the other one."""
 
-    @njit(**COMPILED)
+    @njit(**INNER)
     def run(tb, entered, source, steps, s, digits, inputs, first, stop, work, states, modes, events, cursor):
         E, M, C = digits.size, inputs, s.size
         N = C - M - 1
@@ -89,7 +88,7 @@ def _any_plant_loop(with_laws: bool) -> Any:
 _under_torques, _with_laws = _any_plant_loop(False), _any_plant_loop(True)
 
 
-@njit(**COMPILED)
+@njit(inline="always", **COMPILED)
 def run_open_loop(tb, s, digits, inputs, first, stop, work, states, modes, events, cursor):
     """The samples `first` to `stop` under given torques; returns a status of ``event_loop``.
 
@@ -113,7 +112,7 @@ def run_open_loop(tb, s, digits, inputs, first, stop, work, states, modes, event
     )
 
 
-@njit(**COMPILED)
+@njit(inline="always", **COMPILED)
 def run_closed_loop(entered, s, digits, loop, steps, first, stop, work, states, modes, events, cursor):
     """`run_open_loop` with the laws of a ``laws.Loop``; steps: the steppers' step functions, see ``laws.no_steps``."""
     return _with_laws(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from ..jit import njit
 from ..plant.entered import enter
 from ..plant.event_loop import DONE, NEED_MODE
 from ..plant.layout import COMPILED
@@ -17,7 +16,7 @@ from .two_mass import run_closed_loop_two_mass, run_open_loop_two_mass
 def _block_loop(with_laws: bool) -> Any:
     """The blocks under given torques or with laws; numba leaves out the branches of the other one."""
 
-    @njit(nogil=True, **COMPILED)
+    @njit(inline="always", nogil=True, **COMPILED)
     def run(entered, two_mass, source, steps, n, s, digits, work, states, modes, events, cursor, values):
         tb, block = entered.tables, states.shape[0] - 1
         first = int(cursor[5])

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numba import njit, types
+from numba import types
 from numba.typed import List
 
 from ..estimators.runner import STEP, checked_step
+from ..jit import njit
 from ..law.step import step_at
 from ..numerics.vectors import address, numbers_at, read, read_integer, write, write_integer
 from ..plant.layout import COMPILED, Array, Indices

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from ..jit import njit
 
 #: No fastmath: a sensor shows the same bits in the loop and over a recording.
 _COMPILED: Any = {"cache": True, "error_model": "numpy", "nogil": True}

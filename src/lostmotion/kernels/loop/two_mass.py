@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from ..jit import njit
 from ..numerics.vectors import (
     absolute,
     add,
@@ -49,7 +48,7 @@ def _finish(places, address_s, digits, radix, start, k, events, count):
 def _two_mass_loop(with_laws: bool) -> Any:
     """The loop under given torques or with laws; numba leaves out the branches of the other one."""
 
-    @njit(**COMPILED)
+    @njit(**INNER)
     def run(tb, entered, source, steps, s, digits, first, stop, work, states, modes, events, cursor):
         row, radix = tb.row, tb.radix
         places = places_of(tb, work)
@@ -121,13 +120,13 @@ def _two_mass_loop(with_laws: bool) -> Any:
 _under_torques, _with_laws = _two_mass_loop(False), _two_mass_loop(True)
 
 
-@njit(**COMPILED)
+@njit(inline="always", **COMPILED)
 def run_open_loop_two_mass(tb, s, digits, inputs, first, stop, work, states, modes, events, cursor):
     """`run_open_loop` for four states, one input, two elements, with the state in registers (half the time)."""
     return _under_torques(tb, None, inputs, None, s, digits, first, stop, work, states, modes, events, cursor)
 
 
-@njit(**COMPILED)
+@njit(inline="always", **COMPILED)
 def run_closed_loop_two_mass(
     entered, s, digits, loop, steps, first, stop, work, states, modes, events, cursor
 ):

@@ -12,8 +12,10 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite import ir
-from numba import carray, extending, njit, types
+from numba import carray, extending, types
 from numba.extending import models, register_model
+
+from ..jit import njit
 
 LANES = 4
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from ..numerics.vectors import LANES, address, load, read, store, write
 from .equations import (
     ANGLE,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..jit import njit
 from ..numerics.vectors import (
     LANES,
     absolute,

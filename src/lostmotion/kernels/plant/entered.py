@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numba import njit
-
+from ..jit import njit
 from .contact_states import ModeWork, build_mode
 from .equations import Chain
 from .layout import Array, Indices, PlantTables, mode_number

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..jit import njit
 from .layout import FRICTION, SHAFT, Indices
 
 #: Contact laws of a shaft. LINEAR: no backlash; without damping PHYSICAL is VISCOELASTIC.

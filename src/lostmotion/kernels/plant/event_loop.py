@@ -11,8 +11,7 @@ of the index and without numba's counting of references.
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..jit import njit
 from ..numerics.vectors import (
     LANES,
     absolute,

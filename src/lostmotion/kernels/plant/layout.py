@@ -34,9 +34,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..jit import njit
 from ..numerics.vectors import LANES, address
 
 Array = NDArray[np.float64]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from ..jit import njit
 
 #: Changes of direction within one sample that are followed; the torque is held, so two are the most.
 MOST_PIECES = 4

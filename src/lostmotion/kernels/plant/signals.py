@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ..jit import njit
 from ..numerics.vectors import LANES, address, columns_of, fused, load, read, splat, store
 from .layout import COMPILED
 

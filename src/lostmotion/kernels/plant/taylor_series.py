@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from ..jit import njit
 from ..numerics.vectors import LANES, absolute, add, fused, load, read, splat, store, total, write
 from .equations import ELEMENT_OF_FRICTION, REST, driving_torque
 from .layout import padded

@@ -6,8 +6,7 @@ the gap, gap, contact at the lower edge; their edges lie at (1 − m)·half.
 
 from __future__ import annotations
 
-from numba import njit
-
+from ...jit import njit
 from ..layout import (
     INTERACTING,
     INTERACTING_PARAMETERS,

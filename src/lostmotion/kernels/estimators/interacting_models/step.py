@@ -7,8 +7,8 @@ an extended Kalman filter with the gap term of its own side.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ...jit import njit
 from ..layout import INTERACTING, MODEL_STATES, MODELS, MOVING, estimate, record, size
 from ..missing_inputs import add_missing_torque, blind_samples, torque_to_use
 from ..records import scratch

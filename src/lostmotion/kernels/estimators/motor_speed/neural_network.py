@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ...jit import njit
 from ..layout import (
     ANGLE_COUNTED,
     FRICTION_LOAD,

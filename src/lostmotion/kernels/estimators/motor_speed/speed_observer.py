@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ...jit import njit
 from ..layout import ANGLE_COUNTED, SPEED_LOAD, SPEED_MOTOR, TORQUE_ACTUATOR, TWIST
 from ..missing_inputs import torque_to_use
 from ..sensor_check import LOST, check_sample, deviation_of_counts

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ...jit import njit
 from ..layout import ANGLE_COUNTED, SPEED_MOTOR, TWISTING, TWISTING_PARAMETERS, size
 from ..records import reads
 from ..runner import INIT, STEP

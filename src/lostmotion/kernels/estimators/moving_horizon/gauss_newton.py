@@ -6,8 +6,8 @@ The adjoint is the modified Bryson–Frazier smoother: Bierman 1973, Int. J. Con
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ...jit import njit
 from ..kalman import correct, count_from_here, predict_covariance
 from ..layout import ANGLE_COUNTED, MOVING, STIFFNESS, TORQUE_LOAD, TRACKED
 from ..missing_inputs import add_missing_torque

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from ...jit import njit
 from ..kalman import inflate
 from ..layout import HORIZON, HORIZON_PARAMETERS, SENSORS, SPEED_MOTOR, TORQUE_LOAD, TRACKED, place, size
 from ..records import reads

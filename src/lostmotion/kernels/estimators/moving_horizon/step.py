@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ...jit import njit
 from ..layout import MOVING, TRACKED, TRACKED_ESTIMATE, record
 from ..records import scratch
 from ..runner import INIT, STEP

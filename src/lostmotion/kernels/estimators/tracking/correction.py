@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from ...jit import njit
 from ..contact import cancel_contact, edge_deviation, mean_gap
 from ..kalman import correct, count_from_here, inflate, variance_along
 from ..layout import (

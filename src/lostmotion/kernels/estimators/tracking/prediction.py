@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ...jit import njit
 from ..contact import edge_deviation, mean_gap
 from ..kalman import predict_covariance
 from ..layout import (
