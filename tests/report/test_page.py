@@ -227,7 +227,7 @@ def test_any_single_entry_may_be_null_skipped_or_not_a_number(kind, replacement)
 def test_an_entry_skipped_among_the_parameters_is_no_parameter():
     parameters = {**RESULTS["parameters"], "identification": {"skipped": "no motor torque"}}
     page = Balanced(render({**RESULTS, "parameters": parameters})).words
-    assert "2 of 4 parameters" in page
+    assert "Parameters identified 2 of 4" in page
     assert "Parameters: Identification no motor torque" in page
 
 

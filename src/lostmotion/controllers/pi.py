@@ -21,14 +21,14 @@ def pi(*, dt: float, kp: float = 10.0, ki: float = 200.0, torque_limit: float = 
         integral⁺ = integral + dt·ki·e + dt·(ki/kp)·(torque_motor − (integral + kp·e))
 
     The last term is the anti-windup by back-calculation: it is zero within the limit, and beyond it
-    leads the integral back with the time constant kp/ki of the controller's own zero (chosen).
+    returns the integral with the time constant kp/ki of the controller's own zero (chosen).
 
     Parameters
     ----------
     dt : float, s
     kp : float, Nm s/rad
     ki : float, Nm/rad
-        Defaults: the reading of Fietzek & Rinderknecht, Table II, that fits their Fig. 12.
+        Defaults: Fietzek & Rinderknecht, Table II, read so that it matches their Fig. 12.
     torque_limit : float, Nm
         inf: no limit, and no anti-windup.
 

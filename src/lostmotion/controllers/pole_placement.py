@@ -45,7 +45,7 @@ def state_feedback(
     Parameters
     ----------
     drivetrain : Drivetrain
-        Its actuator lag is left out; viscous friction is in. (The paper's K leaves viscous friction out too.)
+        Its actuator lag is neglected; viscous friction is included. (The paper's K neglects viscous friction too.)
     poles : three numbers, 1/s
         Real or in conjugate pairs, with negative real parts. Default: Fietzek & Rinderknecht, section V.
     dt : float, s, optional
@@ -69,8 +69,8 @@ def state_feedback(
         power = power @ a
     polynomial += power
     gain = np.linalg.solve(controllability.T, np.array([0.0, 0.0, 1.0])) @ polynomial
-    # In steady state all turns at the reference w: the motor brings k·twist, the load's friction, and its
-    # own.
+    # In steady state all turns at the reference w: the motor torque is k·twist, which is the load's friction, plus
+    # the motor's own friction.
     k, viscous = drivetrain.stiffness, drivetrain.viscous
     friction_gain = 1.0 + float(gain[0]) / k
     prefilter = float(gain[1] + gain[2]) + drivetrain.viscous_motor + friction_gain * viscous
@@ -87,7 +87,7 @@ def pole_placement(
 ) -> DiscreteSystem:
     """Speed control of the load by feedback of the estimated **elastic** twist and speeds.
 
-    Feeding back the whole twist would let the load settle below the set-point, because backlash/2 times its
+    With feedback of the whole twist the load would settle below the set-point, because backlash/2 times its
     gain is a constant torque. The gains are those for a held torque (``state_feedback`` with dt).
 
     Parameters
@@ -99,10 +99,10 @@ def pole_placement(
     torque_limit : float, Nm
         inf: no limit.
     friction_compensation : {"estimated", "reference", "none"}
-        Which load friction is compensated: the observer's estimate, which rests between the levels while the
+        Which load friction is compensated: the observer's estimate, which stays between the levels while the
         load sticks and therefore cannot chatter; or the Coulomb level in the direction of the set-point,
-        linear within ±0.1 rad/s. Coulomb friction of the motor goes by the direction of the set-point in
-        both.
+        linear within ±0.1 rad/s. Coulomb friction of the motor is compensated by the direction of the set-point
+        in both.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def pole_placement(
     row = [design.prefilter, *(-design.gain)]
     if friction_compensation == "estimated":
         inputs.append("friction_load_estimated")
-        # The prefilter carries the viscous part, so the estimate gives its Coulomb part alone.
+        # The prefilter compensates the viscous part, so only the Coulomb part of the estimate is used.
         row[3] -= design.friction_gain * drivetrain.viscous
         row.append(design.friction_gain)
     curves = []

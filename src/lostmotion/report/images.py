@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 MAX_SVG_BYTES = 300_000
 DPI = 150
 
-#: Places in the page at which a figure can stand.
+#: Sections of the page that can have figures.
 SECTIONS = ("recording", "parameters", "fits", "observers", "controllers", "other")
 
 
@@ -29,7 +29,7 @@ class ReportFigure:
     image : matplotlib Figure, or str
         A string is taken as the text of an SVG.
     section : {"recording", "parameters", "fits", "observers", "controllers", "other"}
-        Where it stands in the page.
+        Section of the page.
     """
 
     title: str
@@ -38,7 +38,7 @@ class ReportFigure:
     section: str = "other"
 
     def uri(self) -> str:
-        """The figure as a ``data:`` address, so that it can neither load anything nor run anything."""
+        """The figure as a ``data:`` address: it cannot load or run anything."""
         if isinstance(self.image, str):
             return _uri("svg+xml", self.image.encode())
         svg = _svg(self.image)

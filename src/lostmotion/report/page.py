@@ -36,9 +36,9 @@ def write_report(
           "signals", "file"};
         - ``fits``: name → {quantity: number, text, or {"value", "low", "high", "unit"}};
         - ``observers.baselines``: name → {signal: {...}}, as for an observer;
-        - ``controllers.plant``: text, what the controllers ran against; otherwise it follows from ``truth``.
+        - ``controllers.plant``: text, the plant of the simulated loops; otherwise it follows from ``truth``.
 
-        A ``truth`` that is not skipped means that the virtual rig was used: everything is labelled simulated.
+        A ``truth`` that is not skipped means that the virtual rig was used: everything is labelled as simulated.
     figures : iterable of ReportFigure, or tuples of its arguments
     title : str
     command : str, optional
@@ -67,7 +67,7 @@ def render(
         command=command,
         results=results,
         simulated=summary.is_simulated(results),
-        sentence=summary.sentence(results),
+        lead=summary.lead(results),
         cards=summary.cards(results),
         skipped=tables.skipped(results),
         problems=list(results.get("problems") or ()),

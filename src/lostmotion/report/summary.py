@@ -1,4 +1,4 @@
-"""The top of the report: what came in, what came out, and what is missing, in ten seconds."""
+"""The top of the report: the headline, what is missing, the first problem, and cards with the key numbers."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 from ..display.numbers import NONE, digits, half_width, is_number, percent, with_interval
 from ..drivetrain import PARAMETER_UNITS
 from . import tables
+from .headline import headline
 from .tables import mapping, parameters, skip_reason, skipped, words
 
 
@@ -16,46 +17,15 @@ def is_simulated(results: Mapping[str, Any]) -> bool:
     return bool(mapping(results.get("truth")))
 
 
-def _share(results: Mapping[str, Any], group: str, signal: str) -> float | None:
-    """RMSE as a fraction of the range, of an observer or of a baseline."""
-    observers = mapping(results.get("observers"))
-    entry = mapping(
-        mapping(observers.get(group) or mapping(observers.get("baselines")).get(group)).get(signal)
-    )
-    return tables.share_of_range(entry)
-
-
-def _overshoot(results: Mapping[str, Any], controller: str) -> float | None:
-    """Overshoot of a controller in per cent of the step."""
-    value = mapping(mapping(results.get("controllers")).get(controller)).get("overshoot")
-    return float(value) if is_number(value) else None
-
-
-def sentence(results: Mapping[str, Any]) -> str:
-    """What came in and what came out, in one or two sentences, only from what was done."""
-    done = []
-    rows = parameters(results)
-    if rows:
-        found = sum(row["source"] == "identified" for row in rows)
-        done.append(f"{found} of {len(rows)} parameters identified")
-    speed = _share(results, "observer_1", "speed_load")
-    if speed is not None:
-        done.append(f"load speed estimated to {percent(speed)} of its range")
-    new, old = _overshoot(results, "pole_placement"), _overshoot(results, "pi")
-    if new is not None:
-        against = "" if old is None else f" against {percent(old / 100.0)} under PI"
-        done.append(f"load-speed overshoot {percent(new / 100.0)}{against} (simulated)")
-    compared = mapping(results.get("export")).get("max_difference")
-    if is_number(compared):
-        done.append("C code equal to Python bit for bit" if compared == 0 else "C code differs from Python")
-    text = "; ".join(done) + "." if done else "No stage gave a result."
+def lead(results: Mapping[str, Any]) -> str:
+    """The headline, how much was skipped, and the first problem."""
     missing = len(skipped(results))
     remark = f" {_count(missing, 'part')} skipped, with the reason below." if missing else ""
-    return text[:1].upper() + text[1:] + remark + _first_problem(results)
+    return headline(results) + remark + _first_problem(results)
 
 
 def _first_problem(results: Mapping[str, Any]) -> str:
-    """The most telling problem comes first in the results, and belongs beside what is praised."""
+    """The first problem: results list the most important one first."""
     problems = [mapping(problem) for problem in results.get("problems") or ()]
     if not problems:
         return ""
@@ -65,7 +35,7 @@ def _first_problem(results: Mapping[str, Any]) -> str:
 
 
 def cards(results: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Key numbers: label, value, remark, and state ("good", "bad", "plain", "none")."""
+    """Key numbers: label, value, note, and state ("good", "bad", "plain", "none")."""
     found = [
         _parameter_card(results),
         _value_card(results, "backlash", "Backlash (total free angle)"),
@@ -116,14 +86,14 @@ def _value_card(results: Mapping[str, Any], name: str, label: str) -> Card:
     if not entry:
         return _missing(label, found.get(name) or results.get("parameters"))
     if not is_number(value):
-        return (label, "not excited", "the recording cannot tell it", "none")
+        return (label, "not excited", "not identified from this recording", "none")
     note, half = str(entry.get("source") or ""), half_width(value, low, high)
     shown = with_interval(value, low, high, entry.get("unit") or PARAMETER_UNITS.get(name, ""))[0]
     return (label, shown, note if half == NONE else f"{note}, {half} (95 %)", "plain")
 
 
 def _fit_cards(results: Mapping[str, Any]) -> list[Card]:
-    """The first fits with an interval, where there is no observer to speak of; at most three (chosen)."""
+    """The first fits with an interval, where no observer was validated; at most three (chosen)."""
     cards: list[Card] = []
     for name, fit in mapping(results.get("fits")).items():
         for key, entry in mapping(fit).items():
@@ -136,7 +106,7 @@ def _fit_cards(results: Mapping[str, Any]) -> list[Card]:
 
 
 def _observer_card(results: Mapping[str, Any], signal: str, label: str, naive: str) -> Card:
-    share, other = (_share(results, group, signal) for group in ("observer_1", naive))
+    share, other = (tables.error_of(results, group, signal) for group in ("observer_1", naive))
     if share is None:
         observers = results.get("observers")
         return _missing(label, observers if skip_reason(observers) else mapping(observers).get("observer_1"))
@@ -150,8 +120,8 @@ def _observer_card(results: Mapping[str, Any], signal: str, label: str, naive: s
 def _control_card(results: Mapping[str, Any]) -> Card:
     label, new, old = (
         "Overshoot, pole placement",
-        _overshoot(results, "pole_placement"),
-        _overshoot(results, "pi"),
+        tables.overshoot_of(results, "pole_placement"),
+        tables.overshoot_of(results, "pi"),
     )
     if new is None:
         return _missing(label, results.get("controllers"))

@@ -1,4 +1,4 @@
-"""What the tables of the report show, as text: results in, rows out, no HTML."""
+"""The tables of the report as text: results in, rows out, no HTML."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def mapping(part: Any) -> Mapping[str, Any]:
 
 
 def skipped(results: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """What was skipped and why: whole parts and entries inside them, each once."""
+    """Name and reason of each skipped part, and of skipped entries inside parts."""
     found: list[tuple[str, str]] = []
 
     def search(name: str, part: Any, depth: int) -> None:
@@ -156,7 +156,7 @@ def _fit_value(value: Any) -> dict[str, str]:
 
 
 def _observers(observers: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Rows grouped by signal: every observer, then the naive estimates to compare with."""
+    """Rows grouped by signal: every observer, then the naive estimates for comparison."""
     baselines = mapping(observers.get("baselines"))
     entries = [(n, e, False) for n, e in observers.items() if n != "baselines"]
     entries += [(n, e, True) for n, e in baselines.items()]
@@ -174,6 +174,19 @@ def _observers(observers: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
                     "naive": naive,
                     **_errors(figures, signal),
                 }
+
+
+def error_of(results: Mapping[str, Any], group: str, signal: str) -> float | None:
+    """RMSE as a fraction of the range, of an observer or of a naive estimate; None where there is none."""
+    observers = mapping(results.get("observers"))
+    entry = mapping(observers.get(group) or mapping(observers.get("baselines")).get(group))
+    return share_of_range(mapping(entry.get(signal)))
+
+
+def overshoot_of(results: Mapping[str, Any], controller: str) -> float | None:
+    """Overshoot of a controller in per cent of the step; None where there is none."""
+    value = mapping(mapping(results.get("controllers")).get(controller)).get("overshoot")
+    return float(value) if is_number(value) else None
 
 
 def share_of_range(figures: Mapping[str, Any]) -> float | None:

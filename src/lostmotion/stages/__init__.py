@@ -1,1 +1,1 @@
-"""The stages of the main job: read, identify, design, validate, export, report; ``run`` puts them in a row."""
+"""The stages of the main job: read, identify, design, validate, export, report; ``run`` calls them in this order."""

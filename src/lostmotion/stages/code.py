@@ -14,7 +14,7 @@ NAME = "drive_law"
 
 
 def write_code(laws: Design, folder: Path) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-    """law.json and c/ in the folder; returns the part of ``results.json`` and warnings."""
+    """Write law.json and c/; returns the part of ``results.json`` and warnings."""
     if laws.law is None:
         return {"skipped": laws.skipped}, ()
     save_law(laws.law, folder / "law.json")
@@ -24,7 +24,7 @@ def write_code(laws: Design, folder: Path) -> tuple[dict[str, Any], tuple[Proble
     if check.passed:
         return result, ()
     remedy = (
-        "Install a C compiler, or compile c/ with your target's."
+        "Install a C compiler, or compile c/ with the compiler of your target."
         if check.skipped
         else "Look into c/README.md."
     )

@@ -29,7 +29,7 @@ ESTIMATES = (
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """The laws, or for each the reason why there is none.
+    """The laws, or the reason why there is none.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Design:
 
 
 def design(material: Material, found: Found) -> Design:
-    """The laws for an identified drivetrain; what cannot be designed is a result, not an exception."""
+    """The laws for an identified drivetrain; a law that cannot be designed is a result, not an exception."""
     drivetrain, settings = found.drivetrain, material.settings
     if drivetrain is None:
         return Design(skipped=found.missing, pi_skipped=found.missing)
@@ -84,7 +84,7 @@ def design(material: Material, found: Found) -> Design:
 
 
 def _tried(make: Callable[[], DiscreteSystem]) -> tuple[DiscreteSystem | None, Problem | None]:
-    """A law, or as a warning why it cannot be made."""
+    """A law, or a warning why it cannot be designed."""
     try:
         return make(), None
     except InvalidInput as error:
@@ -92,7 +92,7 @@ def _tried(make: Callable[[], DiscreteSystem]) -> tuple[DiscreteSystem | None, P
 
 
 def is_averaged(recording: Recording | None, found: Found) -> bool:
-    """Whether a recording's motor speed is a mean over the sample: as it says, else as identification saw it."""
+    """Whether a recording's motor speed is a mean over the sample: as stated in it, else as identification found."""
     seen = found.identification is not None and found.identification.speed_from_counts
     return seen if recording is None else bool(recording.meta.get("speed_from_counts", seen))
 
@@ -105,7 +105,7 @@ def observer(drivetrain: Drivetrain, name: str, dt: float, averaged: bool) -> Di
 def target_law(
     drivetrain: Drivetrain, settings: Settings, dt: float, averaged: bool, outputs: tuple[str, ...]
 ) -> DiscreteSystem:
-    """Observer 1 + pole placement; the observer gets the torque a sample late, as the computing delay makes it act."""
+    """Observer 1 + pole placement; the observer's torque is one sample late, as the computing delay makes it act."""
     watcher = observer(drivetrain, "observer_1", dt, averaged).renamed(
         {"torque_motor": "torque_motor_acting"}
     )

@@ -20,7 +20,7 @@ CONTROLLERS = {"pi": "PI", "pole_placement": "Observer 1 + pole placement"}
 def figures(
     material: Material, found: Found, validation: Validation, truth: dict[str, float | None] | None
 ) -> list[ReportFigure]:
-    """All figures for which there is something to show, in the report's order."""
+    """All figures that have data, in the order of the report."""
     source = "measured" if material.identify is None else plot.source_of(material.identify)
     return [
         *_recordings(material),
@@ -36,7 +36,7 @@ def _recordings(material: Material) -> list[ReportFigure]:
     return [
         ReportFigure(
             f"Recording: {name.replace('_', ' ')}",
-            "Each signal over the whole time, thinned to the extremes.",
+            "Each signal over the whole time; of many samples, the smallest and the largest are drawn.",
             plot.recording_overview(recording, title=f"{name.replace('_', ' ').capitalize()}{origin}"),
             "recording",
         )
@@ -60,7 +60,7 @@ def _parameters(found: Found, truth: dict[str, float | None] | None, source: str
         made.append(
             ReportFigure(
                 "Prediction of the motor speed",
-                "One sample ahead. Lines outside the band: the residual holds something the two-mass model lacks.",
+                "One sample ahead. Lines outside the band: the residual contains a part that the two-mass model lacks.",
                 plot.prediction_fit(
                     prediction.time,
                     prediction.speed_motor + prediction.residual,
@@ -105,7 +105,7 @@ def _shaft(found: Found, source: str) -> list[ReportFigure]:
 
 
 def ring_down_title(ringing: RingDown) -> str:
-    """Frequency and damping ratio with the digits that their intervals bear out."""
+    """Frequency and damping ratio with as many digits as their intervals justify."""
     values, intervals = ringing.values, ringing.intervals
     frequency = with_interval(values["frequency"], *intervals["frequency"], "Hz")[0]
     ratio = with_interval(values["damping_ratio"], *intervals["damping_ratio"], "")[0]
@@ -138,7 +138,7 @@ def _observers(material: Material, validation: Validation) -> list[ReportFigure]
 
 
 def _liveliest(recording: Recording) -> float:
-    """The time (s) at which the motor torque changes most: where an observer should be looked at."""
+    """The time (s) at which the motor torque changes most: the hardest moment for an observer."""
     return float(recording.time[int(np.argmax(np.abs(np.diff(recording["torque_motor"]))))])
 
 

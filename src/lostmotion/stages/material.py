@@ -27,13 +27,13 @@ RIG_NAMEPLATE: Mapping[str, float] = {
 }
 #: Set-point of the step that is recorded and controlled: Fietzek & Rinderknecht, section IV (±2 rad/s, at 1 s).
 STEP_TIME, STEP_SPEED, STEP_DURATION = 1.0, 2.0, 2.0
-#: With one recording only, this last part of it validates.
+#: With one recording only, this last part of it is kept for the validation.
 VALIDATION_PART = 0.3
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What is designed: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), kp and ki of the PI."""
+    """Settings of the design: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), gains of the PI."""
 
     sample_time: float | None = None
     torque_limit: float = np.inf
@@ -44,7 +44,7 @@ class Settings:
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """What the later stages work on. The virtual rig's truth is not in it.
+    """Input of the later stages. It does not contain the virtual rig's truth.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Material:
         Whether the recordings come from the virtual rig.
     identify, validate : Recording or None
     recordings : mapping of name → Recording
-        All of them, as read.
+        All recordings, as read.
     uses : mapping of name → {"identify", "validate"}
     problems : tuple of Problem
         Warnings.
@@ -80,7 +80,7 @@ def step_reference(dt: float) -> np.ndarray:
 
 
 def from_rig(seed: int, dt: float = 1e-4) -> tuple[Material, rig.Truth]:
-    """An excitation of 10 s and a set-point step under PI control on the virtual rig, and apart from it the truth."""
+    """An excitation of 10 s and a set-point step under PI control on the virtual rig, and separately the truth."""
     settings = Settings(sample_time=dt, torque_limit=rig.TORQUE_LIMIT)
     excited, truth = rig.record(seed, dt=dt)
     controller = pi(dt=dt, kp=settings.kp, ki=settings.ki, torque_limit=settings.torque_limit)
@@ -142,12 +142,12 @@ def _unused(file: str, use: str) -> Problem:
         file,
         f"a further recording to {use}",
         f"one recording to {use}",
-        "Only the first is used: join the others to it, or run again with another first.",
+        "Only the first is used: join the recordings, or run again with another one first.",
     )
 
 
 def _hashes(configuration: Configuration) -> dict[str, str]:
-    """sha256 of the TOML and of every recording, by its path as seen from the TOML."""
+    """SHA-256 of the TOML and of every recording, by its path relative to the TOML."""
     home = configuration.path.parent
     files = {configuration.path.name: configuration.path}
     for source in configuration.recordings:

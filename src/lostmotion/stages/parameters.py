@@ -23,25 +23,25 @@ from .material import Material
 
 #: Without these nothing can be designed; friction and lag may be zero.
 NEEDED = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash")
-#: What identification by prediction error reads.
+#: Signals that identification by prediction error needs.
 DRIVEN = ("torque_motor", "speed_motor")
-#: What the measurement of a shaft reads.
+#: Signals that the measurement of a shaft needs.
 SHAFT = ("speed_motor", "speed_load", "torque_shaft")
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What stage 2 found.
+    """Results of stage 2.
 
     Parameters
     ----------
     table : mapping of parameter → {"value", "low", "high", "unit", "source"}
         As in ``results.json``.
     drivetrain : Drivetrain or None
-        What the design starts from; None where too little is known, then `missing` says what.
+        Model for the design; None where too little is known, then `missing` says what.
     identification : Identification or None
     shaft, ringing : ShaftStiffness, RingDown or None
-        What a measured shaft torque tells.
+        Results from a measured shaft torque.
     skipped : str
         Why there is no identification by prediction error.
     fits : mapping
@@ -92,12 +92,12 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
         }
         if found.prediction.joint_piece is not None:
             share, compliance = found.prediction.joint_piece
-            fits["joint piece on the shaft"] = {
+            fits["intermediate inertia on the shaft"] = {
                 "part of the motor's inertia": share,
                 "part of the shaft's compliance before it": compliance,
             }
         return _finished(material.nameplate, table, found, fits=fits, problems=tuple(problems))
-    # Without a motor torque, speeds on both ends and the torque of a shaft still tell its stiffness.
+    # Without a motor torque, the stiffness still follows from the speeds at both ends and the torque of the shaft.
     if all(name in recording for name in SHAFT):
         shaft, ringing = shaft_stiffness(recording), ring_down(recording, seed=material.seed)
         excited = backlash_excited(recording)
@@ -137,7 +137,7 @@ def _shaft_fits(shaft: ShaftStiffness, ringing: RingDown) -> dict[str, Any]:
         "shaft": _shaft_fit(shaft),
         "ring-down": {
             "frequency": _fit(ringing, "frequency"),
-            "damping ratio (of the whole rig as it ran)": _fit(ringing, "damping_ratio"),
+            "damping ratio (of the whole rig in operation)": _fit(ringing, "damping_ratio"),
         },
     }
 
@@ -163,7 +163,7 @@ def _finished(
     fits: Mapping[str, Any] | None = None,
     problems: tuple[Problem, ...] = (),
 ) -> Found:
-    """What is designed with: identified values, else the user's; never the start value of something unknown."""
+    """The model for the design: identified values, else the user's; never the start value of something unknown."""
     for name in NEEDED:
         table.setdefault(name, _entry(name, None, "not excited"))
     ordered = {name: table[name] for name in PARAMETER_UNITS if name in table}

@@ -1,4 +1,4 @@
-"""Stage 4, validate: observers over a recording with the load withheld; controllers against a plant they never saw."""
+"""Stage 4, validate: observers on a recording with the load withheld, controllers on a plant not used in the design."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from .parameters import Found
 
 #: Signals that are withheld from the observers and compared with them afterwards.
 WITHHELD = ("speed_load", "torque_shaft", "twist")
-#: The observers have settled from an unknown start by then, s (chosen: six time constants of Observer 1's slow pole).
+#: Settling time of the observers from an unknown start, s (chosen: six time constants of Observer 1's slow pole).
 SETTLING = 0.3
 #: The judged step lasts until this time, s; then the set-point goes back and makes a pulse (Fig. 15).
 PULSE_END, PULSE_DURATION = 1.5, 2.0
 #: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target.
 STEADY = 0.01
-#: A load speed beyond this many times the set-point counts as a loop that runs away (chosen).
+#: A load speed beyond this many times the set-point counts as unstable (chosen).
 RUNAWAY = 20.0
 
 
@@ -51,7 +51,7 @@ class Validation:
 
 
 def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any], dict[str, Recording]]:
-    """Every observer over the validation recording; withheld signals are compared afterwards."""
+    """Run every observer over the validation recording and compare it with the withheld signals."""
     recording = material.validate
     if found.drivetrain is None:
         return {"skipped": found.missing}, {}
@@ -80,7 +80,7 @@ def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any]
 
 
 def _compared(estimate: Recording, recording: Recording) -> dict[str, Any]:
-    """Metrics of every withheld signal that the recording holds."""
+    """Metrics of every withheld signal in the recording."""
     rows: dict[str, Any] = {}
     for signal in WITHHELD:
         if f"{signal}_estimated" in estimate:
@@ -108,7 +108,7 @@ def _as_recorded(values: np.ndarray, signal: str, recording: Recording) -> np.nd
 
 
 def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool) -> dict[str, Any]:
-    """Naive estimates that keep the numbers honest: the motor speed itself, and an observer that knows no gap."""
+    """Naive estimates for comparison: the motor speed itself, and an observer without backlash in its model."""
     without = observer(drivetrain.with_parameters(backlash=0.0), "observer_1", recording.dt, averaged)
     return {
         "motor_speed": {"speed_load": _row(recording["speed_motor"], "speed_load", recording)},
@@ -119,14 +119,14 @@ def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool) -> 
 def validate_controllers(
     material: Material, found: Found, laws: Design
 ) -> tuple[dict[str, Any], dict[str, Recording], tuple[Problem, ...]]:
-    """PI and the target's law on the step −2 → 2 rad/s (and back) against the rig, or a finer plant.
+    """PI and the target's law on the step −2 → 2 rad/s (and back) on the rig, or on a finer plant.
 
     A loop that is unstable or does not settle is a result, with a warning.
     """
     if found.drivetrain is None:
         return {"skipped": found.missing}, {}, ()
     if material.virtual:
-        plant, label = rig.varied_rig(material.seed), "virtual rig (simulated), which the design has not seen"
+        plant, label = rig.varied_rig(material.seed), "virtual rig (simulated), not used in the design"
     else:
         plant = rig.finer_rig(found.drivetrain, found.intervals, material.seed)
         label = "simulated: a finer plant of four inertias, perturbed within the intervals"
@@ -155,7 +155,7 @@ def validate_controllers(
 
 
 def _stable_response(plant: rig.Rig, law: DiscreteSystem, dt: float) -> tuple[Recording | None, str]:
-    """The response, or why there is none worth showing."""
+    """The response, or the reason why the loop is not stable."""
     try:
         response = control_step(plant, law, dt)
     except InvalidInput as error:
@@ -177,7 +177,7 @@ def _loop_problem(name: str, got: str) -> Problem:
 
 
 def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float) -> Recording:
-    """The law in the loop of a rig: what its sensors record, the set-point a pulse, and the law's outputs."""
+    """A pulse of the set-point with the law in the loop of a rig: the recording of its sensors and the estimates."""
     reference = signals.steps(
         (STEP_TIME, PULSE_END), (-STEP_SPEED, STEP_SPEED, -STEP_SPEED), PULSE_DURATION, dt
     )
@@ -199,7 +199,7 @@ def judged_step(response: Recording) -> dict[str, float | None]:
     )
     judged = metrics.as_dict()
     if judged["rise_time"] is None:
-        judged["overshoot"] = None  # a response that never arrives has none
+        judged["overshoot"] = None  # not defined for a response that never reaches the set-point
     return judged
 
 

@@ -1,4 +1,4 @@
-"""Structure: torsional finite elements from geometry or matrices, their modes, and their reduction to a chain."""
+"""Structure: torsional finite elements from geometry or matrices, their eigenmodes, and reduction to a chain."""
 
 from .elements import Coupling, Disc, Gear, ShaftSegment
 from .from_frequencies import chain_from_frequencies, two_mass_from_frequencies

@@ -19,7 +19,7 @@ def _positive(where: str, value: float, zero_allowed: bool = False) -> None:
 
 @dataclass(frozen=True)
 class Disc:
-    """A rigid inertia (kg m²) at the place in the chain where it stands."""
+    """A rigid inertia (kg m²) at its position in the chain."""
 
     name: str
     inertia: float
@@ -50,7 +50,7 @@ class ShaftSegment:
     shear_modulus : float, Pa
     density : float, kg/m³
     elements : int
-        Linear elements with consistent mass matrix; the error of a frequency falls with their number squared.
+        Number of linear elements with consistent mass matrix; the error of a frequency falls with its square.
     """
 
     name: str
@@ -92,15 +92,15 @@ class ShaftSegment:
 
 @dataclass(frozen=True)
 class Gear:
-    """A rigid gear stage: what follows turns at 1/ratio of the speed before it.
+    """A rigid gear stage: all that follows turns at 1/ratio of the speed before it.
 
     Parameters
     ----------
     name : str
     ratio : float
-        Speed before over speed behind; negative where the direction of rotation turns round.
+        Speed before over speed behind; negative if the direction of rotation is reversed.
     inertia_in, inertia_out : float, kg m²
-        Of the wheels on the shaft before and behind.
+        Of the gear wheels on the shaft before and behind.
     """
 
     name: str

@@ -63,10 +63,10 @@ def chain_from_frequencies(
     Parameters
     ----------
     zeros, poles : (n − 1,) arrays, Hz
-        Without the pole at 0 Hz; rising in turn: zero < pole < zero < pole …
+        Without the pole at 0 Hz; interlaced: zero < pole < zero < pole …
     inertia_total : float, kg m²
     damping_ratio : float
-        Of every mode, as close as one damper in each shaft comes to it.
+        Of every eigenmode, as close as one damper in each shaft allows.
     """
     z, p = (np.asarray(f, dtype=float) for f in (zeros, poles))
     _check_interlaced(z, p, inertia_total)
@@ -85,7 +85,7 @@ def chain_from_frequencies(
 
 
 def damped_chain(inertias: ArrayLike, stiffnesses: ArrayLike, damping_ratio: float) -> Drivetrain:
-    """The linear chain with dampers that bring each mode as close to the ratio as non-negative ones can."""
+    """The linear chain with non-negative dampers that bring each eigenmode as close to the ratio as possible."""
     from scipy.linalg import eigh
     from scipy.optimize import nnls
 
@@ -95,7 +95,7 @@ def damped_chain(inertias: ArrayLike, stiffnesses: ArrayLike, damping_ratio: flo
     stiffness = twist.T @ np.diag(stiffnesses) @ twist
     squares, shapes = eigh(stiffness, np.diag(inertias))
     frequencies = np.sqrt(squares[1:])
-    # Mode r of unit modal mass: Σ d_i·(twist of shaft i)² = 2·D·ω_r; each row over ω_r, so that ratios are compared.
+    # Eigenmode r of unit modal mass: Σ d_i·(twist of shaft i)² = 2·D·ω_r; rows over ω_r: ratios are compared.
     rows = (twist @ shapes[:, 1:]).T ** 2 / frequencies[:, None]
     dampings, _ = nnls(rows, np.full(n - 1, 2.0 * damping_ratio))
     shafts = tuple(Shaft(float(k), float(d)) for k, d in zip(stiffnesses, dampings, strict=True))
@@ -124,6 +124,6 @@ def _check_interlaced(zeros: Floats, poles: Floats, inertia_total: float) -> Non
         raise InvalidInput(
             "zeros, poles, inertia_total",
             f"{zeros.tolist()} Hz, {poles.tolist()} Hz, {inertia_total!r} kg m2",
-            "as many zeros as poles, rising in turn from above 0 Hz: zero, pole, zero, …; a positive inertia",
-            "Seen from where the torque acts, a zero lies below each pole.",
+            "as many zeros as poles, interlaced from above 0 Hz: zero, pole, zero, …; a positive inertia",
+            "At the place where the torque acts, a zero lies below each pole.",
         )

@@ -1,4 +1,4 @@
-"""Free modal analysis of a torsional model, its transfer functions, and the zeros seen at one place."""
+"""Free modal analysis of a torsional model, its transfer functions, and the zeros at one node."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .torsional_model import TorsionalModel
 
 Floats = NDArray[np.float64]
 
-#: An eigenvalue below this multiple of n·eps·(largest) is a rigid rotation: rounding leaves nothing else of it.
+#: An eigenvalue below this multiple of n·eps·(largest) is a rigid rotation (zero up to rounding).
 RIGID = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Modes of a free torsional model.
+    """Eigenmodes of a free torsional model.
 
     Parameters
     ----------
@@ -62,7 +62,10 @@ class Modes:
         f = np.asarray(frequency, dtype=float)
         if self.frequency[0] == 0.0 and np.any(f <= 0.0):
             raise InvalidInput(
-                "transfer: frequency", f"{f.min()} Hz", "above 0 Hz", "A free model runs away at 0 Hz."
+                "transfer: frequency",
+                f"{f.min()} Hz",
+                "above 0 Hz",
+                "The response of a free model is infinite at 0 Hz.",
             )
         ratio = self.model.damping_ratio if damping_ratio is None else damping_ratio
         i, j = self.model.node(torque_at), self.model.node(angle_at)
@@ -80,7 +83,7 @@ def modes(model: TorsionalModel) -> Modes:
 
 
 def zeros(model: TorsionalModel, at: str | int = 0) -> Floats:
-    """Zeros (Hz, undamped) of angle over torque at one node: the modes with that node held, (n − 1,)."""
+    """Zeros (Hz, undamped) of angle over torque at one node: eigenfrequencies with that node locked, (n − 1,)."""
     i = model.node(at)
     squares, _ = _eigen(
         np.delete(np.delete(model.stiffness, i, 0), i, 1), np.delete(np.delete(model.mass, i, 0), i, 1)

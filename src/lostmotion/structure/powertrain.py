@@ -1,4 +1,4 @@
-"""The paper's powertrain as a finite-element model; what its drawing does not give is chosen and solved for."""
+"""The paper's powertrain as a finite-element model; data that the paper does not give are chosen or solved for."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PARTS: tuple[Part, ...] = (
 
 
 def paper_powertrain(*, damping_ratio: float = DAMPING_RATIO) -> TorsionalModel:
-    """The paper's powertrain with the gap closed: modes at 0, 100 and 750 Hz, motor zero 38 Hz, 0.1292 kg m².
+    """The paper's powertrain with the gap closed: eigenmodes at 0, 100 and 750 Hz, motor zero 38 Hz, 0.1292 kg m².
 
     Examples
     --------

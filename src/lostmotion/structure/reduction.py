@@ -1,4 +1,4 @@
-"""Reduce a torsional model to a chain of few inertias, scored by its response and by the inertia on each side."""
+"""Reduce a torsional model to a chain of few inertias with the same response and the same inertia on each side."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .torsional_model import TorsionalModel, from_drivetrain
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-#: Within this share of a zero or pole of the model its response is not scored: there a shift of a thousandth counts.
+#: Within this share of a zero or pole of the model the response is not scored: a shift of a thousandth dominates there.
 AROUND_RESONANCE = 0.03
-#: Points of the scored response on a logarithmic raster (chosen).
+#: Points of the scored response on a logarithmic grid (chosen).
 POINTS = 400
-#: Weight of the first n − 1 zeros and poles beside the response (chosen): it only decides where the response, for
-#: want of frequencies in the band, does not.
+#: Weight of the first n − 1 zeros and poles beside the response (chosen): they decide only where the response does
+#: not, because the band has too few frequencies.
 RESONANCE_WEIGHT = 3e-3
 #: Error of the response that counts as 1, in the logarithm of the magnitude: 0.1, so 0.9 dB (chosen).
 SCALE = 0.1
@@ -36,7 +36,7 @@ class ChainReduction:
     drivetrain : Drivetrain
         Linear: no backlash yet, no friction. Referred to the first shaft.
     gap_shaft : int, optional
-        Index of the shaft that bears the gap: inertias up to it are the motor side. None: no gap was named.
+        Index of the shaft with the gap: inertias up to it are the motor side. None: no gap was named.
     inertia_sides : tuple of floats, kg m²
         Motor and load side, or the total where no gap was named; of the chain and of the model alike.
     frequency : (m,) array, Hz
@@ -74,13 +74,13 @@ def reduce_to_chain(
     gap_shaft: int | None = None,
     motor: str | int = 0,
 ) -> ChainReduction:
-    """The chain of n inertias with the model's inertia on each side of the gap that comes closest to its response.
+    """The chain of n inertias that is closest to the model's response, with the same inertia on each side of the gap.
 
-    Free are the stiffnesses and how the inertia of each side is shared out. With ``gap=None`` only the total inertia is
-    kept, as in the paper's four equations: two masses then follow the response better, but may take over inertia from
-    beyond the gap. The start is the chain with the model's first n − 1 zeros and poles. Minimised is the
-    logarithm of chain over model on a logarithmic raster over the band, without ±3 % around the model's zeros and
-    poles: its square, then its fourth power, nearer to the largest error.
+    Fitted are the stiffnesses and the distribution of the inertia on each side. With ``gap=None`` only the total is kept,
+    as in the paper's four equations: two masses then follow the response better, but may take over inertia from
+    beyond the gap. The start is the chain with the model's first n − 1 zeros and poles. The fit minimises the
+    logarithm of chain over model on a logarithmic grid over the band, without ±3 % around the model's zeros and poles:
+    first its square, then its fourth power, which is closer to the largest error.
 
     Parameters
     ----------
@@ -89,11 +89,11 @@ def reduce_to_chain(
     n : int
         2 or more, fewer than the model's nodes.
     gap : str, int or None
-        Last node of the motor side; the element behind it bears the gap.
+        Last node of the motor side; the element behind it has the gap.
     band : (float, float), Hz
         Default: the paper's range of interest around zero and pole.
     gap_shaft : int, optional
-        The chain's shaft with the gap, 0 … n − 2; default: the one that gives the smallest error.
+        The chain's shaft with the gap, 0 … n − 2; default: the one with the smallest error.
     motor : str or int
         Node of the motor.
     """
@@ -142,12 +142,12 @@ class _Target:
         start = chain_from_frequencies(first[0], first[1], inertia_total=sum(self.sides))
         inertias = self._with_sides(np.array(start.inertias), place)
         theta = np.log(np.concatenate([inertias, [shaft.stiffness for shaft in start.shafts]]))
-        # A factor of e³ either way is far beyond any reduction, and keeps trial chains free of overflow.
+        # A factor of e³ either way is far beyond any reduction, and avoids overflow of trial chains.
         low, high = theta - 3.0, theta + 3.0
         results = []
         for power in (1, 2):
-            # A squared residual makes fourth powers of the sum of squares: nearer to the largest error, but flat where
-            # the chain fits well; so it comes second, and counts only if it helps.
+            # Squared residuals make fourth powers: closer to the largest error, but flat where the chain fits well. So
+            # they come second, and are kept only if they help.
             def residual(trial: Floats, power: int = power) -> Floats:
                 chain = self._chain(np.clip(trial, low, high), n, place)
                 error = np.log(np.abs(self._respond(chain) / self.response))[self.scored]

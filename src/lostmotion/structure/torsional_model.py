@@ -34,7 +34,7 @@ class TorsionalModel:
     ratios : (n,) array, optional
         Speed of the first shaft over that of the node's own shaft (gears); default 1.
     damping_ratio : float
-        Lehr's ratio of every mode.
+        Lehr's ratio of every eigenmode.
 
     Raises
     ------
@@ -90,16 +90,16 @@ class TorsionalModel:
 def assemble(parts: Sequence[Part], *, damping_ratio: float = DAMPING_RATIO) -> TorsionalModel:
     """The finite-element model of a chain of parts, given in the order of the drawing.
 
-    Discs sit at the node where they stand; each coupling adds a node, each shaft segment as many as it has elements;
-    a gear is rigid and refers all that follows to the first shaft (inertia and stiffness over ratio²). A node bears
-    the name of its first disc, else ``<shaft>.<element>``, ``<coupling>.end`` or, before the first part, ``start``.
+    A disc adds its inertia to the current node. A coupling adds a node, a shaft segment as many as it has elements. A
+    gear is rigid and refers all that follows to the first shaft (inertia and stiffness over ratio²). A node has the
+    name of its first disc, else ``<shaft>.<element>``, ``<coupling>.end`` or, before the first part, ``start``.
 
     Element of length l: stiffness G·I/l·[[1, −1], [−1, 1]], consistent mass ρ·I·l/6·[[2, 1], [1, 2]].
 
     Raises
     ------
     InvalidInput
-        If a node has no inertia (two couplings without a disc between), or the parts make no chain.
+        If a node has no inertia (two couplings without a disc between), or the parts do not form a chain.
     """
     chain = _Chain()
     for part in parts:
@@ -153,7 +153,7 @@ class _Chain:
                         f"{part.name}.{e + 1}", m * part.stiffness / square, part.inertia / m / square
                     )
             case Gear():
-                # The wheels sit on one node: rigid teeth add no degree of freedom.
+                # Both wheels are on one node: rigid teeth add no degree of freedom.
                 self._ratio *= part.ratio
                 both = part.inertia_in / square + part.inertia_out / self._ratio**2
                 self.discs.append((here, both))

@@ -1,1 +1,1 @@
-"""Observers with a gain computed beforehand: each is a DiscreteSystem."""
+"""Observers with a constant gain: each is a DiscreteSystem."""

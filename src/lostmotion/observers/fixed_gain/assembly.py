@@ -42,7 +42,7 @@ class Assembly:
         self._add_friction()
 
     def add_state(self, name: str, row: Array) -> None:
-        """One more state whose next value is a row over the model's states."""
+        """Add a state whose next value is a row over the model's states."""
         self.extra[name] = row
 
     def close_in_gap(self, gain: Array) -> None:
@@ -66,8 +66,8 @@ class Assembly:
         if not shaft.has_backlash:
             return
         half = 0.5 * shaft.backlash
-        # The state feels the gap of the whole sample, best taken at its middle; the outputs belong to its
-        # start.
+        # The gap acts on the state over the whole sample, so it is evaluated at mid-sample; the outputs belong to
+        # the sample's start.
         self._add_curve("gap", saturation(half), model.contact_argument(ahead=0.5 * self.dt))
         self._add_curve("torque", dead_zone(half), model.contact_argument())
         if shaft.contact != "dead_zone" and shaft.damping > 0.0:
@@ -115,7 +115,7 @@ class Assembly:
         a, e = phi - always @ c_x, e - always @ c_w
         states = (*self.model.states, *self.extra)
         if "load" in names:
-            # The friction of the last sample is a state: taken at once, it would need this sample's torque,
+            # The friction output is that of the last sample, a state: this sample's would need this sample's torque,
             # which a controller may compute from it.
             states = (*states, "coulomb_load")
             a = np.pad(a, ((0, 1), (0, 1)))

@@ -1,4 +1,4 @@
-"""Momentum disturbance observer, as drives use it: the shaft torque is what is missing in the motor's momentum."""
+"""Momentum disturbance observer, as drives use it: the shaft torque from the balance of the motor's momentum."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .input_checks import with_checks
 Array = NDArray[np.float64]
 
 #: Rate at which the estimate follows the shaft torque, 1/s (chosen on the virtual rig: slower is late at its first
-#: mode, faster shows the encoder).
+#: eigenmode, faster shows the encoder).
 BANDWIDTH = 3000.0
 
 OUTPUTS = (
@@ -37,7 +37,7 @@ def disturbance_observer(
     speed_from_counts: bool = False,
     largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
-    """Shaft torque and load speed from the motor's momentum alone: knows inertia, stiffness and lag, no gap.
+    """Shaft torque and load speed from the motor's momentum alone: needs inertia, stiffness and lag, has no gap.
 
     States: momentum of the motor p = J·speed_motor, shaft torque T, and its rate v::
 
@@ -45,17 +45,17 @@ def disturbance_observer(
         p̂, T̂, v̂ corrected by l·(speed_motor − p̂/J)
         twist_elastic = T̂/k,    speed_load = speed_motor − v̂/k
 
-    All error poles lie at exp(−bandwidth·dt) (Ackermann's formula for the exact discrete model). The load's speed holds
-    while the shaft is in contact; in the gap it shows the motor's.
+    All error poles lie at exp(−bandwidth·dt) (Ackermann's formula for the exact discrete model). The load's speed is valid
+    while the shaft is in contact; in the gap it equals the motor's.
 
     Parameters
     ----------
     drivetrain : Drivetrain
-        Two masses. Of it count inertia_motor, viscous_motor, stiffness and the actuator's lag.
+        Two masses. Used are inertia_motor, viscous_motor, stiffness and the actuator's lag.
     dt : float, s
         Sample time.
     bandwidth : float, 1/s
-        How fast the estimate follows; default ``BANDWIDTH`` on the paper's rig, for others with its mode's frequency.
+        Default ``BANDWIDTH`` on the paper's rig; on others in proportion to the eigenfrequency.
     speed_from_counts : bool
         The measured motor speed is a mean over the last sample.
     largest_innovation : mapping of measured signal → float, optional
@@ -108,8 +108,8 @@ def disturbance_observer(
         inputs=("torque_motor", "speed_motor"), outputs=OUTPUTS, states=tuple(states), dt=dt, A=full, B=b, C=rows,
         name="disturbance_observer",
     )  # fmt: skip
-    # The shaft torque as a straight line is a prediction for a sample or two, and 20 ms later far off; it also follows
-    # a frozen motor within a millisecond, so that repetition must tell it.
+    # The straight line through the shaft torque predicts a sample or two; after 20 ms it is far off. It also follows a
+    # frozen motor speed within a millisecond, so a frozen signal is detected by repetition.
     return with_checks(
         law, ("speed_motor",), (c, np.zeros((1, 0))), drivetrain, largest_innovation, keep=True, alone=True
     )
@@ -124,7 +124,7 @@ def _observer_gain(phi: Array, c: Array, pole: float) -> Array:
 
 
 def _with_lag(full: Array, b: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
-    """The torque reaches the momentum through the actuator: one more state, exact for a held set-point."""
+    """The torque reaches the momentum through the actuator: one more state, exact for a set-point held over the sample."""
     (phi, gamma), n = step, full.shape[0]
     full = np.pad(full, ((0, 1), (0, 1)))
     full[0, n], full[n, n] = phi[0, 1], phi[1, 1]

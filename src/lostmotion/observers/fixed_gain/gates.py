@@ -1,12 +1,12 @@
-"""A correction that a curve closes: exact in Lur'e form, although it is a product of innovation and contact.
+"""A correction that acts in contact only: exact in Lur'e form, although it is a product of innovation and contact.
 
 A product of two signals does not fit the form, but a limiter with a moving limit does. With e the innovation and
 L ≥ 0 the opening, a curve of the estimated twist that is zero in the gap::
 
     w₁ = max(e − L, 0),    w₂ = max(−L − (e − w₁), 0),    e − w₁ + w₂ = clip(e, −L, L)
 
-So the part of the correction that needs contact is K·clip(e, ±L): zero in the gap, K·e in contact, and for an
-outlier beyond the largest opening no more than K times that.
+So the part of the correction that needs contact is K·clip(e, ±L): zero in the gap, K·e in contact, and K·L for an
+outlier.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from ..scale import scale_of, sized
 
 Array = NDArray[np.float64]
 
-#: Largest innovation that a gate lets through, per signal in SI units (chosen: larger than any healthy one), and the
-#: shaft torque from which on it does, Nm (chosen). A drivetrain of another size gets them by ``scale.scale_of``.
+#: Largest innovation that a gate passes, per signal in SI units (chosen: larger than those of good samples), and the
+#: shaft torque above which it does, Nm (chosen). A drivetrain of another size gets them by ``scale.scale_of``.
 LARGEST_CORRECTION = {
     "speed_motor": 100.0, "speed_load": 100.0, "twist": 0.1, "torque_shaft": 1000.0, "angle_motor": 1.0
 }  # fmt: skip
@@ -69,7 +69,7 @@ def with_gates(
         h[below, n_w + above] = 1.0
         column = gain[:, i]
         e[: column.size, above], e[: column.size, below] = -column, column
-    # The innovation itself, of which the gates take away what is beyond the opening.
+    # The innovation itself; the gates subtract what exceeds the opening.
     a, b, e_old = law.A.copy(), law.B.copy(), law.E.copy()
     m = gain.shape[0]
     a[:m] -= gain @ rows[0]

@@ -1,4 +1,4 @@
-"""H∞ observer with the nonlinear extension: the gain that bounds the worst error, not the mean one."""
+"""H∞ observer with the nonlinear extension: the gain bounds the worst error instead of the mean one."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from .kalman import SampledModel, covariances_of, predictor_gain, sampled_model
 
 Array = NDArray[np.float64]
 
-#: Weight of each error in the bound, 1/unit: how much of it counts as one (chosen: 1 rad/s, 10 mrad on the paper's rig;
-#: for others by ``scale.scale_of``).
+#: Weight of each error in the bound, 1/unit (chosen: 1 rad/s and 10 mrad have weight 1 on the paper's rig; on others
+#: by ``scale.scale_of``).
 WEIGHTS: Mapping[str, float] = {"speed_load": 1.0, "twist": 100.0}
 
-#: Attenuation level as a multiple of the smallest that is possible; 1 would make the gain infinite, ∞ gives the Kalman
-#: observer (chosen on the virtual rig: nearly as good as Kalman with true parameters, and twice as good when the load's
-#: inertia is off or an unknown torque acts on it).
+#: Attenuation level as a multiple of the smallest possible one; 1 makes the gain infinite, ∞ gives the Kalman observer
+#: (chosen on the virtual rig: nearly as good as Kalman with true parameters, and twice as good when the load inertia is
+#: wrong or an unknown torque acts on the load).
 MARGIN = 1.1
 
-#: The smallest level is searched for to within this factor (chosen).
+#: Relative accuracy of the search for the smallest level (chosen).
 TOLERANCE = 1.005
 
 
@@ -60,9 +60,9 @@ def h_infinity(
     speed_from_counts, load_torque, largest_innovation
         As in ``kalman``.
     weights : mapping of state → 1/unit, optional
-        What shall be estimated well; default ``WEIGHTS``.
+        Weights of the errors in the bound; default ``WEIGHTS``.
     margin : float
-        Above 1; larger is calmer.
+        Above 1; larger gives a lower gain.
 
     Returns
     -------
@@ -139,14 +139,14 @@ def _gain(design: SampledModel, q: Array, r: Array, w: Array, level: float) -> A
         radius = np.max(np.abs(np.linalg.eigvals(phi - gain @ design.c)))
     except np.linalg.LinAlgError:
         return None
-    # A level is reached if P and the filtered P are covariances, and the error dies out.
+    # A level is reached if P and the filtered P are covariances and the error decays.
     smallest = min(np.min(np.linalg.eigvalsh(0.5 * (m + m.T))) / np.max(np.abs(m)) for m in (p, filtered))
     return gain if smallest > -1e-9 and radius < 1.0 else None
 
 
 def _smallest_level(design: SampledModel, q: Array, r: Array, w: Array) -> float:
     """The smallest level with a gain, by bisection of its logarithm; starts at the scale of the weights."""
-    predictor_gain(design, design.model.A, q, r)  # tells at once if the sensors cannot see the state
+    predictor_gain(design, design.model.A, q, r)  # raises if the state is not observable
     high = low = float(np.min(w[w > 0.0]))
     while _gain(design, q, r, w, high) is None:
         low, high = high, 8.0 * high

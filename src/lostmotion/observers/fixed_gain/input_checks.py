@@ -1,4 +1,4 @@
-"""The checks of an observer's measured inputs: each is compared with what the observer expects of it."""
+"""The checks of an observer's measured inputs: each is compared with the observer's prediction of it."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from ..scale import scale_of, sized
 
 Array = NDArray[np.float64]
 
-#: Largest difference between measured and expected value that is believed, in SI units. Chosen on the virtual rig,
-#: where it stays below 3.8 rad/s with any parameter off by 20 % or 3 Nm on the load; the others accordingly, by 6300
-#: Nm/rad and the closed gap's 640 1/s. A drivetrain of another size gets them by ``scale.scale_of``. Where healthy
-#: samples are further off, the check learns it.
+#: Largest accepted difference between measured and predicted value, in SI units. Chosen on the virtual rig, where it
+#: stays below 3.8 rad/s with any parameter off by 20 % or 3 Nm on the load; the others accordingly, by 6300 Nm/rad and
+#: the closed gap's 640 1/s. A drivetrain of another size gets them by ``scale.scale_of``. Where good samples differ by
+#: more, the limit adapts.
 LARGEST_INNOVATION: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 4.0, "speed_load": 4.0, "twist": 0.006, "torque_shaft": 40.0, "angle_motor": 0.006}
 )
 
-#: Rate at which the motor follows its measured speed while its torque is missing, 1/s on the paper's rig (it goes with
-#: the closed shaft's mode), and the most per sample (chosen on rigs 1 to 4: slower loses the angle, faster takes an
-#: encoder's steps for torque; more per sample swings).
+#: Rate at which the motor follows its measured speed while its torque is missing, 1/s on the paper's rig (in proportion
+#: to the eigenfrequency of the closed shaft), and the most per sample (chosen on rigs 1 to 4: slower loses the angle,
+#: faster mistakes encoder steps for torque; more per sample oscillates).
 FOLLOWING, FASTEST = 1500.0, 0.55
 
 
@@ -55,7 +55,7 @@ def with_checks(
     keep: bool = False,
     alone: bool = False,
 ) -> DiscreteSystem:
-    """The law with a check on each measured input, expected as rows[0] x + rows[1] w over its first states and curves.
+    """The law with a check on each measured input, predicted as rows[0] x + rows[1] w over its first states and curves.
 
     ``limits`` replaces entries of ``LARGEST_INNOVATION``, which are sized for the drivetrain; ``keep`` and ``alone`` as
     in ``InputCheck``.
@@ -68,14 +68,14 @@ def with_checks(
 
 
 def with_torque_check(law: DiscreteSystem, drivetrain: Drivetrain) -> DiscreteSystem:
-    """The law that while torque_motor is missing takes the one with which its motor follows the measured speed.
+    """The law that replaces a missing torque_motor by the torque with which its motor follows the measured speed.
 
-    That is the torque's mean of late, and more the further the motor is behind: proportional and integral action::
+    That is the mean recent torque plus proportional and integral action on the speed error::
 
         T = T̄ + a·(speed_motor − expected),    T̄⁺ = T̄ + b·(T − T̄)
 
-    A ramp of the speed is followed without delay, so that the motor's angle stays right, and an encoder's steps are
-    smoothed. Through a lag, T is the torque that the actuator reaches by the end of the sample. The gains a and b put
+    A ramp of the speed is followed without delay, so the motor's angle stays right, and an encoder's steps are smoothed.
+    With an actuator lag, T is the torque that the actuator reaches at the end of the sample. The gains a and b put
     the poles of the motor alone at the rate ``FOLLOWING``, damped by 0.7. T̄ is one more state, ``torque_motor_mean``.
     """
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag

@@ -19,9 +19,9 @@ from .assembly import Assembly
 
 Array = NDArray[np.float64]
 
-#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. Chosen: the actuator's
-#: torque counts as known, the angle follows from the speed alone, and an unknown load torque is followed at about
-#: 20 1/s, the rate of the observer's own slow pole (that on the paper's rig; it goes with the inertia squared).
+#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. Chosen: no noise on the
+#: actuator's torque and on the angle; an unknown load torque is followed at about 20 1/s, the observer's own slow pole
+#: (on the paper's rig; in proportion to the inertia squared).
 PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {
         "twist": 1.0, "speed_motor": 1000.0, "speed_load": 1000.0, "torque_actuator": 0.0, "angle_motor": 0.0,
@@ -30,21 +30,21 @@ PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
 )  # fmt: skip
 
 #: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8.
-#: Chosen: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s, the twist with 3: with 1 the gap's
-#: term held over the sample goes into the speeds from 0.5 ms on (load speed 0.42 instead of 0.04 % at 1 ms). The
-#: torque's is that of the paper's rig; it goes with the square of torque over speed (``scale.scale_of``).
+#: Chosen: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s, the twist with 3: with 1 the gap term
+#: held over the sample disturbs the speeds from 0.5 ms on (load speed 0.42 instead of 0.04 % at 1 ms). The torque's is
+#: that of the paper's rig, in proportion to the square of torque over speed (``scale.scale_of``).
 MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 1.0, "speed_load": 1.0, "torque_shaft": 10.0, "twist": 1e-5, "angle_motor": 1e-6}
 )
 
-#: An error that decays slower than this rate (1/s) counts as one that the sensors cannot see (chosen).
+#: An error that decays slower than this rate (1/s) counts as not observable (chosen).
 SLOWEST_RATE = 1e-6
 
-#: A fixed gain holds its gap term over a sample: from 1.6 rad of the closed shaft's mode on it swings up by itself,
-#: measured with motor speed alone and gap.
+#: A fixed gain holds its gap term over a sample. It becomes unstable if the eigenmode of the closed shaft turns by more
+#: than 1.6 rad in a sample (measured with motor speed alone and gap).
 LARGEST_TURN = 1.5
 
-#: Decay given to every state of the slack drivetrain, 1/s, see ``_gain_in_the_gap`` (chosen).
+#: Decay of every state of the drivetrain inside the gap, 1/s, see ``_gain_in_the_gap`` (chosen).
 GAP_DECAY = 0.1
 
 _UNDETECTABLE = (
@@ -73,7 +73,7 @@ def kalman_gain(
     Raises
     ------
     InvalidInput
-        For unknown or doubled names, negative covariances, and sensors that cannot see the whole state.
+        For unknown or doubled names, negative covariances, and sensors from which the state is not observable.
 
     Notes
     -----
@@ -138,13 +138,13 @@ def kalman(
         Estimate an unknown torque on the load as one more state, ``torque_load`` (Nm, positive in the direction
         of positive speed): a random walk whose density is ``process_covariance["torque_load"]`` (Nm²/s).
     contact_scheduling : bool
-        While the estimate is inside the gap, correct by the gain of the slack drivetrain: what the sensors cannot
-        see there is predicted, not corrected. See ``gates``.
+        While the estimate is inside the gap, correct by the gain of the drivetrain without its shaft: what is not
+        observable there is predicted, not corrected. See ``gates``.
     largest_innovation : mapping of measured signal → float, optional
-        Largest difference between measured and expected value that is believed, in the signal's unit; names that are
-        left out keep the default ``input_checks.LARGEST_INNOVATION``. Choose it several times the innovations of
-        healthy samples. A sample beyond it, a missing and a frozen one are predicted through, see ``InputCheck``;
-        ``without_checks()`` gives an observer that believes everything.
+        Largest accepted difference between measured and predicted value, in the signal's unit; names that are left out
+        keep the default ``input_checks.LARGEST_INNOVATION``. Choose it several times the innovations of good samples.
+        A sample beyond it, a missing and a frozen one are replaced by the prediction, see ``InputCheck``;
+        ``without_checks()`` gives an observer that accepts every sample.
 
     Returns
     -------
@@ -157,14 +157,14 @@ def kalman(
     Raises
     ------
     InvalidInput
-        For unknown or doubled names, negative covariances, sensors that cannot see the whole state, and a sample in
-        which the closed shaft's mode turns by more than ``LARGEST_TURN``.
+        For unknown or doubled names, negative covariances, sensors from which the state is not observable, and a sample
+        in which the eigenmode of the closed shaft turns by more than ``LARGEST_TURN``.
 
     Notes
     -----
     Fietzek & Rinderknecht, section III: Observer 1 measures the motor speed, Observer 2 the shaft torque too. Theirs is
-    continuous; the discrete gain: Kalman 1960, J. Basic Engineering 82, 35–45. Load torque as a state, gain by contact
-    and checks are additions; their defaults are chosen.
+    continuous; the discrete gain: Kalman 1960, J. Basic Engineering 82, 35–45. Load torque as a state, contact
+    scheduling and checks are additions; their defaults are chosen.
     """
     design = sampled_model(drivetrain, measured, dt, speed_from_counts, load_torque)
     q, r = covariances_of(design, process_covariance, measurement_covariance)
@@ -178,7 +178,7 @@ def kalman(
 
 @dataclass(frozen=True, eq=False)
 class SampledModel:
-    """What every fixed-gain observer starts from: the model, its step, the rows that its sensors measure.
+    """Common to all fixed-gain observers: the model, its step, the rows of its sensors.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ class SampledModel:
     measured : tuple of str
     dt : float, s
     c : (n_measured, n) array
-        Measurement rows over the model's states, and the motor speed of the sample before if it is needed.
+        Measurement rows over the model's states and, if needed, the motor speed of the sample before.
     assembly : Assembly
     """
 
@@ -238,9 +238,9 @@ def _check_turn(drivetrain: Drivetrain, dt: float) -> None:
     if drivetrain.backlash > 0.0 and turn > LARGEST_TURN:
         raise InvalidInput(
             "dt",
-            f"{dt:g} s, in which the closed shaft's mode turns by {turn:.2g} rad",
+            f"{dt:g} s, in which the closed shaft's eigenmode turns by {turn:.2g} rad",
             f"at most {LARGEST_TURN:g} rad ({LARGEST_TURN / mode_rate(drivetrain):.2g} s) for a fixed gain",
-            "Sample faster, check the stiffness, or take extended_kalman, which predicts a sample in pieces.",
+            "Sample faster, check the stiffness, or take extended_kalman, which predicts a sample in sub-steps.",
         )
 
 
@@ -268,9 +268,9 @@ def predictor_gain(design: SampledModel, a: Array, q: Array, r: Array) -> Array:
 
 
 def _gain_in_the_gap(design: SampledModel, q: Array, r: Array) -> Array:
-    """The gain of the slack drivetrain.
+    """The gain inside the gap, for the drivetrain without its shaft.
 
-    What its sensors do not see gets no correction. A slow decay of every state (chosen: 0.1 1/s) makes the
+    States that are not observable get no correction. A slow decay of every state (chosen: 0.1 1/s) makes the Riccati
     equation solvable and changes nothing else.
     """
     a = in_the_gap(design.model)
@@ -303,7 +303,7 @@ def _covariances(
 def _process_covariance_of_a_sample(a: Array, q: Array, dt: float) -> Array:
     """∫ exp(As) Q exp(Aᵀs) ds over one sample (Van Loan 1978, IEEE Trans. Automatic Control 23, 395–404).
 
-    Its exp(−As) overflows for a pole much faster than the sample: so over a short piece, then doubled.
+    Its exp(−As) overflows for a pole much faster than the sample: so over a short interval, then doubled.
     """
     from scipy.linalg import expm
 

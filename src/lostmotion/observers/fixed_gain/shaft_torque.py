@@ -15,15 +15,15 @@ from .input_checks import limits_of
 
 #: Standard deviation of one sample of the torque sensor, Nm (chosen).
 TORQUE_NOISE = 0.02
-#: How fast the load's acceleration may wander: root of the density of its rate, rad/s³·√s (chosen: by 950 rad/s² within
-#: 1 ms, so that the load is followed within two samples and the torque sensor's noise still averaged).
+#: Random walk of the load's acceleration: root of the density of its rate, rad/s³·√s (chosen: 950 rad/s² within 1 ms,
+#: so that the load is followed within two samples and the noise of the torque sensor is still averaged).
 JERK = 3e4
 
-#: Largest difference between measured and expected torque that is believed, in standard deviations of what the model
-#: expects of it (chosen: a quarter of it, the largest sudden change, is ten).
+#: Largest accepted difference between measured and predicted torque, in standard deviations of that difference by the
+#: model (chosen: a quarter of it, the largest sudden change, is ten).
 TORQUE_DEVIATIONS = 60.0
-#: For how long a fault is predicted through, s, and at least so many samples; and how long an error is remembered, s
-#: (chosen: without a model of either end a longer prediction is worse than the fault, which is forgotten as soon).
+#: How long a fault is bridged by prediction, s, its fewest samples, and how long an error is remembered, s (chosen:
+#: without a model of either end a longer prediction is worse than the fault, whose effect decays as fast).
 HOLD, FEWEST, MEMORY = 3e-3, 3, 0.1
 
 INPUTS = ("speed_motor", "torque_shaft")
@@ -48,7 +48,7 @@ def shaft_torque(
 
     The motor speed is integrated by the trapezoidal rule, whose phase is exact, and the estimates of a sample use the
     measurements of that sample. ``identification.shaft_stiffness`` gives stiffness and delay; its apparent delay
-    includes −damping/stiffness, which is just what is wanted here.
+    includes −damping/stiffness, as needed here.
 
     Parameters
     ----------
@@ -56,23 +56,23 @@ def shaft_torque(
     dt : float, s
         Sample time.
     torque_delay : float, s
-        By how much the torque is late against the speed; up to a few samples.
+        Delay of the torque against the speed; up to a few samples.
     torque_noise : float, Nm
         Standard deviation of one sample.
     jerk : float, rad/s³·√s
-        How fast the load's acceleration may wander.
+        Random walk of the load's acceleration.
     largest_innovation : mapping of measured signal → float, optional
-        As in ``kalman``. Default for the torque: ``TORQUE_DEVIATIONS``; for the speed what moves the expected torque by
-        as much within one sample. Less does no lasting harm, and a healthy counter of a real rig jumps by 2.5 % of its
-        speed several times a second.
+        As in ``kalman``. Default for the torque: ``TORQUE_DEVIATIONS``; for the speed, the change that moves the
+        predicted torque by as much within one sample. A smaller error does no lasting harm, and a good counter of a
+        real rig jumps by 2.5 % of its speed several times a second.
 
     Returns
     -------
     DiscreteSystem
-        Inputs speed_motor, torque_shaft; outputs ``OUTPUTS``. Bad samples are predicted through for ``HOLD``: the
-        torque from the states, the speed on a straight line through the last two; they are flagged for as long as they
-        are missing or frozen. In a gap the torque tells nothing of the load: then use ``kalman`` with torque_shaft
-        among the measured signals.
+        Inputs speed_motor, torque_shaft; outputs ``OUTPUTS``. Bad samples are replaced by predictions for
+        ``HOLD``: the torque from the states, the speed on a straight line through the last two; they are flagged for as
+        long as they are missing or frozen. In a gap the torque contains no information about the load: then use
+        ``kalman`` with torque_shaft among the measured signals.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def shaft_torque(
         )
     a = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
     phi, gamma = zero_order_hold(a, [[1.0], [0.0], [0.0]], dt)
-    # Torque = c x + d·speed_motor; half of a sample's motor speed is still missing in the twist that is carried on.
+    # Torque = c x + d·speed_motor; the twist state does not yet contain half of this sample's motor speed.
     c = stiffness * np.array([[1.0, torque_delay, 0.0]])
     missing = np.array([[0.5 * dt], [0.0], [0.0]])
     d = float((c @ missing)[0, 0]) - stiffness * torque_delay
