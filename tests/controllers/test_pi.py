@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lostmotion.controllers import pi
+from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.systems import DiscreteSystem, connect
 
@@ -57,9 +58,37 @@ def test_no_steady_error_under_load():
     assert found["torque_motor"][-1] == pytest.approx(3.0, abs=1e-9)
 
 
+ROUGH = Drivetrain.two_mass(
+    inertia_motor=0.02, inertia_load=0.11, stiffness=6e3, coulomb=2.0, coulomb_motor=0.5, viscous=0.3,
+    viscous_motor=0.1,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("limit", [math.inf, 6.0])
+def test_set_point_filter_and_friction_feedforward_by_hand(limit):
+    dt, kp, ki, time = 1e-3, 3.0, 40.0, 0.02
+    law = pi(dt=dt, kp=kp, ki=ki, torque_limit=limit, filter_time=time, friction_of=ROUGH)
+    rng = np.random.default_rng(6)
+    given, speed = np.repeat(2.0 * rng.normal(size=20), 20), rng.normal(size=400)
+    found = law.run({"speed_reference": given, "speed_motor": speed})["torque_motor"]
+    integral = filtered = 0.0
+    wanted = np.empty(400)
+    for k in range(400):
+        error = filtered - speed[k]
+        full = 2.5 + 0.4 * max(abs(filtered), 0.1)
+        friction = math.copysign(full * min(abs(filtered) / 0.1, 1.0), filtered)
+        asked = integral + kp * error + friction
+        wanted[k] = min(max(asked, -limit), limit)
+        integral += dt * ki * error + dt * ki / kp * (wanted[k] - asked)
+        filtered += (1.0 - math.exp(-dt / time)) * (given[k] - filtered)
+    np.testing.assert_allclose(found, wanted, rtol=1e-11, atol=1e-11)
+    assert limit == math.inf or 0.05 < np.mean(np.abs(found) == limit) < 0.9
+
+
 @pytest.mark.parametrize(
     "arguments, complaint",
     [
+        ({"filter_time": -1.0}, r"pi\.filter_time"),
         ({"kp": 0.0}, r"pi\.kp"),
         ({"kp": math.nan}, r"pi\.kp"),
         ({"dt": -1.0}, r"pi\.dt"),

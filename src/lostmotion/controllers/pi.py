@@ -6,19 +6,29 @@ import math
 
 import numpy as np
 
-from ..curves import saturation
+from ..curves import PiecewiseLinear, saturation
+from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem
+from .reference_direction import reference_direction
 
 
-def pi(*, dt: float, kp: float = 10.0, ki: float = 200.0, torque_limit: float = math.inf) -> DiscreteSystem:
+def pi(
+    *,
+    dt: float,
+    kp: float = 10.0,
+    ki: float = 200.0,
+    torque_limit: float = math.inf,
+    filter_time: float = 0.0,
+    friction_of: Drivetrain | None = None,
+) -> DiscreteSystem:
     """PI speed controller of the **motor** speed.
 
     ::
 
-        e = speed_reference − speed_motor
-        torque_motor = clip(integral + kp·e, ±torque_limit)
-        integral⁺ = integral + dt·ki·e + dt·(ki/kp)·(torque_motor − (integral + kp·e))
+        e = reference − speed_motor             reference: speed_reference through 1/(1 + filter_time·s)
+        torque_motor = clip(integral + kp·e + friction(reference), ±torque_limit)
+        integral⁺ = integral + dt·ki·e + dt·(ki/kp)·(torque_motor − (integral + kp·e + friction(reference)))
 
     The last term is the anti-windup by back-calculation: it is zero within the limit, and beyond it
     returns the integral with the time constant kp/ki of the controller's own zero (chosen).
@@ -31,16 +41,23 @@ def pi(*, dt: float, kp: float = 10.0, ki: float = 200.0, torque_limit: float = 
         Defaults: Fietzek & Rinderknecht, Table II, read so that it matches their Fig. 12.
     torque_limit : float, Nm
         inf: no limit, and no anti-windup.
+    filter_time : float, s
+        Of the set-point filter; 0: none.
+    friction_of : Drivetrain, optional
+        Its Coulomb and viscous friction, of all inertias, is fed forward by the reference, linear within
+        ±``REFERENCE_BAND``; default: none.
 
     Returns
     -------
     DiscreteSystem
-        Inputs speed_reference, speed_motor (rad/s); output torque_motor (Nm); state torque_integral (Nm).
+        Inputs speed_reference, speed_motor (rad/s); output torque_motor (Nm); states torque_integral (Nm) and, with a
+        filter, speed_reference_filtered (rad/s).
 
     Raises
     ------
     InvalidInput
-        If a number is not positive, or ki/kp·dt ≥ 1, where the anti-windup itself would not settle.
+        If a number is not positive (filter_time: zero or more), or ki/kp·dt ≥ 1, where the anti-windup itself would not
+        settle.
     """
     for name, value in (("dt", dt), ("kp", kp), ("torque_limit", torque_limit)):
         if not value > 0.0 or (name != "torque_limit" and math.isinf(value)):
@@ -49,15 +66,41 @@ def pi(*, dt: float, kp: float = 10.0, ki: float = 200.0, torque_limit: float = 
         raise InvalidInput(
             "pi.ki", f"{ki!r} Nm/rad", f"zero up to kp/dt = {kp / dt:g} Nm/rad", "Lower ki or dt."
         )
-    proportional, step, one = np.array([[kp, -kp]]), dt * (ki / kp), np.ones((1, 1))
-    names, states = ("speed_reference", "speed_motor"), ("torque_integral",)
-    if math.isinf(torque_limit):
-        return DiscreteSystem(
-            inputs=names, outputs=("torque_motor",), states=states, dt=dt, name="pi",
-            A=one, B=step * proportional, C=one, D=proportional,
-        )  # fmt: skip
-    # With z = integral + kp·e the update is integral + dt·(ki/kp)·(w − integral): the proportional parts cancel.
+    if not (math.isfinite(filter_time) and filter_time >= 0.0):
+        raise InvalidInput(
+            "pi.filter_time", repr(filter_time), "zero or a positive time in s", "Check the unit."
+        )
+    states = ("torque_integral", *(("speed_reference_filtered",) if filter_time > 0.0 else ()))
+    integral, *filtered, given, motor = np.eye(len(states) + 2)
+    reference = filtered[0] if filtered else given
+    unlimited, step, n = integral + kp * (reference - motor), dt * (ki / kp), len(states)
+    curves: list[PiecewiseLinear] = [] if friction_of is None else [_friction(friction_of)]
+    z, w = [reference] * len(curves), np.ones((1, len(curves)))
+    # The integral goes towards what the torque leaves for it: with a limit that is the anti-windup.
+    follows, by_curves = integral + dt * ki * (reference - motor), 0.0 * w
+    if math.isfinite(torque_limit):
+        curves.append(saturation(torque_limit))
+        z, w = [*z, unlimited], np.eye(1, len(z) + 1, len(z))
+        follows, by_curves = (1.0 - step) * integral, step * w - step * (1.0 - w)
+        unlimited = np.zeros(n + 2)
+    rows = [follows]
+    if filtered:
+        decay = math.exp(-dt / filter_time)
+        rows.append(decay * filtered[0] + (1.0 - decay) * given)
+    arguments, update = np.array(z).reshape(len(z), n + 2), np.array(rows)
     return DiscreteSystem(
-        inputs=names, outputs=("torque_motor",), states=states, dt=dt, name="pi",
-        curves=(saturation(torque_limit),), F=one, G=proportional, J=one, A=(1.0 - step) * one, E=step * one,
+        inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",), states=states, dt=dt, name="pi",
+        curves=tuple(curves), F=arguments[:, :n], G=arguments[:, n:], H=np.eye(len(curves), k=-1),
+        C=unlimited[None, :n], D=unlimited[None, n:], J=w,
+        A=update[:, :n], B=update[:, n:], E=np.vstack([by_curves, np.zeros((n - 1, len(curves)))]),
     )  # fmt: skip
+
+
+def _friction(drivetrain: Drivetrain) -> PiecewiseLinear:
+    """Coulomb and viscous friction of all inertias over the speed, rad/s → Nm."""
+    viscous = math.fsum(friction.viscous for friction in drivetrain.frictions)
+    return reference_direction(
+        math.fsum(friction.coulomb_plus for friction in drivetrain.frictions),
+        math.fsum(friction.coulomb_minus for friction in drivetrain.frictions),
+        viscous,
+    )

@@ -8,6 +8,7 @@ from ..curves import PiecewiseLinear
 REFERENCE_BAND = 0.1
 
 
-def reference_direction(plus: float, minus: float) -> PiecewiseLinear:
-    """−minus for negative set-points, plus for positive ones, zero at zero."""
-    return PiecewiseLinear(((-REFERENCE_BAND, -minus), (0.0, 0.0), (REFERENCE_BAND, plus)))
+def reference_direction(plus: float, minus: float, viscous: float = 0.0) -> PiecewiseLinear:
+    """−minus for negative set-points, plus for positive ones (Nm), zero at zero; and viscous·set-point (Nm s/rad)."""
+    band, extra = REFERENCE_BAND, viscous * REFERENCE_BAND
+    return PiecewiseLinear(((-band, -minus - extra), (0.0, 0.0), (band, plus + extra)), viscous, viscous)
