@@ -9,7 +9,8 @@ from numba import njit
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.kernels.estimators.layout import PARAMETERS, SENSOR_MEMORY
 from lostmotion.kernels.estimators.records import reads
-from lostmotion.kernels.estimators.sensor_check import check_sample, sensor_variance
+from lostmotion.kernels.estimators.sensor_check import check_sample
+from lostmotion.kernels.estimators.sensors import sensor_variance
 from lostmotion.kernels.estimators.verdicts import FROZEN, JUMP, MISSING, START_AGAIN, USE
 from lostmotion.observers import extended_kalman
 from lostmotion.observers.filters.two_mass_parameters import FROZEN_HOLD, HOLD

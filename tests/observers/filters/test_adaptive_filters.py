@@ -50,7 +50,9 @@ def test_a_factor_moves_the_model_as_the_changed_matrices_do(factors, substep):
     for _ in range(200):
         x = (0.006 + rng.uniform(0.0, 0.01), rng.uniform(-10.0, 10.0), 0.0, 0.0)
         torque, gap = rng.uniform(-70.0, 70.0), 0.006
-        moved = advance(p[()], *x, 0.0, 0.0, gap, torque, factors[0], 1.0 / factors[1], 1.0 / factors[2])
+        moved = advance(
+            p[()], np.array(x), 0.0, 0.0, gap, torque, factors[0], 1.0 / factors[1], 1.0 / factors[2]
+        )
         errors.append(np.array(moved)[[0, 1, 2, 4]] - (exact @ [*x, torque, gap, 0.0, 0.0])[[0, 1, 2, 4]])
     rms = np.sqrt(np.mean(np.square(errors), axis=0))
     assert np.all(rms < [2e-6, 0.005, 0.005, 2e-6]), rms  # rad, rad/s, rad/s, rad
@@ -58,8 +60,8 @@ def test_a_factor_moves_the_model_as_the_changed_matrices_do(factors, substep):
 
 def test_factors_of_one_change_nothing():
     p = model_parameters(TABLE_1, ("speed_motor",), DT, None, False)
-    x = (0.008, 3.0, -2.0, 0.0, 0.5, 2.0, 0.006, 12.0)
-    assert advance(p[()], *x) == advance(p[()], *x, 1.0, 1.0, 1.0)
+    x, held = np.array([0.008, 3.0, -2.0, 0.0]), (0.5, 2.0, 0.006, 12.0)
+    assert advance(p[()], x, *held) == advance(p[()], x, *held, 1.0, 1.0, 1.0)
 
 
 def finite_differences(p, x, torque):
@@ -68,7 +70,7 @@ def finite_differences(p, x, torque):
     def moved(v):
         gap = float(np.clip(v[0] + p["lead_middle"] * (v[1] - v[2]), -0.5 * v[6], 0.5 * v[6]))
         factors = v[STIFFNESS : INVERSE_INERTIA_LOAD + 1]
-        return np.array(advance(p[()], *v[:4], v[5], v[7], gap, torque, *factors)[:5])
+        return np.array(advance(p[()], v, v[5], v[7], gap, torque, *factors)[:5])
 
     steps = 1e-6 * np.eye(x.size)
     return np.array([(moved(x + step) - moved(x - step)) / 2e-6 for step in steps]).T
@@ -85,7 +87,7 @@ def test_the_derivatives_are_those_of_the_model(twist, speed_load):
     x = np.array([twist, 3.0, speed_load, 4.0, 0.0, 0.5, 0.012, coulomb, 0.85, 1.2, 0.9])
     edge = float(np.sign(twist)) if abs(twist) > 0.006 else 0.0
     gap = float(np.clip(x[0] + p["lead_middle"] * (x[1] - x[2]), -0.006, 0.006))
-    out = advance(p[()], *x[:4], x[5], x[7], gap, 12.0, *x[STIFFNESS:])
+    out = advance(p[()], x, x[5], x[7], gap, 12.0, *x[STIFFNESS:])
     f = np.empty((5, x.size))
     jacobian(p[()], x, gap, 1.0 - abs(edge), edge, (out[1] - x[1], out[2] - x[2]), out[5], out[6], f)
     f[4, 4] = 0.0  # the angle's own, which ``advance`` does not add

@@ -18,6 +18,7 @@ from .layout import (
     STIFFNESS,
     TWIST,
 )
+from .two_mass_model import gap_argument
 
 #: A predicted contact is cancelled once the log-odds against it exceed the first, of which one sample gives at most the
 #: second. Calibration: the paper's rig with a shaft 8 to 16 times as stiff, under excitations of its own.
@@ -66,7 +67,7 @@ def predict_contact(p, x, P, contact):
     While the shaft comes near an edge and nothing happens, a filter that linearises once grows sure of itself too soon.
     """
     lead = p.lead_middle + 0.5 * (p.substeps - 1.0) / p.substeps * p.dt
-    z = x[TWIST] + lead * (x[SPEED_MOTOR] - x[SPEED_LOAD])
+    z = gap_argument(x, lead)
     side = 1.0 if z >= 0.0 else -1.0
     beyond = side * z - 0.5 * x[BACKLASH]
     by_backlash = P[TWIST, BACKLASH] + lead * (P[SPEED_MOTOR, BACKLASH] - P[SPEED_LOAD, BACKLASH])

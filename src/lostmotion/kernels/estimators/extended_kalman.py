@@ -9,9 +9,9 @@ from .contact import predict_contact
 from .layout import MOVING, PARAMETERS, TRACKED, record
 from .records import reads, scratch
 from .runner import INIT, STEP
-from .tracking.correction import correct_all, write
+from .tracking.correction import measurement_update
 from .tracking.prediction import predict
-from .tracking.start import SIZE, before_first_sample, begin, keep_before, memory_of, start_again_if_lost
+from .tracking.start import SIZE, before_first_sample, keep_before, memory_of, start_again_if_lost
 
 _parameters = reads(PARAMETERS)
 _scratch = scratch(
@@ -29,10 +29,7 @@ def init(parameters):
 @njit(STEP, cache=True)
 def step(parameters, state, inputs, faults, outputs):
     p, s, w = _parameters(parameters), memory_of(state), _scratch()
-    torque, faults = begin(p, s, inputs, faults)
-    faults = correct_all(p, s, inputs, faults, w.H, w.PHt)
-    start_again_if_lost(p, s)
-    write(p, s, w.H, w.PHt, outputs)
+    torque, faults = measurement_update(p, s, inputs, faults, outputs, w.H, w.PHt)
     keep_before(s)
     predict_contact(p, s.estimate.x, s.estimate.P, s.contact)
     predict(p, s, torque, w.F, w.FP)

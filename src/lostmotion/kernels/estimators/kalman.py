@@ -10,7 +10,7 @@ in turn: Simon 2006, Optimal State Estimation, section 6.1.
 from __future__ import annotations
 
 from ..jit import njit
-from .layout import ANGLE_COUNTED, SPEED_MOTOR
+from .layout import SPEED_MOTOR
 
 
 @njit(cache=True, inline="always")
@@ -75,19 +75,3 @@ def inflate(P, states, factor, largest):
         for j in range(P.shape[0]):
             P[i, j] *= factor
             P[j, i] *= factor
-
-
-@njit(cache=True, inline="always")
-def count_from_here(x, P, turned, R, used):
-    """After the encoder counted: the counted angle is measured from the newest count on.
-
-    A used sample moves it by what was counted, ``turned``. Otherwise the count is not known: the angle is then its
-    error alone, white noise of the variance R.
-    """
-    if used:
-        x[ANGLE_COUNTED] -= turned
-        return
-    x[ANGLE_COUNTED] = 0.0
-    for j in range(x.size):
-        P[ANGLE_COUNTED, j] = P[j, ANGLE_COUNTED] = 0.0
-    P[ANGLE_COUNTED, ANGLE_COUNTED] = R

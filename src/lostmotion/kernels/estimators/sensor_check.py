@@ -11,38 +11,58 @@ import math
 from ..jit import njit
 from .verdicts import FROZEN, JUMP, MISSING, START_AGAIN, USE
 
-#: What a sensor measures: its ``kind``.
-OF_SPEED_MOTOR, OF_SPEED_LOAD, OF_TWIST, OF_TORQUE_SHAFT = 0, 1, 2, 3
-
-#: An estimate beyond this is lost (SI units; chosen far above any drivetrain), and the observer starts again.
+#: Numerics: an estimate beyond this is lost (SI units; far above any drivetrain), and the observer starts again.
 LOST = 1e8
 
-#: A value that came so often is frozen if the model has moved meanwhile (chosen: two equal counts are common).
+#: A value that came so often may be frozen. Numerics: two equal counts in a row are common.
 REPEATS = 3.0
-#: A value stands still if the model has moved by less than so many of its smallest steps (chosen: ``tuning.FREEZE``
-#: deviations of a count); smaller changes than this share of a value are its rounding.
+#: A value may stand still while the model has moved by less than so many of its smallest steps; smaller changes than
+#: this share of a value are its rounding. Numerics: ``FROZEN_MOVE`` deviations of a count, 6/√6; eps with a margin.
 STEPS, ROUNDING = 2.45, 1e-9
 
-#: Rate at which standard deviations grow while samples are refused as frozen or jumps, 1/s (chosen).
+#: Rate at which standard deviations grow while samples are refused as frozen or jumps, 1/s. Calibration: the virtual
+#: rig, where a jump of 8 rad/s is refused for 20 ms.
 REFUSED_RATE = 60.0
 
-_ROOT_SIXTH = math.sqrt(1.0 / 6.0)
+
+@njit(cache=True, inline="always")
+def _repeated(p, i, memory, moved):
+    """The same value again: FROZEN once the model has moved meanwhile, until it has come too often."""
+    memory.repeats += 1.0
+    memory.moved = LOST if memory.moved >= LOST else memory.moved + moved
+    may_stand = max(p.still[i], STEPS * memory.resolution)
+    if memory.repeats < REPEATS or not abs(memory.moved) > may_stand:
+        return USE
+    # Once frozen it stays so, also where the estimate comes past the value again.
+    memory.moved = LOST
+    if memory.repeats <= p.frozen_hold:
+        return FROZEN
+    memory.repeats = memory.moved = memory.refused = 0.0
+    return START_AGAIN
 
 
 @njit(cache=True, inline="always")
-def sensor_variance(p, i, memory):
-    """Variance R of sensor ``i``, times ``scale`` squared; at least that of its resolution, step²/12.
-
-    An encoder coarser than was said shows itself by its steps, in the first few of them.
-    """
-    step = memory.resolution * p.scale[i]
-    return max(p.R[i], step * step / 12.0)
+def _changed(memory, value):
+    """Another value; the smallest step that it ever made is the sensor's resolution."""
+    step = abs(value - memory.value)
+    if step > ROUNDING * abs(value) and (step < memory.resolution or memory.resolution == 0.0):
+        memory.resolution = step
+    memory.value = value
+    memory.repeats = 1.0
+    memory.moved = 0.0
 
 
 @njit(cache=True, inline="always")
-def deviation_of_counts(memory):
-    """Standard deviation of a speed that is a difference of counts, by its resolution."""
-    return memory.resolution * _ROOT_SIXTH
+def _gated(p, i, memory, innovation, variance):
+    """USE an innovation within the gate; others are a JUMP, until too many in a row were."""
+    if abs(innovation) <= p.gate * math.sqrt(variance) + p.mismatch[i]:
+        memory.refused = 0.0
+        return USE
+    memory.refused += 1.0
+    if memory.refused > p.hold:
+        memory.refused = 0.0
+        return START_AGAIN
+    return JUMP
 
 
 @njit(cache=True, inline="always")
@@ -69,29 +89,10 @@ def check_sample(p, i, memory, value, missing, moved, innovation, variance):
     if missing:
         memory.moved += moved
         return MISSING
-    if value == memory.value:
-        memory.repeats += 1.0
-        memory.moved = LOST if memory.moved >= LOST else memory.moved + moved
-        stands = max(p.still[i], STEPS * memory.resolution)
-        if memory.repeats >= REPEATS and abs(memory.moved) > stands:
-            # Once frozen it stays so, also where the estimate comes past the value again.
-            memory.moved = LOST
-            if memory.repeats <= p.frozen_hold:
-                return FROZEN
-            memory.repeats = memory.moved = memory.refused = 0.0
-            return START_AGAIN
+    if value != memory.value:
+        _changed(memory, value)
     else:
-        step = abs(value - memory.value)
-        if step > ROUNDING * abs(value) and (step < memory.resolution or memory.resolution == 0.0):
-            memory.resolution = step
-        memory.value = value
-        memory.repeats = 1.0
-        memory.moved = 0.0
-    if abs(innovation) <= p.gate * math.sqrt(variance) + p.mismatch[i]:
-        memory.refused = 0.0
-        return USE
-    memory.refused += 1.0
-    if memory.refused > p.hold:
-        memory.refused = 0.0
-        return START_AGAIN
-    return JUMP
+        verdict = _repeated(p, i, memory, moved)
+        if verdict != USE:
+            return verdict
+    return _gated(p, i, memory, innovation, variance)

@@ -14,10 +14,17 @@ A long sample is split into equal substeps, so that the gap term is held for a s
 from __future__ import annotations
 
 from ..jit import njit
-from .layout import FRICTION_LOAD, FRICTION_MOTOR, GAP, TORQUE
-
-#: Rows of [Φ Γ].
-_TWIST, _MOTOR, _LOAD, _ACTUATOR, _TURN = 0, 1, 2, 3, 4
+from .layout import (
+    ANGLE_COUNTED,
+    FRICTION_LOAD,
+    FRICTION_MOTOR,
+    GAP,
+    SPEED_LOAD,
+    SPEED_MOTOR,
+    TORQUE,
+    TORQUE_ACTUATOR,
+    TWIST,
+)
 
 
 @njit(cache=True, inline="always")
@@ -26,13 +33,19 @@ def clip(value, low, high):
 
 
 @njit(cache=True, inline="always")
-def _row(A, i, x0, x1, x2, x3, torque, gap, torque_load):
+def gap_argument(x, lead):
+    """z, whose place against the edges of the gap says whether the shaft touches."""
+    return x[TWIST] + lead * (x[SPEED_MOTOR] - x[SPEED_LOAD])
+
+
+@njit(cache=True, inline="always")
+def _row(A, i, x, torque, gap, torque_load):
     """Row i of Φ x + Γ u without friction; a load torque acts where the load's friction does."""
     return (
-        A[i, 0] * x0
-        + A[i, 1] * x1
-        + A[i, 2] * x2
-        + A[i, 3] * x3
+        A[i, 0] * x[0]
+        + A[i, 1] * x[1]
+        + A[i, 2] * x[2]
+        + A[i, 3] * x[3]
         + A[i, TORQUE] * torque
         + A[i, GAP] * gap
         - A[i, FRICTION_LOAD] * torque_load
@@ -46,10 +59,8 @@ def shaft_slope(p):
 
 
 @njit(cache=True, inline="always")
-def advance(
-    p, x0, x1, x2, x3, torque_load, coulomb, gap, torque, stiffness=1.0, inverse_motor=1.0, inverse_load=1.0
-):
-    """The four moving states after a substep, with the gap term given; the motor's turn; the frictions.
+def advance(p, x, torque_load, coulomb, gap, torque, stiffness=1.0, inverse_motor=1.0, inverse_load=1.0):
+    """The first four states of x after a substep, with the gap term given; the motor's turn; the frictions.
 
     Each friction takes what brings its inertia to rest at the end of the substep, within its Coulomb level.
 
@@ -57,37 +68,39 @@ def advance(
     change is a torque held over the substep: on both ends the shaft torque of the middle of the substep that the model
     lacks, on an inertia what its change of speed lacks.
     """
-    A = p.transition
-    n0 = _row(A, _TWIST, x0, x1, x2, x3, torque, gap, torque_load)
-    n1 = _row(A, _MOTOR, x0, x1, x2, x3, torque, gap, torque_load)
-    n2 = _row(A, _LOAD, x0, x1, x2, x3, torque, gap, torque_load)
-    n3 = A[_ACTUATOR, 3] * x3 + A[_ACTUATOR, TORQUE] * torque
-    turn = _row(A, _TURN, x0, x1, x2, x3, torque, gap, torque_load)
-    lacking = (stiffness - 1.0) * (p.stiffness * (x0 - gap) + shaft_slope(p) * (x1 - x2))
-    both_motor = A[_MOTOR, FRICTION_MOTOR] - A[_MOTOR, FRICTION_LOAD]
-    both_load = A[_LOAD, FRICTION_MOTOR] - A[_LOAD, FRICTION_LOAD]
-    at_motor = (1.0 - inverse_motor) * (n1 + both_motor * lacking - x1) * p.rest_motor + lacking
-    at_load = (1.0 - inverse_load) * (n2 + both_load * lacking - x2) * p.rest_load - lacking
-    n0 += A[_TWIST, FRICTION_MOTOR] * at_motor + A[_TWIST, FRICTION_LOAD] * at_load
-    n1 += A[_MOTOR, FRICTION_MOTOR] * at_motor + A[_MOTOR, FRICTION_LOAD] * at_load
-    n2 += A[_LOAD, FRICTION_MOTOR] * at_motor + A[_LOAD, FRICTION_LOAD] * at_load
-    turn += A[_TURN, FRICTION_MOTOR] * at_motor + A[_TURN, FRICTION_LOAD] * at_load
+    A, rate = p.transition, x[SPEED_MOTOR] - x[SPEED_LOAD]
+    n0 = _row(A, TWIST, x, torque, gap, torque_load)
+    n1 = _row(A, SPEED_MOTOR, x, torque, gap, torque_load)
+    n2 = _row(A, SPEED_LOAD, x, torque, gap, torque_load)
+    n3 = A[TORQUE_ACTUATOR, TORQUE_ACTUATOR] * x[TORQUE_ACTUATOR] + A[TORQUE_ACTUATOR, TORQUE] * torque
+    turn = _row(A, ANGLE_COUNTED, x, torque, gap, torque_load)
+    lacking = (stiffness - 1.0) * (p.stiffness * (x[TWIST] - gap) + shaft_slope(p) * rate)
+    both_motor = A[SPEED_MOTOR, FRICTION_MOTOR] - A[SPEED_MOTOR, FRICTION_LOAD]
+    both_load = A[SPEED_LOAD, FRICTION_MOTOR] - A[SPEED_LOAD, FRICTION_LOAD]
+    change_motor = n1 + both_motor * lacking - x[SPEED_MOTOR]
+    change_load = n2 + both_load * lacking - x[SPEED_LOAD]
+    at_motor = (1.0 - inverse_motor) * change_motor * p.rest_motor + lacking
+    at_load = (1.0 - inverse_load) * change_load * p.rest_load - lacking
+    n0 += A[TWIST, FRICTION_MOTOR] * at_motor + A[TWIST, FRICTION_LOAD] * at_load
+    n1 += A[SPEED_MOTOR, FRICTION_MOTOR] * at_motor + A[SPEED_MOTOR, FRICTION_LOAD] * at_load
+    n2 += A[SPEED_LOAD, FRICTION_MOTOR] * at_motor + A[SPEED_LOAD, FRICTION_LOAD] * at_load
+    turn += A[ANGLE_COUNTED, FRICTION_MOTOR] * at_motor + A[ANGLE_COUNTED, FRICTION_LOAD] * at_load
     level = p.coulomb_motor * inverse_motor
     motor = clip(n1 * p.rest_motor, -level, level)
-    n2 += A[_LOAD, FRICTION_MOTOR] * motor
+    n2 += A[SPEED_LOAD, FRICTION_MOTOR] * motor
     level = coulomb * inverse_load
     load = clip(n2 * p.rest_load, -p.ratio_minus * level, p.ratio_plus * level)
-    n0 += A[_TWIST, FRICTION_MOTOR] * motor + A[_TWIST, FRICTION_LOAD] * load
-    n1 += A[_MOTOR, FRICTION_MOTOR] * motor + A[_MOTOR, FRICTION_LOAD] * load
-    n2 += A[_LOAD, FRICTION_LOAD] * load
-    turn += A[_TURN, FRICTION_MOTOR] * motor + A[_TURN, FRICTION_LOAD] * load
+    n0 += A[TWIST, FRICTION_MOTOR] * motor + A[TWIST, FRICTION_LOAD] * load
+    n1 += A[SPEED_MOTOR, FRICTION_MOTOR] * motor + A[SPEED_MOTOR, FRICTION_LOAD] * load
+    n2 += A[SPEED_LOAD, FRICTION_LOAD] * load
+    turn += A[ANGLE_COUNTED, FRICTION_MOTOR] * motor + A[ANGLE_COUNTED, FRICTION_LOAD] * load
     return n0, n1, n2, n3, turn, motor, load
 
 
 @njit(cache=True, inline="always")
-def shaft_torque(p, x0, x1, x2, gap):
-    """Shaft torque, with gap = clip(twist + lead·rate, ±half)."""
-    return p.stiffness * (x0 - gap) + p.damping * (x1 - x2)
+def shaft_torque(p, x, gap):
+    """Shaft torque of the stiffness and damping as given, with gap = clip(twist + lead·rate, ±half)."""
+    return p.stiffness * (x[TWIST] - gap) + p.damping * (x[SPEED_MOTOR] - x[SPEED_LOAD])
 
 
 @njit(cache=True, inline="always")
@@ -97,15 +110,14 @@ def elastic_change(now, before, half):
 
 
 @njit(cache=True, inline="always")
-def write_estimates(p, x0, x1, x2, half, coulomb_torque, outputs):
+def write_estimates(p, x, half, coulomb_torque, outputs):
     """The six outputs that every observer has."""
-    z = x0 + p.lead * (x1 - x2)
-    outputs[0] = x0
-    outputs[1] = x0 - clip(x0, -half, half)
-    outputs[2] = x1
-    outputs[3] = x2
-    outputs[4] = shaft_torque(p, x0, x1, x2, clip(z, -half, half))
-    outputs[5] = coulomb_torque + p.viscous * x2
+    outputs[0] = x[TWIST]
+    outputs[1] = x[TWIST] - clip(x[TWIST], -half, half)
+    outputs[2] = x[SPEED_MOTOR]
+    outputs[3] = x[SPEED_LOAD]
+    outputs[4] = shaft_torque(p, x, clip(gap_argument(x, p.lead), -half, half))
+    outputs[5] = coulomb_torque + p.viscous * x[SPEED_LOAD]
 
 
 @njit(cache=True, inline="always")

@@ -31,23 +31,23 @@ from .layout import (
 )
 from .records import reads, scratch
 from .runner import INIT, STEP
-from .tracking.correction import correct_all, write
+from .tracking.correction import measurement_update
 from .tracking.start import (
     LARGEST_FACTOR,
     LEAST_FACTOR,
     SIZE,
     before_first_sample,
-    begin,
     keep_before,
     memory_of,
     start_again_if_lost,
 )
-from .two_mass_model import advance, clip
+from .two_mass_model import advance, clip, gap_argument
 
 _parameters = reads(PARAMETERS)
+_point = record(("x", (TRACKED,)))
 _scratch = scratch(
     record(
-        ("H", (TRACKED,)), ("PHt", (TRACKED,)), ("L", (TRACKED, TRACKED)), ("points", (2 * TRACKED + 1, TRACKED))
+        ("H", (TRACKED,)), ("PHt", (TRACKED,)), ("L", (TRACKED, TRACKED)), ("points", _point, 2 * TRACKED + 1)
     )
 )  # fmt: skip
 
@@ -86,46 +86,34 @@ def _sigma_points(x, L, points):
     n = 0
     for j in range(TRACKED):
         n += L[j, j] > 0.0
-        points[0, j] = x[j]
+        points[0].x[j] = x[j]
     reach = math.sqrt(n + 1.0)
     count = 1
     for j in range(TRACKED):
         if L[j, j] > 0.0:
             for i in range(TRACKED):
                 offset = reach * L[i, j] if j <= i else 0.0
-                points[count, i] = x[i] + offset
-                points[count + 1, i] = x[i] - offset
+                points[count].x[i] = x[i] + offset
+                points[count + 1].x[i] = x[i] - offset
             count += 2
     return count
 
 
 @njit(cache=True)
-def _move(p, points, k, torque):
-    """Point k a sample later, in place; returns the load's Coulomb torque. (A view of its row would cost 10 ns.)"""
-    half = 0.5 * max(points[k, BACKLASH], 0.0)
-    stiffness = clip(points[k, STIFFNESS], LEAST_FACTOR, LARGEST_FACTOR)
-    motor = clip(points[k, INVERSE_INERTIA_MOTOR], LEAST_FACTOR, LARGEST_FACTOR)
-    load = clip(points[k, INVERSE_INERTIA_LOAD], LEAST_FACTOR, LARGEST_FACTOR)
+def _move(p, x, torque):
+    """A point a sample on, in place, through the true, sharp gap; returns the load's Coulomb torque."""
+    half = 0.5 * max(x[BACKLASH], 0.0)
+    stiffness = clip(x[STIFFNESS], LEAST_FACTOR, LARGEST_FACTOR)
+    motor = clip(x[INVERSE_INERTIA_MOTOR], LEAST_FACTOR, LARGEST_FACTOR)
+    load = clip(x[INVERSE_INERTIA_LOAD], LEAST_FACTOR, LARGEST_FACTOR)
     friction = 0.0
     for _ in range(int(p.substeps)):
-        z = points[k, TWIST] + p.lead_middle * (points[k, SPEED_MOTOR] - points[k, SPEED_LOAD])
+        gap = clip(gap_argument(x, p.lead_middle), -half, half)
         n0, n1, n2, n3, turn, _, friction = advance(
-            p,
-            points[k, TWIST],
-            points[k, SPEED_MOTOR],
-            points[k, SPEED_LOAD],
-            points[k, TORQUE_ACTUATOR],
-            points[k, TORQUE_LOAD],
-            max(points[k, COULOMB], 0.0),
-            clip(z, -half, half),
-            torque,
-            stiffness,
-            motor,
-            load,
+            p, x, x[TORQUE_LOAD], max(x[COULOMB], 0.0), gap, torque, stiffness, motor, load
         )
-        points[k, TWIST], points[k, SPEED_MOTOR] = n0, n1
-        points[k, SPEED_LOAD], points[k, TORQUE_ACTUATOR] = n2, n3
-        points[k, ANGLE_COUNTED] += turn * p.counted
+        x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], x[TORQUE_ACTUATOR] = n0, n1, n2, n3
+        x[ANGLE_COUNTED] += turn * p.counted
     return friction / load
 
 
@@ -134,21 +122,21 @@ def _moments(points, count, middle, x, P, products):
     """Mean x and covariance P of the moved points; ``products`` is scratch. Constants keep theirs."""
     weight = 0.5 * middle
     for i in range(MOVING):
-        x[i] = middle * points[0, i]
+        x[i] = middle * points[0].x[i]
     for k in range(1, count):
         for i in range(MOVING):
-            x[i] += weight * points[k, i]
+            x[i] += weight * points[k].x[i]
     for i in range(MOVING):
         for j in range(TRACKED):
             products[i, j] = 0.0
     for k in range(count):
-        share = weight if k else middle
+        share, apart = weight if k else middle, points[k].x
         for j in range(TRACKED):
-            points[k, j] -= x[j]
+            apart[j] -= x[j]
         for i in range(MOVING):
-            part = share * points[k, i]
+            part = share * apart[i]
             for j in range(TRACKED):
-                products[i, j] += part * points[k, j]
+                products[i, j] += part * apart[j]
     for i in range(MOVING):
         for j in range(i, TRACKED):
             P[i, j] = P[j, i] = products[i, j]
@@ -162,9 +150,9 @@ def _predict(p, s, torque, L, points):
     count = _sigma_points(x, L, points)
     middle = 2.0 / (count + 1.0)
     weight = 0.5 * middle
-    s.friction = middle * _move(p, points, 0, torque)
+    s.friction = middle * _move(p, points[0].x, torque)
     for k in range(1, count):
-        s.friction += weight * _move(p, points, k, torque)
+        s.friction += weight * _move(p, points[k].x, torque)
     _moments(points, count, middle, x, P, L)
     for i in range(TRACKED):
         P[i, i] += p.substeps * p.Q[i]
@@ -173,10 +161,7 @@ def _predict(p, s, torque, L, points):
 @njit(STEP, cache=True)
 def step(parameters, state, inputs, faults, outputs):
     p, s, w = _parameters(parameters), memory_of(state), _scratch()
-    torque, faults = begin(p, s, inputs, faults)
-    faults = correct_all(p, s, inputs, faults, w.H, w.PHt)
-    start_again_if_lost(p, s)
-    write(p, s, w.H, w.PHt, outputs)
+    torque, faults = measurement_update(p, s, inputs, faults, outputs, w.H, w.PHt)
     keep_before(s)
     predict_contact(p, s.estimate.x, s.estimate.P, s.contact)
     _predict(p, s, torque, w.L, w.points)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 from ...jit import njit
-from ..kalman import correct, count_from_here, inflate, variance_along
+from ..kalman import correct, inflate, variance_along
 from ..layout import (
-    ANGLE_COUNTED,
     MODEL_COULOMB,
     MODEL_STATES,
     MODELS,
@@ -16,14 +15,15 @@ from ..layout import (
     TORQUE_LOAD,
     TWIST,
 )
-from ..sensor_check import (
+from ..sensor_check import REFUSED_RATE, check_sample
+from ..sensors import (
     OF_SPEED_LOAD,
     OF_SPEED_MOTOR,
     OF_TORQUE_SHAFT,
-    OF_TWIST,
-    REFUSED_RATE,
-    check_sample,
+    count_from_here,
     sensor_variance,
+    state_measured,
+    state_shown,
 )
 from ..two_mass_model import clip, eigenmode_variance, elastic_change, write_estimates
 from ..verdicts import FROZEN, JUMP, START_AGAIN, USE
@@ -34,20 +34,13 @@ from .state import IN_GAP, edge, restart
 @njit(cache=True)
 def _predicted(own, x, m, kind, H):
     """h(x): what a sensor should show by model m (from counts: the angle turned); the row ∂h/∂x goes to H."""
-    p = own.common
     for i in range(MODEL_STATES):
         H[i] = 0.0
-    if kind == OF_SPEED_MOTOR:
-        state = ANGLE_COUNTED if p.counted else SPEED_MOTOR
-        H[state] = 1.0
-        return x[state]
-    if kind == OF_SPEED_LOAD:
-        H[SPEED_LOAD] = 1.0
-        return x[SPEED_LOAD]
-    if kind == OF_TWIST:
-        H[TWIST] = 1.0
-        return x[TWIST]
-    return _shaft_torque(own, x, m, H)
+    if kind == OF_TORQUE_SHAFT:
+        return _shaft_torque(own, x, m, H)
+    state = state_measured(own.common, kind)
+    H[state] = 1.0
+    return x[state]
 
 
 @njit(cache=True)
@@ -78,12 +71,12 @@ def _sudden(own, s, nu):
 @njit(cache=True)
 def _moved_by_models(own, s, kind):
     """Change of a predicted signal over the last sample by the models alone."""
-    state = SPEED_MOTOR if kind == OF_SPEED_MOTOR else SPEED_LOAD if kind == OF_SPEED_LOAD else TWIST
+    state = state_shown(kind)
     now = 0.0
     for m in range(MODELS):
         now += s.probability[m] * s.models[m].x[state]
     if kind == OF_TORQUE_SHAFT:
-        return own.common.stiffness * elastic_change(now, s.before[TWIST], own.half_gap)
+        return own.common.stiffness * elastic_change(now, s.before[state], own.half_gap)
     return now - s.before[state]
 
 
@@ -147,7 +140,7 @@ def write(own, s, H, mean, variance, outputs):
         for m in range(MODELS):
             apart = s.models[m].x[i] - mean[i]
             variance[i] += s.probability[m] * (s.models[m].P[i, i] + apart * apart)
-    write_estimates(p, mean[TWIST], mean[SPEED_MOTOR], mean[SPEED_LOAD], own.half_gap, s.friction, outputs)
+    write_estimates(p, mean, own.half_gap, s.friction, outputs)
     torque, square = 0.0, 0.0
     for m in range(MODELS):
         one, P, of_one = _shaft_torque(own, s.models[m].x, m, H), s.models[m].P, 0.0

@@ -12,6 +12,7 @@ import math
 
 from ...jit import njit
 from ..layout import MODEL_STATES, MODELS, SPEED_LOAD, SPEED_MOTOR, TWIST, record
+from ..two_mass_model import gap_argument
 from .state import edge
 
 #: Regions of a model less likely than this are not looked at; what is a smaller part of a model than ``SMALLEST`` is
@@ -58,9 +59,8 @@ def _divide(own, s, n, part):
     x, P, along, lead = s.models[n].x, s.models[n].P, part.along, own.common.lead_middle
     for i in range(MODEL_STATES):
         along[i] = P[i, TWIST] + lead * (P[i, SPEED_MOTOR] - P[i, SPEED_LOAD])
-    variance = max(along[TWIST] + lead * (along[SPEED_MOTOR] - along[SPEED_LOAD]), 0.0)
-    z = x[TWIST] + lead * (x[SPEED_MOTOR] - x[SPEED_LOAD])
-    regions(z, own.half_gap, math.sqrt(variance), part)
+    variance = max(gap_argument(along, lead), 0.0)
+    regions(gap_argument(x, lead), own.half_gap, math.sqrt(variance), part)
     for m in range(MODELS):
         part.chance[m] *= s.probability[n]
         if variance > 0.0:

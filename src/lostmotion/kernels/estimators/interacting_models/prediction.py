@@ -17,7 +17,7 @@ from ..layout import (
     TORQUE_LOAD,
     TWIST,
 )
-from ..two_mass_model import advance
+from ..two_mass_model import advance, gap_argument
 from .state import IN_GAP, edge
 
 
@@ -28,20 +28,8 @@ def predict(own, estimate, m, start, torque, F, FP):
     Its gap term is that of its own side: +half, the argument itself, −half.
     """
     p, x, P = own.common, start.x, estimate.P
-    gap = edge(own, m)
-    if m == IN_GAP:
-        gap = x[TWIST] + p.lead_middle * (x[SPEED_MOTOR] - x[SPEED_LOAD])
-    n0, n1, n2, n3, turn, motor, load = advance(
-        p,
-        x[TWIST],
-        x[SPEED_MOTOR],
-        x[SPEED_LOAD],
-        x[TORQUE_ACTUATOR],
-        x[TORQUE_LOAD],
-        x[MODEL_COULOMB],
-        gap,
-        torque,
-    )
+    gap = gap_argument(x, p.lead_middle) if m == IN_GAP else edge(own, m)
+    n0, n1, n2, n3, turn, motor, load = advance(p, x, x[TORQUE_LOAD], x[MODEL_COULOMB], gap, torque)
     _jacobian(p, 1.0 if m == IN_GAP else 0.0, motor, load, x[MODEL_COULOMB], F)
     _predict_covariance(F, start.P, p.Q, P, FP)
     P[TWIST, TWIST] += own.gap_Q if m == IN_GAP else p.Q[TWIST]

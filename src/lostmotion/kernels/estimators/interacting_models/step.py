@@ -13,7 +13,7 @@ from ..layout import INTERACTING, MODEL_STATES, MODELS, MOVING, estimate, record
 from ..missing_inputs import add_missing_torque, blind_samples, torque_to_use
 from ..records import scratch
 from ..runner import INIT, STEP
-from ..sensor_check import OF_SPEED_MOTOR
+from ..sensors import OF_SPEED_MOTOR
 from .correction import correct_by_sensor, write
 from .mixing import PARTS, mix
 from .prediction import predict

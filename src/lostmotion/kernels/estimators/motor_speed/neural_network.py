@@ -31,7 +31,7 @@ from ..layout import (
 )
 from ..records import reads
 from ..runner import INIT, STEP
-from ..two_mass_model import advance, clip
+from ..two_mass_model import advance, clip, gap_argument
 from .speed_observer import SHORT, innovation_of, load_slips, start_again_if_lost, write
 
 _parameters, _memory = reads(NETWORK_PARAMETERS), reads(NETWORK)
@@ -143,13 +143,11 @@ def _predict(own, memory, torque, values):
     p, x = observer.common, s.x
     before, x[ANGLE_COUNTED] = x[SPEED_MOTOR], 0.0
     for _ in range(int(p.substeps)):
-        z = x[TWIST] + p.lead_middle * (x[SPEED_MOTOR] - x[SPEED_LOAD])
+        z = gap_argument(x, p.lead_middle)
         learned, slope, friction = _curves(own, memory, z, values)
         gap = clip(z, -observer.half_gap, observer.half_gap) + learned
         inside = _slope(observer, z, slope)
-        n0, n1, n2, n3, turn, _, load = advance(
-            p, x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], x[TORQUE_ACTUATOR], -friction, observer.coulomb, gap, torque
-        )  # fmt: skip
+        n0, n1, n2, n3, turn, _, load = advance(p, x, -friction, observer.coulomb, gap, torque)
         s.friction = load
         _respond(p, memory.responses, inside, load_slips(observer, s), values)
         x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], x[TORQUE_ACTUATOR] = n0, n1, n2, n3
@@ -168,7 +166,7 @@ def _write(own, memory, values, outputs):
     """All outputs; both bases at the estimate go to values."""
     observer, s = own.common, memory.common
     p, twist = observer.common, s.x[TWIST]
-    z = twist + p.lead_middle * (s.x[SPEED_MOTOR] - s.x[SPEED_LOAD])
+    z = gap_argument(s.x, p.lead_middle)
     learned, slope, friction = _curves(own, memory, z, values)
     gap_model = clip(twist, -observer.half_gap, observer.half_gap)
     gap = gap_model + learned

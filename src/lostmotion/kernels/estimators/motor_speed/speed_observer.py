@@ -5,8 +5,9 @@ from __future__ import annotations
 from ...jit import njit
 from ..layout import ANGLE_COUNTED, SPEED_LOAD, SPEED_MOTOR, TORQUE_ACTUATOR, TWIST
 from ..missing_inputs import torque_to_use
-from ..sensor_check import LOST, check_sample, deviation_of_counts
-from ..two_mass_model import advance, clip, write_estimates
+from ..sensor_check import LOST, check_sample
+from ..sensors import deviation_of_counts
+from ..two_mass_model import advance, clip, gap_argument, write_estimates
 from ..verdicts import FROZEN, START_AGAIN, USE
 
 #: Each sample that is there again makes up for so many in which torque and speed were missing (calibrated on virtual
@@ -78,8 +79,7 @@ def _expected(own, s):
 @njit(cache=True, inline="always")
 def write(own, s, outputs):
     """The six outputs that every observer has."""
-    x = s.x
-    write_estimates(own.common, x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], own.half_gap, s.friction, outputs)
+    write_estimates(own.common, s.x, own.half_gap, s.friction, outputs)
 
 
 @njit(cache=True, inline="always")
@@ -97,8 +97,7 @@ def correct(own, s, angle, twist, motor, load):
     whether the joint is in the gap, after all inputs were missing.
     """
     p, x = own.common, s.x
-    z = x[TWIST] + p.lead_middle * (x[SPEED_MOTOR] - x[SPEED_LOAD])
-    if s.blind > UNSURE * p.hold or abs(z) > own.half_gap:
+    if s.blind > UNSURE * p.hold or abs(gap_argument(x, p.lead_middle)) > own.half_gap:
         x[TWIST] += twist
         if load_slips(own, s):
             x[SPEED_LOAD] += load
@@ -113,11 +112,8 @@ def predict(own, s, torque):
     p, x = own.common, s.x
     before, friction = x[SPEED_MOTOR], 0.0
     for _ in range(int(p.substeps)):
-        z = x[TWIST] + p.lead_middle * (x[SPEED_MOTOR] - x[SPEED_LOAD])
-        gap = clip(z, -own.half_gap, own.half_gap)
-        n0, n1, n2, n3, turn, _, friction = advance(
-            p, x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], x[TORQUE_ACTUATOR], 0.0, own.coulomb, gap, torque
-        )
+        gap = clip(gap_argument(x, p.lead_middle), -own.half_gap, own.half_gap)
+        n0, n1, n2, n3, turn, _, friction = advance(p, x, 0.0, own.coulomb, gap, torque)
         x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], x[TORQUE_ACTUATOR] = n0, n1, n2, n3
         x[ANGLE_COUNTED] += turn
     s.moved, s.friction = x[SPEED_MOTOR] - before, friction

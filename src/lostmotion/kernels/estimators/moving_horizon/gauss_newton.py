@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import njit
-from ..kalman import correct, count_from_here, predict_covariance
+from ..kalman import correct, predict_covariance
 from ..layout import ANGLE_COUNTED, MOVING, STIFFNESS, TORQUE_LOAD, TRACKED
 from ..missing_inputs import add_missing_torque
-from ..sensor_check import OF_SPEED_MOTOR, sensor_variance
+from ..sensors import OF_SPEED_MOTOR, count_from_here, sensor_variance
 from ..tracking.correction import innovation_of
 from ..tracking.prediction import move
 from ..tracking.start import LARGEST_FACTOR, LEAST_FACTOR

@@ -8,7 +8,8 @@ from ...jit import njit
 from ..kalman import inflate
 from ..layout import HORIZON, HORIZON_PARAMETERS, SENSORS, SPEED_MOTOR, TORQUE_LOAD, TRACKED, place, size
 from ..records import reads
-from ..sensor_check import OF_SPEED_LOAD, REFUSED_RATE
+from ..sensor_check import REFUSED_RATE
+from ..sensors import OF_SPEED_LOAD
 from ..tracking.correction import check, innovation_of
 from ..tracking.start import restart, start_again_if_lost
 from ..verdicts import FROZEN, JUMP, START_AGAIN, USE

@@ -6,9 +6,8 @@ import math
 
 from ...jit import njit
 from ..contact import cancel_contact, edge_deviation, mean_gap
-from ..kalman import correct, count_from_here, inflate, variance_along
+from ..kalman import correct, inflate, variance_along
 from ..layout import (
-    ANGLE_COUNTED,
     BACKLASH,
     COULOMB,
     INVERSE_INERTIA_LOAD,
@@ -21,18 +20,25 @@ from ..layout import (
     TRACKED,
     TWIST,
 )
-from ..sensor_check import (
+from ..sensor_check import REFUSED_RATE, check_sample
+from ..sensors import (
     OF_SPEED_LOAD,
     OF_SPEED_MOTOR,
     OF_TORQUE_SHAFT,
-    OF_TWIST,
-    REFUSED_RATE,
-    check_sample,
+    count_from_here,
     sensor_variance,
+    state_measured,
+    state_shown,
 )
-from ..two_mass_model import eigenmode_variance, elastic_change, write_estimates
+from ..two_mass_model import (
+    eigenmode_variance,
+    elastic_change,
+    gap_argument,
+    shaft_torque,
+    write_estimates,
+)
 from ..verdicts import FROZEN, JUMP, START_AGAIN, USE
-from .start import bound, restart
+from .start import begin, bound, restart, start_again_if_lost
 
 
 @njit(cache=True)
@@ -40,25 +46,18 @@ def predicted(p, x, P, kind, H):
     """h(x): what a sensor should show (from counts: the angle turned); the row ∂h/∂x goes to H."""
     for i in range(TRACKED):
         H[i] = 0.0
-    if kind == OF_SPEED_MOTOR:
-        state = ANGLE_COUNTED if p.counted else SPEED_MOTOR
+    if kind != OF_TORQUE_SHAFT:
+        state = state_measured(p, kind)
         H[state] = 1.0
         return x[state]
-    if kind == OF_SPEED_LOAD:
-        H[SPEED_LOAD] = 1.0
-        return x[SPEED_LOAD]
-    if kind == OF_TWIST:
-        H[TWIST] = 1.0
-        return x[TWIST]
     k, d, lead = p.stiffness * x[STIFFNESS], p.damping * x[STIFFNESS], p.lead
-    z = x[TWIST] + lead * (x[SPEED_MOTOR] - x[SPEED_LOAD])
-    gap, above, below = mean_gap(z, 0.5 * x[BACKLASH], edge_deviation(P, lead))
+    gap, above, below = mean_gap(gap_argument(x, lead), 0.5 * x[BACKLASH], edge_deviation(P, lead))
     inside = 1.0 - above - below
     H[TWIST] = k * (1.0 - inside)
     H[SPEED_MOTOR] = d - k * lead * inside
     H[SPEED_LOAD] = -H[SPEED_MOTOR]
     H[BACKLASH] = -0.5 * k * (above - below)
-    H[STIFFNESS] = p.stiffness * (x[TWIST] - gap) + p.damping * (x[SPEED_MOTOR] - x[SPEED_LOAD])
+    H[STIFFNESS] = shaft_torque(p, x, gap)
     return H[STIFFNESS] * x[STIFFNESS]
 
 
@@ -80,14 +79,11 @@ def check(p, s, i, value, missing, nu, S):
 @njit(cache=True)
 def moved_by_model(p, s, kind):
     """Change of a predicted signal over the last sample by the model alone."""
-    x, before = s.estimate.x, s.before
-    if kind == OF_SPEED_MOTOR:
-        return x[SPEED_MOTOR] - before[SPEED_MOTOR]
-    if kind == OF_SPEED_LOAD:
-        return x[SPEED_LOAD] - before[SPEED_LOAD]
-    if kind == OF_TWIST:
-        return x[TWIST] - before[TWIST]
-    return p.stiffness * elastic_change(x[TWIST], before[TWIST], 0.5 * x[BACKLASH])
+    state, half = state_shown(kind), 0.5 * s.estimate.x[BACKLASH]
+    now, before = s.estimate.x[state], s.before[state]
+    if kind == OF_TORQUE_SHAFT:
+        return p.stiffness * elastic_change(now, before, half)
+    return now - before
 
 
 @njit(cache=True)
@@ -120,7 +116,7 @@ def write(p, s, H, PHt, outputs):
     """All outputs."""
     x, P = s.estimate.x, s.estimate.P
     predicted(p, x, P, OF_TORQUE_SHAFT, H)
-    write_estimates(p, x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], 0.5 * x[BACKLASH], s.friction, outputs)
+    write_estimates(p, x, 0.5 * x[BACKLASH], s.friction, outputs)
     outputs[4] *= x[STIFFNESS]
     motor, load = p.inertia_motor / x[INVERSE_INERTIA_MOTOR], p.inertia_load / x[INVERSE_INERTIA_LOAD]
     outputs[6], outputs[7], outputs[8] = x[TORQUE_LOAD], x[BACKLASH], x[COULOMB]
@@ -134,3 +130,13 @@ def write(p, s, H, PHt, outputs):
     outputs[19] *= p.stiffness
     outputs[20] *= motor / x[INVERSE_INERTIA_MOTOR]
     outputs[21] *= load / x[INVERSE_INERTIA_LOAD]
+
+
+@njit(cache=True)
+def measurement_update(p, s, inputs, faults, outputs, H, PHt):
+    """The estimate of this sample, by all its sensors, and the outputs; returns the torque to use and the faults."""
+    torque, faults = begin(p, s, inputs, faults)
+    faults = correct_all(p, s, inputs, faults, H, PHt)
+    start_again_if_lost(p, s)
+    write(p, s, H, PHt, outputs)
+    return torque, faults

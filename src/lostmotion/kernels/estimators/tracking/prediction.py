@@ -23,7 +23,7 @@ from ..layout import (
     TRACKED,
     TWIST,
 )
-from ..two_mass_model import advance, shaft_slope
+from ..two_mass_model import advance, gap_argument, shaft_slope
 
 
 @njit(cache=True)
@@ -32,21 +32,11 @@ def move(p, x, P, torque, F):
 
     The gap term is its mean over the spread of an estimate with covariance P.
     """
-    z = x[TWIST] + p.lead_middle * (x[SPEED_MOTOR] - x[SPEED_LOAD])
-    gap, above, below = mean_gap(z, 0.5 * max(x[BACKLASH], 0.0), edge_deviation(P, p.lead_middle))
+    deviation = edge_deviation(P, p.lead_middle)
+    gap, above, below = mean_gap(gap_argument(x, p.lead_middle), 0.5 * max(x[BACKLASH], 0.0), deviation)
+    factors = x[STIFFNESS], x[INVERSE_INERTIA_MOTOR], x[INVERSE_INERTIA_LOAD]
     n0, n1, n2, n3, turn, motor, load = advance(
-        p,
-        x[TWIST],
-        x[SPEED_MOTOR],
-        x[SPEED_LOAD],
-        x[TORQUE_ACTUATOR],
-        x[TORQUE_LOAD],
-        max(x[COULOMB], 0.0),
-        gap,
-        torque,
-        x[STIFFNESS],
-        x[INVERSE_INERTIA_MOTOR],
-        x[INVERSE_INERTIA_LOAD],
+        p, x, x[TORQUE_LOAD], max(x[COULOMB], 0.0), gap, torque, factors[0], factors[1], factors[2]
     )
     change = n1 - x[SPEED_MOTOR], n2 - x[SPEED_LOAD]
     jacobian(p, x, gap, 1.0 - above - below, above - below, change, motor, load, F)

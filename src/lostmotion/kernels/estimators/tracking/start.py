@@ -19,7 +19,8 @@ from ..layout import (
 )
 from ..missing_inputs import add_missing_torque, blind_samples, torque_to_use
 from ..records import reads
-from ..sensor_check import LOST, OF_SPEED_MOTOR
+from ..sensor_check import LOST
+from ..sensors import OF_SPEED_MOTOR
 from ..two_mass_model import clip
 
 memory_of = reads(TRACKING)
