@@ -33,7 +33,7 @@ VALIDATION_PART = 0.3
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of the design: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), gains of the PI."""
+    """Settings of the design: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), PI gains."""
 
     sample_time: float | None = None
     torque_limit: float = np.inf

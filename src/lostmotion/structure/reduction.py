@@ -76,11 +76,11 @@ def reduce_to_chain(
 ) -> ChainReduction:
     """The chain of n inertias that is closest to the model's response, with the same inertia on each side of the gap.
 
-    Fitted are the stiffnesses and the distribution of the inertia on each side. With ``gap=None`` only the total is kept,
-    as in the paper's four equations: two masses then follow the response better, but may take over inertia from
-    beyond the gap. The start is the chain with the model's first n − 1 zeros and poles. The fit minimises the
-    logarithm of chain over model on a logarithmic grid over the band, without ±3 % around the model's zeros and poles:
-    first its square, then its fourth power, which is closer to the largest error.
+    Fitted are the stiffnesses and the distribution of the inertia on each side. With ``gap=None`` only the total is
+    kept, as in the paper's four equations: two masses then follow the response better, but may take over inertia from
+    beyond the gap. The start is the chain with the model's first n − 1 zeros and poles. The fit minimises the logarithm
+    of chain over model on a logarithmic grid over the band, without ±3 % around the model's zeros and poles: first its
+    square, then its fourth power, which is closer to the largest error.
 
     Parameters
     ----------

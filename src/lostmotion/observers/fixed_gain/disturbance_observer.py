@@ -45,8 +45,8 @@ def disturbance_observer(
         p̂, T̂, v̂ corrected by l·(speed_motor − p̂/J)
         twist_elastic = T̂/k,    speed_load = speed_motor − v̂/k
 
-    All error poles lie at exp(−bandwidth·dt) (Ackermann's formula for the exact discrete model). The load's speed is valid
-    while the shaft is in contact; in the gap it equals the motor's.
+    All error poles lie at exp(−bandwidth·dt) (Ackermann's formula for the exact discrete model). The load's speed is
+    valid while the shaft is in contact; in the gap it equals the motor's.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _observer_gain(phi: Array, c: Array, pole: float) -> Array:
 
 
 def _with_lag(full: Array, b: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
-    """The torque reaches the momentum through the actuator: one more state, exact for a set-point held over the sample."""
+    """The torque reaches the momentum through the actuator: one more state, exact for a held set-point."""
     (phi, gamma), n = step, full.shape[0]
     full = np.pad(full, ((0, 1), (0, 1)))
     full[0, n], full[n, n] = phi[0, 1], phi[1, 1]

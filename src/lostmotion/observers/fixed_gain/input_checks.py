@@ -74,9 +74,10 @@ def with_torque_check(law: DiscreteSystem, drivetrain: Drivetrain) -> DiscreteSy
 
         T = T̄ + a·(speed_motor − expected),    T̄⁺ = T̄ + b·(T − T̄)
 
-    A ramp of the speed is followed without delay, so the motor's angle stays right, and an encoder's steps are smoothed.
-    With an actuator lag, T is the torque that the actuator reaches at the end of the sample. The gains a and b put
-    the poles of the motor alone at the rate ``FOLLOWING``, damped by 0.7. T̄ is one more state, ``torque_motor_mean``.
+    A ramp of the speed is followed without delay, so the motor's angle stays right, and an encoder's steps are
+    smoothed. With an actuator lag, T is the torque that the actuator reaches at the end of the sample. The gains a and
+    b put the poles of the motor alone at the rate ``FOLLOWING``, damped by 0.7. T̄ is one more state,
+    ``torque_motor_mean``.
     """
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag
     rate = min(FOLLOWING * scale_of(drivetrain).rate * law.dt, FASTEST)

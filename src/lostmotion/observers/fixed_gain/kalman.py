@@ -29,10 +29,10 @@ PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
     }
 )  # fmt: skip
 
-#: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8.
-#: Chosen: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s, the twist with 3: with 1 the gap term
-#: held over the sample disturbs the speeds from 0.5 ms on (load speed 0.42 instead of 0.04 % at 1 ms). The torque's is
-#: that of the paper's rig, in proportion to the square of torque over speed (``scale.scale_of``).
+#: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8. Chosen:
+#: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s, the twist with 3: with 1 the gap term held
+#: over the sample disturbs the speeds from 0.5 ms on (load speed 0.42 instead of 0.04 % at 1 ms). The torque's is that
+#: of the paper's rig, in proportion to the square of torque over speed (``scale.scale_of``).
 MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 1.0, "speed_load": 1.0, "torque_shaft": 10.0, "twist": 1e-5, "angle_motor": 1e-6}
 )
