@@ -1,4 +1,4 @@
-"""Metrics: how far an estimate is from the truth, and how good a response to a step of the set-point is.
+"""Metrics: errors of an estimate, and quality of the response to a step of the set-point.
 
 Pure functions on arrays. A value that is not defined for the given data is ``None``, never NaN.
 """
@@ -15,9 +15,9 @@ from .events import Events
 
 Array = NDArray[np.float64]
 
-#: Largest lag that is looked for, s (chosen: ten periods of an eigenfrequency of 200 Hz).
+#: Largest lag in the search, s (chosen: ten periods of an eigenfrequency of 200 Hz).
 MAX_LAG = 0.05
-#: Part of the time after the step over which the steady error is averaged: the last fifth (chosen).
+#: Last part of the time after the step over which the steady error is averaged (chosen).
 STEADY_PART = 0.2
 #: Band around the new set-point for the settling time, as a fraction of the step.
 SETTLING_BAND = 0.02
@@ -121,7 +121,7 @@ def _moving_sum(values: Array, count: int) -> Array:
 
 
 def compare(estimate: ArrayLike, truth: ArrayLike, dt: float) -> dict[str, float | None]:
-    """An estimate against the truth, as it stands in ``results.json``.
+    """Metrics of an estimate against the truth, as in ``results.json``.
 
     Returns
     -------

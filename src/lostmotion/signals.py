@@ -41,9 +41,9 @@ def steps(times: Sequence[float], values: Sequence[float], duration: float, dt: 
             "steps",
             f"{len(times)} times, {len(values)} values",
             "rising times, one value more than times",
-            "Say what holds before the first time, too.",
+            "Give the value before the first time, too.",
         )
-    # Half a sample of slack: a time on the raster begins its value exactly there.
+    # Half a sample of tolerance: a time on the sample grid begins its value exactly there.
     t = (np.arange(_length(duration, dt)) + 0.5) * dt
     return np.asarray(values, dtype=float)[np.searchsorted(np.asarray(times, dtype=float), t, side="right")]
 
@@ -99,9 +99,9 @@ def excitation(
 ) -> Array:
     """Motor torque that excites all parameters of a two-mass drivetrain with backlash, Nm, (n,).
 
-    The torque that a speed profile with two levels in each direction needs (Coulomb, viscous friction and inertia
-    at their nominal values; errors there only shift the levels), plus noise with content near zero and pole that
-    reverses the shaft torque many times. Levels (rad/s), ramp (s), noise (Nm), band (Hz) and limit (Nm) are chosen
+    The torque for a speed profile with two levels in each direction (with nominal Coulomb and viscous friction and
+    inertia; errors there only shift the levels), plus noise with content near zero and pole that reverses the shaft
+    torque many times. Levels (rad/s), ramp (s), noise (Nm), band (Hz) and limit (Nm) are chosen
     for the paper's test rig: less noise and wider levels than 7 Nm, 10 and 25 rad/s halve the errors of friction.
 
     Parameters

@@ -1,4 +1,4 @@
-"""The design of a test before it is run: the torque to play within limits, and how well it will tell each parameter."""
+"""The design of a test before it is run: a torque within limits, and the expected interval of each parameter."""
 
 from .design import ExcitationDesign, design_excitation
 

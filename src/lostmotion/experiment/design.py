@@ -1,4 +1,4 @@
-"""Design a test before it is made: the torque to play, what it will show, and how well it will tell the parameters."""
+"""Design of a test: the torque to apply, the expected signals, and the expected intervals of the parameters."""
 
 from __future__ import annotations
 
@@ -28,27 +28,27 @@ SMALL = 0.05
 
 @dataclass(frozen=True, eq=False)
 class ExcitationDesign:
-    """A test that keeps its limits, and what it is expected to tell.
+    """A test that keeps its limits, and its expected results.
 
     Parameters
     ----------
     kind : str
     seed : int
     recording : Recording
-        ``torque_motor`` (Nm) to be played, held from row to row.
+        ``torque_motor`` (Nm) to be applied, held over each sample.
     scale : float
-        Amplitude as a fraction of what the torque limit alone would allow.
+        Amplitude as a fraction of the one at the torque limit.
     limits, peaks : mapping of {"torque", "speed", "angle"} → Nm, rad/s, rad
         Given limits, and the largest values on any of the plants of the rehearsal.
     predicted : Recording
-        What the sensors of the plant with the nameplate's values will show (origin "simulated").
+        Expected sensor signals for the plant with the nameplate's values (origin "simulated").
     half_widths : mapping of name → float
-        Expected half width of the 95 % interval relative to the nameplate's value; what will not be told, or is zero on
-        the nameplate, is missing.
+        Expected half width of the 95 % interval relative to the nameplate's value; without values that will not be
+        identified or are zero on the nameplate.
     intervals : mapping of name → (low, high)
         The same around the nameplate's values, SI.
     not_excited : tuple of str
-        What most rehearsals could not tell.
+        Values that most rehearsals did not identify.
     problems : tuple of Problem
     """
 
@@ -93,14 +93,14 @@ def design_excitation(
     The plants have four inertias, Stribeck friction and another contact law than the model (``rig.finer_rig``): one
     with the nameplate's values, one with the least inertia and friction, the others varied. The limits hold on all of
     them. Each is recorded through the encoder and identified; the median of the half widths is the prediction. Where
-    the nameplate has no damping, the damping ratio is taken as 0.02.
+    the nameplate has no damping, a damping ratio of 0.02 is assumed.
 
     Parameters
     ----------
     nameplate : Drivetrain
         Two masses, rough values of the drivetrain to be tested.
     kind : {"levels", "step", "chirp", "multisine", "prbs", "noise"}
-        "levels": two speeds in each direction, open loop, plus noise (the one that tells all parameters); the others
+        "levels": two speeds in each direction, open loop, plus noise (identifies all parameters); the others
         are around zero torque.
     duration, dt : float, s
     torque_limit : float, Nm, optional
@@ -113,9 +113,9 @@ def design_excitation(
         Motor encoder, 2**bits counts per turn (default: that of the virtual rig); the speed is a count difference.
     seed : int
     band : (low, high), Hz, optional
-        Default: ``excitation_shapes.BAND`` times the torsional frequency.
+        Default: ``shapes.BAND`` times the torsional frequency.
     spread : mapping of name → (low, high), optional
-        Ranges of the varied plants, SI. Default: ``excitation_rehearsal.SPREAD``.
+        Ranges of the varied plants, SI. Default: ``rehearsal.SPREAD``.
     plants : int
         Plants of the rehearsal, at least 2.
 
@@ -195,14 +195,14 @@ def _check_sampling(duration: float, dt: float, encoder_bits: int) -> None:
 def _expected(
     found: list[Identification], values: Mapping[str, float]
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Median half widths relative to the nameplate, and what half of the rehearsals or more could not tell."""
+    """Median half widths relative to the nameplate, and values that half of the rehearsals or more did not identify."""
     half_widths: dict[str, float] = {}
     for name in NAMES:
         if values[name] == 0.0:
-            continue  # nothing to be relative to
-        told = [f.intervals[name] for f in found if name in f.intervals]
-        if 2 * len(told) > len(found):
-            half_widths[name] = float(np.median([(b - a) / 2.0 for a, b in told])) / values[name]
+            continue  # relative to zero
+        intervals = [f.intervals[name] for f in found if name in f.intervals]
+        if 2 * len(intervals) > len(found):
+            half_widths[name] = float(np.median([(b - a) / 2.0 for a, b in intervals])) / values[name]
     missing = tuple(name for name in NAMES if name not in half_widths and values[name] > 0.0)
     return half_widths, missing
 
@@ -212,7 +212,7 @@ def _problems(
 ) -> tuple[Problem, ...]:
     problems = [
         Problem(
-            "warning", name, "an excitation that will not tell it", "excitation",
+            "warning", name, "an excitation that will not identify it", "excitation",
             "Take kind='levels', more torque, wider limits or a longer test; or fix it from the nameplate.",
         )
         for name in not_excited
@@ -232,5 +232,5 @@ def _problems(
                     "The rehearsal is without it: give a guess, the motion depends on it.",
                 )
             )  # fmt: skip
-    told = {(p.where, p.remedy): p for f in found for p in f.problems if p.where not in NAMES}
-    return (*problems, *told.values())
+    warned = {(p.where, p.remedy): p for f in found for p in f.problems if p.where not in NAMES}
+    return (*problems, *warned.values())

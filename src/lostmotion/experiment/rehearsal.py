@@ -14,11 +14,11 @@ from ..recording import Recording
 from ..simulation import Sensor
 from .shapes import Array, Limits
 
-#: Halvings of the search for the largest amplitude (chosen: 1 % of it).
+#: Bisections of the search for the largest amplitude (chosen: to 1 % of it).
 HALVINGS = 7
 
-#: How far the plants of the rehearsal are off the nameplate, as a fraction (as the virtual rigs are; others ±10 %), and
-#: what is at its low end on the lightest of them.
+#: Spread of the rehearsal's plants around the nameplate, as a fraction (as the virtual rigs; others ±10 %), and the
+#: parameters that are at their low end on the lightest plant.
 SPREAD = {"inertia_motor": 0.1, "inertia_load": 0.1, "backlash": 0.2, "coulomb": 0.2, "viscous": 0.2}
 LIGHT = ("inertia_motor", "inertia_load", "coulomb", "viscous")
 
@@ -47,7 +47,7 @@ def largest(
     """Largest scale that keeps the limits on every plant, and the recordings with their peaks."""
     low, high, best = 0.0, 1.0, None
     for number in range(HALVINGS + 1):
-        # Full scale first; then halving. The peaks need not rise with the scale: what is kept has been tried.
+        # Full scale first, then bisection. The peaks need not rise with the scale: the kept one has been tried.
         scale = 1.0 if number == 0 else 0.5 * (low + high)
         runs = played(torque_at(scale), rigs, limits, dt)
         if runs is None:
@@ -60,7 +60,7 @@ def largest(
         raise InvalidInput(
             "design_excitation",
             f"limits {limits}",
-            "room for a motion",
+            "limits that allow a motion",
             "Raise the speed or the angle limit; or give a narrower spread, above all of the friction.",
         )
     return low, best
@@ -69,7 +69,7 @@ def largest(
 def played(
     torque: Array, rigs: list[rig.Rig], limits: Limits, dt: float
 ) -> list[tuple[Recording, dict[str, float]]] | None:
-    """Recording and peaks on each plant; None as soon as one leaves the limits."""
+    """Recording and peaks on each plant; None as soon as one exceeds the limits."""
     runs = []
     for plant in rigs:
         recording, truth = rig.record(plant, torque_motor=torque, dt=dt)

@@ -1,4 +1,4 @@
-"""The two-mass model that a finer plant with one backlash comes closest to: what an identification should find."""
+"""The two-mass model closest to a finer plant with one backlash: the true values for an identification."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain, Friction
 from ..errors import InvalidInput
 
-#: Friction is told only where the recorded speeds' magnitudes differ by this share of the largest (chosen).
+#: Friction is identifiable only if the magnitudes of the recorded speeds differ by this share of the largest (chosen).
 LEAST_SPREAD = 1e-6
 
 
@@ -20,7 +20,7 @@ def eigenfrequencies(drivetrain: Drivetrain) -> NDArray[np.float64]:
 
 
 def motor_zeros(drivetrain: Drivetrain) -> NDArray[np.float64]:
-    """Zeros of motor angle / motor torque with all gaps closed, Hz: the modes with the motor held."""
+    """Zeros of motor angle / motor torque with all gaps closed, Hz: the eigenfrequencies with the motor locked."""
     return _frequencies(drivetrain, locked_motor=True)
 
 
@@ -80,7 +80,7 @@ def _friction_line(friction: Friction, speed: NDArray[np.float64]) -> tuple[floa
         return None, None
     if moving.size > 5000:
         moving = moving[:: moving.size // 5000]
-    # In units of the largest speed: an unstable loop's speeds are too large to be squared.
+    # In units of the largest speed: those of an unstable loop are too large to be squared.
     largest = float(np.max(size))
     torque = np.array([friction.torque(float(w)) for w in moving])
     columns = np.column_stack([np.sign(moving), moving / largest])

@@ -1,4 +1,4 @@
-"""A finer plant around a two-mass model, perturbed within its intervals: what a law is tried on without the rig."""
+"""A finer plant around a two-mass model, perturbed within its intervals: for trying a law without a rig."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UNKNOWN_SPREAD = 0.1
 def finer_rig(model: Drivetrain, intervals: Mapping[str, tuple[float, float]], seed: int) -> Rig:
     """A rig of four inertias whose two-mass equivalent lies within the intervals of a model.
 
-    The motor's inertia and the compliance are shared out as in the virtual rig; contact law, Stribeck rise and sensors
+    The motor's inertia and the compliance are divided as in the virtual rig; contact law, Stribeck rise and sensors
     are the virtual rig's. Every parameter is drawn uniformly within its interval (low, high), or within ±10 % of its
     value where it has none.
     """
@@ -30,7 +30,7 @@ def finer_rig(model: Drivetrain, intervals: Mapping[str, tuple[float, float]], s
     motor_side = sum(INERTIAS[:3])
     inertias = (*(j / motor_side * drawn["inertia_motor"] for j in INERTIAS[:3]), drawn["inertia_load"])
     rig = make_rig(inertias, STIFFNESSES, drawn["backlash"], drawn["coulomb"], drawn["viscous"], seed=seed)
-    # One factor on all stiffnesses brings the first mode to that of the drawn two-mass drivetrain.
+    # One factor on all stiffnesses sets the first eigenfrequency to that of the drawn two-mass drivetrain.
     wanted = model.with_parameters(**{n: drawn[n] for n in ("inertia_motor", "inertia_load", "stiffness")})
     factor = (wanted.pole_frequency / float(eigenfrequencies(rig.drivetrain)[1])) ** 2
     ratio = drawn["damping"] / model.damping if model.damping > 0.0 else 0.0
@@ -50,7 +50,7 @@ def finer_rig(model: Drivetrain, intervals: Mapping[str, tuple[float, float]], s
 
 
 def _damping(shaft: int, model: Drivetrain, ratio: float, factor: float, usual: float) -> float:
-    """The side shaft (1) carries the model's damping; clutch and joint keep their own decay rates."""
+    """The side shaft (1) has the model's damping; clutch and joint keep their own decay rates."""
     if shaft == 1:
         return model.damping * ratio * (STIFFNESSES[1] * factor / model.stiffness)
     return factor * usual

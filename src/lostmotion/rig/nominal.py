@@ -1,8 +1,8 @@
 """The virtual test rig's plant: finer than every model fitted to it, varied by a seed.
 
-Made from the finite-element model of the powertrain of Fietzek & Rinderknecht, ``structure.paper_powertrain``:
-motor – clutch – intermediate shaft – side shaft – tripod joint – wheel hub with brake disc; modes at 100 and 750 Hz,
-motor zero at 38 Hz, 0.1292 kg m². It is reduced to four inertias with the gap in the third shaft.
+Made from the finite-element model of the powertrain of Fietzek & Rinderknecht, ``structure.paper_powertrain``: motor –
+clutch – intermediate shaft – side shaft – tripod joint – wheel hub with brake disc; eigenmodes at 100 and 750 Hz, motor
+zero at 38 Hz, 0.1292 kg m². It is reduced to four inertias with the gap in the third shaft.
 """
 
 from __future__ import annotations
@@ -16,18 +16,19 @@ from ..drivetrain import Actuator, Drivetrain, Friction, Shaft
 from ..errors import InvalidInput
 from ..simulation import Sensor
 
-#: Motor; clutch and intermediate shaft; joint piece at the end of the side shaft; hub with brake disc. kg m².
+#: Motor; clutch and intermediate shaft; intermediate inertia at the end of the side shaft; hub with brake disc. kg m².
 #: With the stiffnesses: ``reduce_to_chain(paper_powertrain(), 4, gap=GAP, band=(5, 900), gap_shaft=2)``, rounded.
 INERTIAS = (0.014204, 0.005137, 0.000450, 0.109409)
 #: Clutch, side shaft, tripod joint, Nm/rad.
 STIFFNESSES = (80088.0, 7359.0, 88171.0)
-#: The paper's damping ratio (section II), given to the 750 Hz mode by the clutch, to the 100 Hz mode by the side shaft.
+#: The paper's damping ratio (section II), given to the 750 Hz eigenmode by the clutch, to the 100 Hz eigenmode by the
+#: side shaft.
 DAMPING_RATIO = 0.02
 #: Relaxation rate k/d of the joint's contact in 1/s: that of the paper's Table I.
 CONTACT_POLE = 15833.0
 #: Total free angle of the tripod joint, rad (Table I).
 BACKLASH = 0.012
-#: Friction at the brake disc: Table I, and a Stribeck rise (chosen) of 15 % at rest that is gone at 2 rad/s.
+#: Friction at the brake disc: Table I, and a Stribeck rise (chosen) of 15 % at rest that ends at 2 rad/s.
 COULOMB, VISCOUS = 2.0, 0.0175
 STRIBECK = ((0.0, 0.30), (0.4, 0.16), (1.0, 0.05), (2.0, 0.0))
 #: Torque lag of the current loop, s, and largest torque, Nm (lag chosen; torque: the paper's nominal torque).
@@ -44,7 +45,7 @@ HUB_ENCODER_BITS, TORQUE_NOISE = 24, 0.3
 
 @dataclass(frozen=True)
 class Rig:
-    """A virtual rig: its true plant and its sensors. Nothing that estimates may look into it."""
+    """A virtual rig: its true plant and its sensors. No estimator may use its values."""
 
     drivetrain: Drivetrain
     sensors: dict[str, Sensor]

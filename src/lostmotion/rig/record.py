@@ -1,4 +1,4 @@
-"""rig.record: an experiment on the virtual rig, as its sensors show it, and the truth beside it."""
+"""rig.record: an experiment on the virtual rig as its sensors show it, and separately the truth."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from ..systems import DiscreteSystem
 from .equivalent import two_mass_equivalent
 from .nominal import COULOMB, INERTIAS, VISCOUS, Rig, nominal_rig, varied_rig
 
-#: What the rig's sensors record beside the commanded motor torque.
+#: Signals of the rig's sensors, beside the commanded motor torque.
 CHANNELS = ("speed_motor", "speed_load", "torque_shaft", "twist")
 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What nobody who estimates may see.
+    """The truth, which no estimator may use.
 
     Parameters
     ----------
     parameters : dict
-        The equivalent two-mass parameters, see ``two_mass_equivalent``: ``coulomb`` and ``viscous`` are None where the
-        load's motion does not tell them.
+        The equivalent two-mass parameters, see ``two_mass_equivalent``: ``coulomb`` and ``viscous`` are None where they
+        do not follow from the load's motion.
     drivetrain : Drivetrain
         The rig's own chain.
     signals : Recording

@@ -1,4 +1,4 @@
-"""What both kinds of law ask of their names, sample time and numbers."""
+"""Checks of names, sample time and numbers that both kinds of law share."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..errors import InvalidInput
 from .inputs import Matrix
 
-#: The law reports replaced inputs as bits of one number, which a 32-bit target must hold too.
+#: The law reports replaced inputs as bits of one number, also on a 32-bit target.
 MAX_INPUTS = 31
 
 

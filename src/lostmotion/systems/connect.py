@@ -16,16 +16,16 @@ def connect(
     outputs: Sequence[str] = (),
     name: str | None = None,
 ) -> DiscreteSystem:
-    """Join systems: every input takes the output of the same name, of whichever system makes it.
+    """Join systems: every input is connected to the output of the same name.
 
     Parameters
     ----------
     systems : sequence of DiscreteSystem
         All with one sample time.
     inputs : sequence of str
-        External inputs of the joined law: all that no system makes.
+        External inputs of the joined law: all that no system has as an output.
     outputs : sequence of str
-        Signals, out of the systems' outputs, that the joined law gives.
+        Outputs of the joined law, out of the systems' outputs.
     name : str, optional
         Default: the systems' names, joined by ``_and_``.
 
@@ -34,14 +34,14 @@ def connect(
     DiscreteSystem
         States in the order of the systems; curves in an order in which each needs earlier ones only. A state
         name that several systems use is preceded by the system's name and a dot. An input has the check of the first
-        system that checks it, for all; a signal that one of the systems makes is not checked, nor is one whose
-        prediction needs itself, through what another system makes of it.
+        system that checks it, for all. Not checked are outputs of the systems, and inputs whose prediction depends on
+        themselves through another system.
 
     Raises
     ------
     InvalidInput
-        If a signal is made twice, an input is neither made nor listed, a listed name is unknown, sample times
-        differ, or a signal depends on itself within one sample (algebraic loop).
+        If two systems have the same output, an input is neither an output nor listed, a listed name is unknown, sample
+        times differ, or a signal depends on itself within one sample (algebraic loop).
     """
     source = _sources(systems, tuple(inputs), tuple(outputs))
     join = _Join(tuple(systems), tuple(inputs), source)
@@ -69,10 +69,10 @@ def connect(
 def _sources(
     systems: Sequence[DiscreteSystem], inputs: tuple[str, ...], outputs: tuple[str, ...]
 ) -> dict[str, tuple[int, int]]:
-    """Signal name → (system, output number); every misuse of connect but the loop is found here."""
+    """Signal name → (system, output number); finds every misuse of connect but the loop."""
     if not systems or not outputs:
         raise InvalidInput(
-            "connect", "nothing", "at least one system and one output", "Name what the law gives."
+            "connect", "nothing", "at least one system and one output", "Name the outputs of the law."
         )
     times = sorted({s.dt for s in systems})
     if len(times) > 1:
@@ -86,16 +86,20 @@ def _sources(
                 makers = f"{systems[source[signal][0]].name!r} and {system.name!r}"
                 raise InvalidInput(
                     f"connect: signal {signal!r}",
-                    f"made by {makers}",
-                    "one maker",
+                    f"an output of {makers}",
+                    "an output of one system",
                     "Rename one with renamed().",
                 )
             source[signal] = (s, i)
     used = {signal for system in systems for signal in system.inputs}
     unconnected = sorted(used - set(source) - set(inputs))
     checks = (
-        (unconnected, "made by no system and not listed", "Add it to inputs, or check its name."),
-        (sorted(set(inputs) & set(source)), "listed as inputs, but made by a system", "Drop it from inputs."),
+        (unconnected, "no output of a system and not listed", "Add it to inputs, or check its name."),
+        (
+            sorted(set(inputs) & set(source)),
+            "listed as inputs, but outputs of a system",
+            "Drop it from inputs.",
+        ),
         (
             sorted(set(inputs) - used),
             "listed as inputs, but used by no system",
@@ -107,7 +111,7 @@ def _sources(
             raise InvalidInput(
                 "connect.inputs",
                 f"{', '.join(found)}: {got}",
-                "exactly the inputs that no system makes",
+                "exactly the inputs that are no outputs of a system",
                 remedy,
             )
     unknown = sorted(set(outputs) - set(source))
@@ -133,7 +137,7 @@ _Node = tuple[str, int, int]
 
 
 class _Join:
-    """Rows of the joined law: inputs are replaced until only states, external inputs and curves are left."""
+    """Rows of the joined law: internal inputs are replaced until only states, external inputs and curves are left."""
 
     def __init__(
         self,
@@ -154,8 +158,8 @@ class _Join:
         self._rows: dict[_Node, dict[_Node, float]] = {}
 
     def _is_predictable(self, s: int, i: int, checked: tuple[str, ...]) -> bool:
-        """Whether a check's prediction is known when it is due: it needs no input that is checked with it or later, and
-        its curves none that is checked at all."""
+        """Whether a check's prediction is available in time: it needs no input that is checked with it or later, and
+        its curves no checked input at all."""
         later = checked[checked.index(self.systems[s].checks[i].input) :]
         open_ = [(node, False) for node in self.p_terms(s, i)]
         seen = set(open_)
@@ -193,7 +197,7 @@ class _Join:
         return self._terms(s, i, (system.P, system.Q, system.R))
 
     def needs(self, node: _Node) -> dict[_Node, float]:
-        """What a node is made of within the same sample: an input of its source, a curve of its argument."""
+        """What a node depends on within the same sample: an input on its source, a curve on its argument."""
         kind, s, i = node
         if kind == "x" or s < 0:
             return {}
@@ -210,7 +214,7 @@ class _Join:
         return system.inputs[i] if kind == "u" else f"curve {i} of {system.name}"
 
     def order(self) -> list[_Node]:
-        """All curves, each after those that it needs, through however many systems; a loop is an error.
+        """All curves, each after those that it needs, through all systems; a loop is an error.
 
         Those that the predictions of checked inputs need come first.
         """
@@ -243,7 +247,7 @@ class _Join:
         return [node for node in done if node[0] == "w"]
 
     def row(self, terms: Mapping[_Node, float]) -> dict[_Node, float]:
-        """The same sum with every internal input replaced by what it is made of."""
+        """The same sum with every internal input replaced by its source."""
         total: dict[_Node, float] = {}
         for node, coefficient in terms.items():
             internal = node[0] == "u" and node[1] >= 0

@@ -70,7 +70,7 @@ class DiscreteSystem:
         Shapes follow from the equations; a matrix that is left out (or empty) is zero. Copied and read-only.
     curves : tuple of PiecewiseLinear
     checks : tuple of InputCheck
-        In the order of the rows of P, Q and R, in which they are done; at most one for each input.
+        In the order of the rows of P, Q and R, which is that of their evaluation; at most one for each input.
     inputs, outputs, states : tuple of str
         Signal names, each without doubles.
     dt : float, s
@@ -153,7 +153,7 @@ class DiscreteSystem:
         return int(np.max(np.nonzero(self.R)[1], initial=-1)) + 1
 
     def init(self, state: ArrayLike | None = None) -> NDArray[np.float64]:
-        """All that is carried from sample to sample, at the first one: states, good inputs, what checks remember.
+        """Memory of the law at the first sample: states, last good inputs, memory of the checks.
 
         ``state`` (n_states,) is ``initial_state`` if left out; a longer one, as ``step`` and ``run`` leave it, is
         taken whole.
@@ -167,9 +167,9 @@ class DiscreteSystem:
         return full
 
     def step(self, state: ArrayLike, inputs: ArrayLike) -> tuple[Matrix, Matrix, int]:
-        """One sample: what is carried on, the outputs, and a bit mask of the inputs that were not believed.
+        """One sample: the new memory, the outputs, and a bit mask of the rejected inputs.
 
-        ``state`` as ``init`` gives it is left as it is; ``inputs`` (n_inputs,) in the order of ``inputs``.
+        ``state`` as ``init`` gives it is not changed; ``inputs`` (n_inputs,) in the order of ``inputs``.
         """
         from ..kernels.law.step import law_run
 
@@ -178,7 +178,7 @@ class DiscreteSystem:
         return new, outputs[0], int(faults[0])
 
     def without_checks(self) -> DiscreteSystem:
-        """The same law, which holds the last good value of a missing input and believes all others."""
+        """The same law, which holds the last good value of a missing input and accepts all others."""
         return replace(self, checks=(), P=_empty(), Q=_empty(), R=_empty())
 
     def run(self, data: Recording | Mapping[str, ArrayLike], state: ArrayLike | None = None) -> Recording:
@@ -187,16 +187,16 @@ class DiscreteSystem:
         Parameters
         ----------
         data : Recording, or mapping of input name → (n,) array
-            Must hold every input; a recording's sample time must be the law's within 0.1 %.
+            Must contain every input; a recording's sample time must be the law's within 0.1 %.
         state : array, optional
-            At the first row: (n_states,), or all that an earlier run or ``step`` carries on; default: ``init()``.
+            At the first row: (n_states,), or the memory from an earlier run or ``step``; default: ``init()``.
 
         Returns
         -------
         Recording
             The outputs (origin "estimated") and ``input_fault``, 1.0 where an input was not within ±1e30 and
-            was replaced by the last good one, or where its check found it bad;
-            ``final_state["state"]`` is what is carried on after the last row, the states first.
+            was replaced by the last good one, or where its check rejected it;
+            ``final_state["state"]`` is the memory after the last row, the states first.
         """
         from ..kernels.law.step import law_run
 
@@ -226,7 +226,7 @@ class DiscreteSystem:
         return law_tables(rows, sizes, self.curves, self.early_curves, checks)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the tables: they hold an address of this process."""
+        """Without the tables: they contain an address of this process."""
         return {name: value for name, value in self.__dict__.items() if name != "_tables"}
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:

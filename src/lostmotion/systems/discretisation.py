@@ -29,7 +29,7 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, dt: float) -> tuple[Matrix, Matr
 
 @lru_cache(maxsize=64)
 def _exponential(matrix: bytes, size: int) -> bytes:
-    """The exponential of a square matrix; kept, since a design is often made again with other poles or weights."""
+    """The exponential of a square matrix; cached, since a design is often repeated with other poles or weights."""
     from scipy.linalg import expm
 
     return bytes(expm(np.frombuffer(matrix).reshape(size, size)).tobytes())

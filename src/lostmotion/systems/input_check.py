@@ -1,4 +1,4 @@
-"""InputCheck: when an input of a law is not believed, and a prediction takes its place."""
+"""InputCheck: when an input of a law is rejected and replaced by its prediction."""
 
 from __future__ import annotations
 
@@ -8,38 +8,38 @@ from typing import Any
 
 from ..errors import InvalidInput
 
-#: After this time of refused samples the signal counts as right and the prediction as wrong, s (chosen).
+#: After this time of rejected samples the signal is accepted again, s (chosen).
 HOLD = 0.03
-#: How long an error that was believed is remembered, s (chosen).
+#: Time constant with which accepted errors are forgotten, s (chosen).
 MEMORY = 1.0
 
 
 @dataclass(frozen=True)
 class InputCheck:
-    """A measured input that is compared with what the law expects, and replaced by that while it is bad.
+    """A measured input that is compared with the law's prediction, and replaced by it while it is bad.
 
-    Bad is a sample that is
+    The error is sample minus prediction. "Recent" values fade by ``forget``. Bad is a sample that is
 
     - **missing**: not within ±1e30, NaN and infinity included;
-    - a **jump**: further from its prediction than ``limit`` and 1.5 times the largest error of late; or further by a
-      quarter of ``limit``, and three times the largest change of late, than the sample before it. (Wrong parameters let
-      the error drift; only an impact changes it from one sample to the next.) After a jump, a sample must come within
-      half the limit, and nearer to its prediction than to the bad sample;
-    - **frozen**: the very same value as the bad sample before; or for the fifth time or more, while its error has
-      changed by, and is, more than the largest change of late can explain: 2.25 times that, or 0.75 times once it came
-      more often than any value of late and eight times, down to 0.075 times, the longer it lasts.
+    - a **jump**: its error exceeds ``limit`` and 1.5 times the largest recent error; or it differs from the error
+    before
+      by more than a quarter of ``limit`` and three times the largest recent change. (Wrong parameters let the error
+      drift; only an impact changes it from one sample to the next.) After a jump, a sample must be within half the
+      limit, and nearer to its prediction than to the bad sample;
+    - **frozen**: the same value as the bad sample before; or unchanged for five samples or more while the error drifts:
+      the error, and its change since, exceed 2.25 times the largest recent change. In a run of eight samples or more
+      that is longer than any recent run, 0.75 times, falling to 0.075 times the longer it lasts.
 
-    A bad sample is replaced by the prediction, so that the law sees no error and predicts through. What happens often
-    is no fault: errors, changes and runs of believed samples count fully and fade (``forget``); the first sample of
-    every jump counts an eighth. No wrong law is ever locked out: after ``hold`` bad samples in a row (three times
-    more while the signal is frozen), and at the start, every finite sample is taken, until ``hold`` samples in a row
-    were no jump.
+    A bad sample is replaced by the prediction, so the law sees no error. Limits adapt: errors, changes and runs of
+    accepted samples count fully, the first sample of every jump counts an eighth. No law is locked out: after ``hold``
+    bad samples in a row (four times as many while the signal is frozen), and at the start, every finite sample is
+    accepted until ``hold`` samples in a row were no jump.
 
     Parameters
     ----------
     input : str
     limit : float, unit of the input
-        Choose it several times the errors of healthy samples.
+        Choose it several times the errors of good samples.
     hold : int
         Samples.
     forget : float
@@ -48,11 +48,11 @@ class InputCheck:
         A bad sample is replaced by the last good one instead of the prediction: for a law that cannot predict further
         than one sample.
     alone : bool
-        For a law without a model of what moves the signal, which soon expects a frozen one: a value other than zero is
-        frozen if it came more than five times in a row, and three times as often as any of late.
+        For a law without a model of what moves the signal, whose prediction soon follows a frozen one: a value other
+        than zero is frozen if it came more than five times in a row, and three times as often as any recent one.
     missing_only : bool
-        Every sample but a missing one is believed, and nothing is remembered: for a command, which may stand and jump
-        as it likes. The last good one takes its place while an input that the prediction needs is bad too.
+        Every sample but a missing one is accepted: for a command, which may stand still and jump. The last good one
+        takes its place while an input that the prediction needs is bad too.
     """
 
     input: str
@@ -96,7 +96,7 @@ class InputCheck:
         return cls(input, limit=1e30, hold=1, forget=0.0, missing_only=True)
 
     def start(self) -> list[float]:
-        """What it remembers at the start (``kernels.law.input_check``), when every finite sample is taken."""
+        """Its memory at the start (``kernels.law.input_check``), when every finite sample is accepted."""
         if self.missing_only:
             return []
         return [0.0, 0.0, 0.0, 0.0, 2.0 * self.hold, 0.0, 0.0, 0.0]

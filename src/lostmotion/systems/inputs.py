@@ -12,7 +12,7 @@ from ..recording import Recording
 
 Matrix = NDArray[np.float64]
 
-#: Relative difference up to which a recording's sample time counts as the law's (chosen).
+#: Largest relative difference between the sample times of a recording and a law (chosen).
 DT_TOLERANCE = 1e-3
 
 
@@ -56,7 +56,7 @@ def input_row(name: str, inputs: tuple[str, ...], values: ArrayLike) -> Matrix:
 
 
 def _side_by_side(columns: list[Matrix], rows: int) -> Matrix:
-    """(rows, columns), written once: fresh memory costs more than the law's own work."""
+    """(rows, columns), written once: fresh memory costs more time than the law itself."""
     inputs = np.empty((rows, len(columns)))
     for i, column in enumerate(columns):
         inputs[:, i] = column
@@ -64,7 +64,7 @@ def _side_by_side(columns: list[Matrix], rows: int) -> Matrix:
 
 
 def check_renames(law: str, names: Mapping[str, str], known: tuple[str, ...]) -> None:
-    """Refuse new names, old name → new name, for signals that a law does not have."""
+    """Raise for new names, old name → new name, of signals that a law does not have."""
     unknown = sorted(set(names) - set(known))
     if unknown:
         raise InvalidInput(f"{law}.renamed", f"{unknown}", f"names out of {known}", "Check the name.")

@@ -1,4 +1,4 @@
-"""What a law made of recorded inputs, as a recording of its own."""
+"""The outputs of a law over recorded inputs, as a recording."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .inputs import Matrix
 def recorded_run(
     law: str, names: tuple[str, ...], time: Matrix, outputs: Matrix, faults: NDArray[np.int64], state: Matrix
 ) -> Recording:
-    """Outputs (n, n_outputs) under their names, ``input_fault``, and what is carried on after the last row."""
+    """Outputs (n, n_outputs) under their names, ``input_fault``, and the memory after the last row."""
     signals = {name: outputs[:, i] for i, name in enumerate(names)}
     signals["input_fault"] = (faults != 0).astype(float)
     return Recording(

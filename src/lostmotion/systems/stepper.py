@@ -46,7 +46,7 @@ class Stepper:
         and ``step``, compiled with the signatures ``INIT`` and ``STEP`` of ``lostmotion.kernels.estimators.runner``,
         and is loaded at the first use.
     state_names : mapping of name → int
-        Where to find what in the state, for those who look into it.
+        Positions of named values in the state.
     exportable : bool
         Whether ``export`` can write it as C code.
 
@@ -97,9 +97,9 @@ class Stepper:
         return np.concatenate([own, np.zeros(len(self.inputs))])
 
     def step(self, state: ArrayLike, inputs: ArrayLike) -> tuple[Array, Array, int]:
-        """One sample: the new state, the outputs, and a bit mask of the inputs that were not believed.
+        """One sample: the new state, the outputs, and a bit mask of the rejected inputs.
 
-        ``state`` as ``init`` gives it is left as it is; ``inputs`` (n_inputs,) in the order of ``inputs``.
+        ``state`` as ``init`` gives it is not changed; ``inputs`` (n_inputs,) in the order of ``inputs``.
         """
         from ..kernels.estimators.runner import checked_step
 
@@ -116,7 +116,7 @@ class Stepper:
         Parameters
         ----------
         data : Recording, or mapping of input name → (n,) array
-            Must hold every input; a recording's sample time must be the law's within 0.1 %.
+            Must contain every input; a recording's sample time must be the law's within 0.1 %.
         state : array, optional
             State at the first row, from ``init`` or from the ``final_state["state"]`` of an earlier run.
 
@@ -124,7 +124,7 @@ class Stepper:
         -------
         Recording
             The outputs (origin "estimated") and ``input_fault``: 1.0 where an input was not within ±1e30 and was
-            replaced by the last good one, or where the law did not believe it and predicted through it;
+            replaced by the last good one, or where the law rejected it and predicted through it;
             ``final_state["state"]`` is the state after the last row.
         """
         from ..kernels.estimators.runner import run_stepper

@@ -1,4 +1,4 @@
-"""From a recording to its frequency response and the two masses that fit it: what the command line shows."""
+"""From a recording to its frequency response and two-mass fit, as the command line shows them."""
 
 from __future__ import annotations
 
@@ -53,6 +53,6 @@ def frequency_analysis(
     response = frequency_response(
         recording, input, output, method, segment=segment, band=band, reference=reference
     )
-    told = output.endswith("_motor") or start is not None
-    fits = input == "torque_motor" and output in OUTPUTS and told
+    identifiable = output.endswith("_motor") or start is not None
+    fits = input == "torque_motor" and output in OUTPUTS and identifiable
     return FrequencyAnalysis(response, two_mass_fit(response, band=fit_band, start=start) if fits else None)

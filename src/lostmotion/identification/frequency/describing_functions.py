@@ -1,4 +1,4 @@
-"""The linear drivetrain that a random torque sees in place of one with gap and friction: describing functions."""
+"""The linear drivetrain equivalent to one with gap and friction under a random torque: describing functions."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .two_mass_response import two_mass_response
 
 Floats = NDArray[np.float64]
 
-#: Share of the way to the new gains that each step goes, most steps, and relative change at which they end (chosen).
+#: Step towards the new gains, most steps, and relative change at which the iteration ends (chosen).
 STEP, MOST_STEPS, SETTLED = 0.5, 400, 1e-6
-#: Least gain of the gap that is tried: below, the shaft as good as never touches.
+#: Least gain of the gap that is tried: below, the shaft is hardly ever in contact.
 LEAST_GAIN = 1e-6
 
 
@@ -29,11 +29,11 @@ class GaussianEquivalent:
     drivetrain : Drivetrain
         Linear: reduced stiffness and damping, equivalent viscous friction, no gap.
     gap_gain : float
-        Share of stiffness and damping that is left.
+        Remaining share of stiffness and damping.
     twist, speed_load : float, rad and rad/s
-        Standard deviations that belong to it.
+        Their standard deviations.
     settled : bool
-        Whether the iteration came to rest.
+        Whether the iteration converged.
     """
 
     drivetrain: Drivetrain
@@ -68,7 +68,7 @@ def gaussian_equivalent(drivetrain: Drivetrain, torque_motor: ArrayLike, dt: flo
     drivetrain : Drivetrain
         Two masses; friction at motor and load.
     torque_motor : (n,) array, Nm
-        Its mean is left out: a shaft that is loaded to one side sees less of its gap.
+        Its mean is ignored: a shaft that is loaded to one side is less affected by its gap.
     dt : float, s
 
     Raises

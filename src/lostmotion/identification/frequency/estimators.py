@@ -10,7 +10,8 @@ from .spectra import Complexes, Floats, gain_and_coherence
 
 Method = Literal["H1", "H2", "Hv"]
 
-#: Squared correlation of Hann's window with itself, half a length on (Welch 1967): overlap takes from the averages.
+#: Squared correlation of Hann's window with itself, shifted by half (Welch 1967): overlap reduces the independent
+#: averages.
 HANN_HALF_OVERLAP = 1.0 / 36.0
 
 
@@ -32,7 +33,7 @@ def direct(x: Complexes, y: Complexes, method: Method, averages: float) -> tuple
 
 
 def joint(x: Complexes, y: Complexes, r: Complexes, averages: float) -> tuple[Complexes, Floats, Floats]:
-    """The same through a reference r that no noise of the loop reaches: Sry/Srx."""
+    """The same through a reference r without noise of the loop: Sry/Srx."""
     rx = np.asarray((r.conj() * x).sum(axis=0), dtype=complex)
     response = (r.conj() * y).sum(axis=0) / np.where(rx == 0.0, np.finfo(float).tiny, rx)
     xx, yy = (np.abs(x) ** 2).sum(axis=0), (np.abs(y) ** 2).sum(axis=0)

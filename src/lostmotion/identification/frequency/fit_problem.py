@@ -15,24 +15,26 @@ from .two_mass_response import two_mass_response
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-#: Fitted by their logarithms, being positive by nature; the others, which may vanish, as they are.
+#: Fitted by their logarithms, because they are positive; the others, which may be zero, as they are.
 LOGARITHMIC = ("inertia_motor", "inertia_load", "stiffness", "damping")
 NAMES = (*LOGARITHMIC, "viscous", "delay")
-#: 1 − coherence counts as at least this much (chosen): a linear model is never better than that.
+#: Lower bound on 1 − coherence (chosen): a linear model is never better than that.
 COHERENCE_FLOOR = 1e-3
-#: Residuals beyond this many of their median deviations count linearly instead of squared (chosen, as Huber's 2…3).
+#: Residuals beyond this many of their median deviations are weighted linearly instead of squared (chosen, as Huber's
+#: 2…3).
 ROBUST = 2.5
 #: Correlation of the estimate between neighbouring lines reaches this far (Hann's window: two lines).
 CORRELATED_LINES = 4
-#: Fits one after the other, each with the scale of the residuals (and the images) that the one before left (chosen).
+#: Number of successive fits, each with the residual scale (and the images) of the one before (chosen).
 PASSES = 4
-#: Weight of what a response does not tell and the start keeps (chosen: it stays to about 1e-6).
+#: Weight of the parameter that is not identifiable and kept from the start (chosen: it stays to about 1e-6).
 KEPT_WEIGHT = 1e6
-#: What the correlation of neighbouring lines under Hann's window adds to a variance: 1 + 2·((2/3)² + (1/6)²).
+#: Factor on a variance by the correlation of neighbouring lines under Hann's window: 1 + 2·((2/3)² + (1/6)²).
 NEIGHBOURS = 1.944
-#: Lines over which coherence is averaged, and how many times its mean by chance, 1/averages, counts as clear (chosen).
+#: Lines over which coherence is averaged, and multiple of its mean by chance, 1/averages, that counts as clear
+#: (chosen).
 NEIGHBOURHOOD, CLEARLY = 21, 3.0
-#: Raster of the search for a start: zeros, poles, damping ratio (chosen).
+#: Grid of the search for a start: zeros, poles, damping ratio (chosen).
 SEARCH_POINTS, SEARCH_DAMPING = 40, 0.05
 
 
@@ -71,12 +73,12 @@ class WeightedResponse:
         self.images = np.zeros_like(self.s)
 
     def images_of(self, theta: Floats) -> Complexes:
-        """What the images of sampling add; so smooth in the parameters that they are renewed between fits only."""
+        """Contribution of the sampling images; so smooth in the parameters that it is updated between fits only."""
         parameters, how = parameters_of(theta), self.measured.sampling
         return how.images(lambda s: two_mass_response(parameters, how.source, s), self.frequency)
 
     def model(self, theta: Floats) -> Complexes:
-        """The trial's response as it would have been measured, (m,)."""
+        """The trial's response as measured, (m,)."""
         how = self.measured.sampling
         source = two_mass_response(parameters_of(theta), how.source, self.s)
         return np.asarray((source + self.images) * self.s**how.power, dtype=complex)
@@ -86,7 +88,7 @@ class WeightedResponse:
         return np.asarray((self.response - self.model(theta)) / self.sigma, dtype=complex)
 
     def kept(self, theta: Floats) -> float:
-        """Weighted distance from the inertia that the start keeps; 0 where nothing is kept."""
+        """Weighted distance from the inertia kept from the start; 0 where nothing is kept."""
         if self.held is None:
             return 0.0
         name, value = self.held
@@ -94,7 +96,7 @@ class WeightedResponse:
         return KEPT_WEIGHT * math.log(inertia / value)
 
     def search(self) -> Floats:
-        """Best of a raster of zeros and poles, the total inertia from the weighted mean of response over model."""
+        """Best of a grid of zeros and poles, the total inertia from the weighted mean of response over model."""
         low, high = max(self.frequency[0], 1e-3), self.frequency[-1]
         raster = np.geomspace(low, high, SEARCH_POINTS)
         best: dict[str, float] = {}
@@ -107,7 +109,7 @@ class WeightedResponse:
             for pole in raster[i + 1 :]:
                 trial = unit_drivetrain(zero, pole)
                 shape = two_mass_response(trial, self.measured.sampling.source, s) * s**power
-                # On a logarithmic scale, where a resonance that is missed costs as much as a zero.
+                # On a logarithmic scale: a missed resonance costs as much as a missed zero.
                 scale = np.exp(np.median(np.log(np.abs(measured / shape))))
                 error = np.abs(np.log(np.abs(measured / (scale * shape))))
                 total = float(
@@ -158,7 +160,7 @@ def covariance_of(jacobian: Floats, residual: Complexes) -> Floats:
         meat += (1.0 - lag / (CORRELATED_LINES + 1)) * (cross + cross.T)
     inverse = np.linalg.pinv(bread, hermitian=True, rcond=1e-14)
     sandwich = inverse @ meat @ inverse * m / max(m - len(NAMES), 1)
-    # Few lines of high leverage pull their own residuals down: never below what the lines' variances themselves say.
+    # A few lines of high leverage reduce their own residuals: never below the variances of the lines themselves.
     claimed = inverse * max(float(deviation), 1.0) ** 2 * NEIGHBOURS
     return np.asarray(sandwich if np.trace(bread @ sandwich) > np.trace(bread @ claimed) else claimed)
 

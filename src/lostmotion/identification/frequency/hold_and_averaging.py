@@ -14,8 +14,8 @@ from ...recording import Recording
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-#: Most images of the spectrum on either side that ``fold`` adds, and the relative error beyond which it adds more
-#: (chosen): image k of an inertia's speed weighs (frequency/(k·sample rate))², so all beyond it about 2k times that.
+#: Most images of the spectrum on either side that ``fold`` adds, and the relative error above which it adds more
+#: (chosen): image k of an inertia's speed has (frequency/(k·sample rate))², all further ones about 2k times that.
 MOST_IMAGES, IMAGE_ERROR = 20, 1e-4
 
 
@@ -29,7 +29,7 @@ class Sampling:
     source : str
         The recorded signal that stands for the output.
     power : {-1, 0, 1}
-        Power of s = j·ω that turns it into the output.
+        Power of s = j·ω that converts it to the output.
     held : bool
         The input is held over each sample.
     averaged : bool

@@ -25,7 +25,7 @@ LONGEST_STEP = 1.5
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """Output over input, with what is known of its error.
+    """Output over input, with its uncertainty.
 
     Parameters
     ----------
@@ -35,8 +35,8 @@ class FrequencyResponse:
         "H1", "H2", "Hv" or "joint".
     frequency : (m,) array, Hz
     response : (m,) complex array
-        Of the continuous system: the hold of the input and the averaging of counted speeds are divided out. What the
-        images of sampling add stays: little well below the sample rate.
+        Of the continuous system: the hold of the input and the averaging of counted speeds are divided out. The images
+        of sampling stay: small well below the sample rate.
     coherence : (m,) array
         Of input and output.
     variance : (m,) array
@@ -44,7 +44,7 @@ class FrequencyResponse:
     margin : (m,) array
         Half width of the 95 % interval in any one direction of the complex plane.
     averages : float
-        Independent averages that the overlapping segments are worth.
+        Equivalent number of independent averages of the overlapping segments.
     segments : int
     resolution : float, Hz
         1 / length of a segment.
@@ -139,7 +139,7 @@ def frequency_response(
         H2 = Syy/Syx        noise in x alone        joint = Sry/Srx                  closed loop
 
     Variance, n averages: H1, H2, Hv abs(H)²·(1 − γ²)/(γ²·(n − 1)) (Bendat & Piersol, Random Data, section 9.2); joint
-    Srr·See/(abs(Srx)²·(n − 1)) with e = y − H·x. Bands: Student's t. They cover noise and what a random input sees of a
+    Srr·See/(abs(Srx)²·(n − 1)) with e = y − H·x. Bands: Student's t. They cover noise and the incoherent part of a
     nonlinearity, not the bias of a resolution too coarse for a sharp resonance.
 
     Parameters

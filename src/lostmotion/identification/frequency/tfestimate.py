@@ -29,7 +29,7 @@ def tfestimate(
 ) -> tuple[Complexes, Floats]:
     """Transfer function y over x by Welch's method, one-sided; ``[txy, f] = tfestimate(x, y, …)`` in MATLAB.
 
-    Nothing is removed from the signals: no mean, no trend (Octave removes the mean unless told not to).
+    Nothing is removed from the signals: no mean, no trend (Octave removes the mean by default).
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def _window(window: ArrayLike | int | None, noverlap: int | None, n: int) -> tup
 def _segment_spectra(signal: Floats, window: Floats, overlap: int, nfft: int) -> Complexes:
     pieces = np.lib.stride_tricks.sliding_window_view(signal, window.size)[:: window.size - overlap] * window
     if window.size > nfft:
-        # MATLAB's datawrap: what does not fit is added from the start again, modulo nfft.
+        # MATLAB's datawrap: samples beyond nfft are added from the start again.
         padded = np.pad(pieces, ((0, 0), (0, -window.size % nfft)))
         pieces = padded.reshape(len(pieces), -1, nfft).sum(axis=1)
     return np.asarray(np.fft.rfft(pieces, nfft, axis=1), dtype=complex)

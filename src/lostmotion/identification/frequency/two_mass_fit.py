@@ -28,7 +28,7 @@ from .two_mass_response import OUTPUTS
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-#: What the other outputs do not tell beside the pole: behind the shaft there is no zero. It is kept as in the start.
+#: Not identifiable from the other outputs, which have a pole but no zero behind the shaft: kept from the start.
 KEPT = {
     "angle_load": "inertia_motor",
     "speed_load": "inertia_motor",
@@ -71,10 +71,10 @@ def two_mass_fit(
 ) -> TwoMassFit:
     """Fit the linear two-mass drivetrain to a response over the motor torque, real and imaginary part together.
 
-    Each line counts with 1/σ², σ² = abs(H)²·max(1 − γ², 0.001)/(γ²·n) for H1: the coherence decides. Around the zero,
-    where H1 and γ² are small together, that stays the noise of the output and does not vanish. Lines that fit badly
-    count linearly (soft L1), so that a foreign mode or a disturbance pulls little. Without a start, zero and pole are
-    searched on a raster. Intervals: sandwich with the correlation of neighbouring lines, Student's t.
+    Each line has the weight 1/σ², σ² = abs(H)²·max(1 − γ², 0.001)/(γ²·n) for H1. Around the zero, where H1 and γ² are
+    both small, that is the noise of the output and does not vanish. Lines that fit badly are down-weighted (soft L1),
+    so another eigenmode or a disturbance has little influence. Without a start, zero and pole are searched on a grid.
+    Intervals: sandwich with the correlation of neighbouring lines, Student's t.
 
     A gap, friction and too coarse a resolution bias the result beyond its intervals: it describes the drivetrain at the
     amplitude of the test.
@@ -84,12 +84,11 @@ def two_mass_fit(
     measured : FrequencyResponse
         Of ``torque_motor`` to one of angle, speed, twist or shaft torque.
     band : (float, float), optional, Hz
-        Lines to use. Default: from the first to the last with more coherence than chance gives. It should hold both
-        zero and pole and end below the next mode.
+        Lines to use. Default: from the first to the last that is clearly coherent. It should contain both zero
+        and pole and end below the next eigenmode.
     start : Drivetrain, optional
-        Two masses, where the search should not choose. Needed for what lies behind the motor: load angle, load
-        speed and shaft torque tell one parameter less, as does the twist. The start's ``inertia_motor`` (twist:
-        ``inertia_total``) is kept then and has no interval.
+        Two masses, instead of the search. Needed for load angle, load speed, shaft torque and twist, which identify
+        one parameter less: the start's ``inertia_motor`` (twist: ``inertia_total``) is then kept and has no interval.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""About observers: noise covariances from a recording, standard deviations of the estimates."""
+"""Analysis of observers: noise covariances from a recording, standard deviations of the estimates."""

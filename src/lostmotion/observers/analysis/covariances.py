@@ -31,10 +31,10 @@ Array = NDArray[np.float64]
 #: States whose process covariance is searched for. The twist follows from the speeds, so it is left at zero.
 SEARCHED = ("speed_motor", "speed_load")
 
-#: Time until the innovations count, s (chosen: six time constants of the paper's slow pole).
+#: Settling time before the innovations are used, s (chosen: six time constants of the paper's slow pole).
 SETTLING = 0.3
 
-#: The search stays within this factor of its start, either way (chosen).
+#: Search range: this factor around the start, either way (chosen).
 FARTHEST = 1e6
 
 
@@ -49,9 +49,9 @@ class Covariances:
     gain : (n_states, n_measured) array
         Predictor gain of the observer made with them.
     innovation_rms, start_rms : mapping of measured signal → float
-        Innovations of the result and of the start, in the signal's unit.
+        RMS of the innovations of the result and of the start, in the signal's unit.
     sensitivity : mapping of name → float
-        Curvature of the cost by the logarithm of each entry: which one matters. 0: none.
+        Curvature of the cost by the logarithm of each entry; 0: it has no influence.
     converged : bool
     """
 
@@ -88,19 +88,19 @@ def covariances(
 
         log det mean(e eᵀ)
 
-    The common scale then follows from S. Nelder–Mead, because the gap makes the cost rugged in detail.
+    The common scale then follows from S. The search is Nelder–Mead, because the gap makes the cost rugged.
 
     Parameters
     ----------
     recording : Recording
-        torque_motor and the measured signals; best is an ordinary one of the drive at work.
+        torque_motor and the measured signals; best in normal operation of the drive.
     drivetrain : Drivetrain
-        Identified before; its errors count as process noise, which is what they are to an observer.
+        Identified before; its errors act as process noise, as they do in an observer.
     measured : sequence of str
     searched : sequence of str
         States whose process covariance is searched for; all others get 0.
     speed_from_counts : bool, optional
-        As in ``kalman``; default: what ``recording.meta["speed_from_counts"]`` says.
+        As in ``kalman``; default: ``recording.meta["speed_from_counts"]``.
 
     Returns
     -------
@@ -138,12 +138,12 @@ def covariances(
 
 
 def _simplex(start: Array) -> Array:
-    """A start that spans a factor of twenty in every direction."""
+    """Start simplex that spans a factor of twenty in every direction."""
     return np.vstack([start, start + np.log(20.0) * np.eye(start.size)])
 
 
 class _Problem:
-    """Innovations as a function of the logarithms of the covariances, the first sensor's held at its default."""
+    """Innovations as a function of the logarithms of the covariances; that of the first sensor is fixed."""
 
     def __init__(
         self, recording: Recording, drivetrain: Drivetrain, measured: tuple[str, ...], searched: tuple[str, ...],
@@ -193,7 +193,7 @@ class _Problem:
         return (design, *covariances_of(design, *self._named(theta)))
 
     def innovations(self, theta: Array) -> Array:
-        """(n, n_measured), the settling left out."""
+        """(n, n_measured), without the settling time."""
         design, q, r = self._design(theta)
         gain = predictor_gain(design, design.model.A, q, r)
         run = design.assembly.system(self.measured, gain, design.c, innovation=True).run(self.data)

@@ -1,4 +1,4 @@
-"""How sure a fixed-gain observer is: the standard deviations of its estimates, sample by sample."""
+"""Standard deviations of a fixed-gain observer's estimates, sample by sample."""
 
 from __future__ import annotations
 
@@ -34,24 +34,24 @@ def standard_deviations(
 ) -> Recording:
     """Standard deviations of a fixed-gain observer's estimates over a recording.
 
-    The model in the observer, with a process noise q and a sensor noise v, says how the error e = true − estimated
-    state moves::
+    With process noise q and sensor noise v, the observer's model gives the dynamics of the error e = true − estimated
+    state::
 
         e⁺ = A e + E Δw − B v + q,    Δwᵢ = curveᵢ(ẑᵢ + Δzᵢ) − curveᵢ(ẑᵢ),    Δz = F e + H Δw − G v
 
-    Many samples of it are moved along the estimate through the true curves. (One covariance moved by the curves' mean
-    slopes is half as large as the errors: it forgets that a wrong side of the gap stays wrong for a while.) In the gap
-    nothing brings the load's error back, and it grows. While a check replaces a sample by its prediction, that sensor
-    corrects nothing, and all errors grow; a missing motor torque counts as known.
+    A Monte Carlo simulation moves many samples of it along the estimate through the true curves. (One covariance moved
+    by the curves' mean slopes is half as large as the errors: it forgets that a wrong side of the gap stays wrong for a
+    while.) In the gap the load's error is not corrected, and it grows. While a check replaces a sample by its
+    prediction, that sensor corrects nothing, and all errors grow; a missing motor torque counts as known.
 
-    The deviations are as right as the covariances, so there is no default: those of ``kalman`` choose a gain, and as
-    noises they are far too large. ``covariances`` fits them to a recording; in physical terms they are (unknown torque,
-    as the root of its density in Nm·√s, over inertia)² and (noise of one sample)²·dt.
+    The standard deviations depend on the covariances, so there is no default: those of ``kalman`` are made for the gain
+    and are far too large as noises. ``covariances`` fits them to a recording; in physical terms they are (unmodelled
+    torque, as the root of its density in Nm·√s, over inertia)² and (noise of one sample)²·dt.
 
     Parameters
     ----------
     observer : DiscreteSystem
-        Of ``kalman``, ``h_infinity``, ``disturbance_observer``, ``shaft_torque``, or made by hand; its inputs but
+        From ``kalman``, ``h_infinity``, ``disturbance_observer``, ``shaft_torque``, or made by hand; all inputs but
         torque_motor are sensors.
     data : Recording, or mapping of input name → (n,) array
         As for ``observer.run``.
@@ -63,14 +63,14 @@ def standard_deviations(
         What eigenmodes beyond the model add to torque_shaft_deviation, as in ``tuning.Tuning``: a share of the
         estimate's own standard deviation over the last ``tuning.EIGENMODE_MEMORY``. Zero where the model is the plant.
     samples : int
-        Of the error, at least 2; the time it takes grows with it (some 10 µs per row with the default).
+        Samples of the error, at least 2; the time grows with it (some 10 µs per row with the default).
     seed : int
 
     Returns
     -------
     Recording
-        ``<signal>_deviation`` for each output ``<signal>_estimated``, in its unit. They start where the observer
-        settles with its curves at constant values.
+        ``<signal>_deviation`` for each output ``<signal>_estimated``, in its unit. They start at the steady
+        state with all curves at constant values.
 
     Raises
     ------
@@ -86,7 +86,10 @@ def standard_deviations(
     from ...kernels.law.step import law_run
 
     if not isinstance(observer, DiscreteSystem):
-        expected, remedy = "a fixed-gain observer", "A filter gives its deviations beside its estimates."
+        expected, remedy = (
+            "a fixed-gain observer",
+            "A filter gives its standard deviations beside its estimates.",
+        )
         raise InvalidInput("standard_deviations.observer", repr(observer), expected, remedy)
     if not (isinstance(samples, int) and samples >= 2):
         raise InvalidInput(
