@@ -76,12 +76,12 @@ def test_on_the_thruster_rig_with_the_load_withheld(measured_data, known, tried,
     given = second.only("speed_motor", "torque_shaft")
     ratios = [
         error_ratio(
-            shaft_torque(shaft.stiffness, dt=second.dt, torque_delay=delay).run(given)[
+            shaft_torque(shaft.values["stiffness"], dt=second.dt, torque_delay=delay).run(given)[
                 "speed_load_estimated"
             ],
             second,
         )
-        for delay in (shaft.torque_delay, 0.0)
+        for delay in (shaft.values["torque_delay"], 0.0)
     ]
     assert ratios[0] < limit
     assert ratios[1] > 1.2 * ratios[0]
