@@ -7,8 +7,8 @@ Each window is a random chain with backlash in three shafts (two of three masses
 Reference: scipy's DOP853 from event to event (tests/simulation/independent.py) at rtol 1e-13. A window is left out
 where that reference at rtol 1e-12 differs by more than 1e-10 of the range. Prints a Markdown table.
 
-scipy looks for events at the ends of its steps alone and overlooks two crossings within one, at both tolerances alike.
-So windows that differ by more than 1e-9 are judged once more with steps of at most 2 µs, and both results are printed.
+scipy looks for events at the ends of its steps and misses two crossings within one step, at both tolerances alike.
+So windows that differ by more than 1e-9 are judged again with steps of at most 2 µs, and both results are printed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from windows import Judged, judge
 MASSES = (3, 4, 6, 12, 20)
 SAMPLES = 60
 BOUND = 1e-9
-#: Of the second look at windows beyond the bound, s.
+#: Largest step of the second run of windows beyond the bound, s.
 SHORT_STEP = 2e-6
 
 

@@ -1,4 +1,4 @@
-"""Observers with one parameter off by 20 %: are load speed, shaft torque and elastic twist right after 5 s?
+"""Observers with one parameter off by 20 %: errors of load speed, shaft torque and elastic twist after 5 s.
 
     python benchmarks/adaptive.py --seeds 20
 
@@ -39,7 +39,7 @@ Row = dict[str, float]
 
 
 class Kept:
-    """An observer that keeps its last estimates."""
+    """An observer that stores its last estimates."""
 
     def __init__(self, observer) -> None:
         self.observer, self.inputs = observer, observer.inputs

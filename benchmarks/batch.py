@@ -4,8 +4,8 @@
 
 Variants differ by up to 20 % in every number; 1 s at 10 kHz under noise and a square wave (seed 0), about 220 events
 per second. Each line is a process of its own: peaks, RMS, final states and event counts of four signals, 200 times of
-the load speed for its quantiles. Times: process time; with several threads, wall time against that of one in the same
-run too.
+the load speed for its quantiles. Times: process time; with several threads, also wall time against that of one thread
+in the same run.
 """
 
 from __future__ import annotations

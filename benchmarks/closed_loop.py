@@ -4,8 +4,8 @@
     python benchmarks/closed_loop.py --observers        # every fixed-gain observer over a recording
 
 Set-point steps of ±2 rad/s every 0.1 s, 20 000 samples of 0.1 ms, observer and pole placement of the paper's Table I.
-Process time, median of the runs and the smallest one. `simulate` is the slope between 2000 and 20 000 samples, so that
-what does not grow with the length is left out, and the whole call beside it.
+Process time, median of the runs and the smallest one. `simulate` is the slope between 2000 and 20 000 samples, without
+what does not grow with the length; the whole call stands beside it.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Excitation designer on the virtual rig: predicted half widths of the intervals against those of the real test.
+"""Design of a test for the virtual rig: predicted half widths of the intervals against those found.
 
     python benchmarks/excitation.py --seeds 10
 
-One test is designed from rough values, then played on rigs 1 to SEEDS. Prints a Markdown table: half width predicted,
-then the ratio of the one found on each rig to it.
+One test is designed from rough values, then applied to rigs 1 to SEEDS. Prints a Markdown table: the predicted half
+width, then the half width found on each rig over the predicted one.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ AMPLITUDES = (4.0, 8.0, 12.0, 16.0, 24.0)
 
 
 def torque(rms: float, duration: float, seed: int) -> np.ndarray:
-    """Noise from 1 to 300 Hz; the drive cuts what is beyond its limit."""
+    """Noise from 1 to 300 Hz; the drive limits it."""
     signal = lm.signals.noise(1.0, 300.0, rms, duration, DT, seed=seed)
     return np.clip(signal, -lm.rig.TORQUE_LIMIT, lm.rig.TORQUE_LIMIT)
 
@@ -77,7 +77,7 @@ def table(duration: float, seeds: range) -> None:
 
 
 def coverage(seeds: int) -> None:
-    """How often the fit's intervals hold the truth: Table I without gap and friction, with sensor noise."""
+    """Coverage of the fit's intervals: Table I without gap and friction, with sensor noise."""
     values = {"inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397}
     plant = lm.Drivetrain.two_mass(**values)
     true = {
@@ -149,7 +149,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=120.0, help="length of each recording")
     parser.add_argument("--seeds", type=int, default=3, help="torques 1 to SEEDS for each amplitude")
     parser.add_argument(
-        "--coverage", type=int, default=0, help="instead, count the intervals that hold the truth"
+        "--coverage", type=int, default=0, help="instead, count the intervals that contain the truth"
     )
     parser.add_argument("--figures", type=Path, help="folder for the figures")
     arguments = parser.parse_args()

@@ -1,9 +1,9 @@
-"""How often the intervals of friction, locked-load backlash and lost motion hold the truth, and how far they are off.
+"""Coverage and errors of friction, locked-load backlash and lost motion.
 
     python benchmarks/friction_and_backlash.py --seeds 40
 
-Prints Markdown tables: per case the median and the largest error, the median half width of the interval, and
-the part of the seeds whose 95 % interval holds the truth.
+Prints a Markdown table: per case the median and the largest error, the median half width of the interval, and the
+coverage: the share of the seeds whose 95 % interval contains the truth.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def step(seed: int, known: bool) -> Outcome:
     inertia = truth.parameters["inertia_motor"] + truth.parameters["inertia_load"]
     recording = recording.with_signals("simulated", torque_motor=noisy)
     found = torque_step(recording, inertia=inertia if known else None)
-    # Above 2 rad/s the rig's Stribeck rise is over: its own levels are what the step sees.
+    # Above 2 rad/s the rig's Stribeck rise is over: the step identifies its levels without it.
     disc = truth.drivetrain.frictions[-1]
     truths = {"inertia": inertia, "coulomb": disc.coulomb_plus, "viscous": disc.viscous}
     return {n: (float(found.values[n] or np.nan), i, truths[n]) for n, i in found.intervals.items()}
@@ -63,7 +63,7 @@ def ramps(seed: int) -> Outcome:
     return {n: (float(found.values[n] or np.nan), i, level) for n, i in found.intervals.items()}
 
 
-def rungs(seed: int) -> Outcome:
+def constant_speeds(seed: int) -> Outcome:
     """Rig `seed` under PI control, ten speeds in each direction for 2 s each."""
     speeds = [0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0, 10.0, 20.0, 40.0]
     reference = np.repeat([s * w for s in (1.0, -1.0) for w in speeds], 2000)
@@ -122,7 +122,7 @@ CASES: dict[str, Callable[[int], Outcome]] = {
     "torque step, inertia known": lambda s: step(s, True),
     "torque step, inertia unknown": lambda s: step(s, False),
     "ramps": ramps,
-    "ladder": rungs,
+    "constant speeds": constant_speeds,
     "locked load, 16 bit": lambda s: locked(s, 16),
     "locked load, 14 bit": lambda s: locked(s, 14),
     "locked load, 12 bit": lambda s: locked(s, 12),
@@ -140,10 +140,10 @@ def rows(case: str, outcomes: list[Outcome]) -> None:
         ).T
         scale = np.where(truth == 0.0, 1.0, truth) / 100.0
         error, half = np.abs(value - truth) / scale, 0.5 * (high - low) / scale
-        held = np.mean((low <= truth) & (truth <= high))
+        coverage = np.mean((low <= truth) & (truth <= high))
         print(
             f"| {case} | {name} | {value.size} of {len(outcomes)} | {np.median(error):.2g} | {error.max():.2g} "
-            f"| {np.median(half):.2g} | {100.0 * held:.0f} |",
+            f"| {np.median(half):.2g} | {100.0 * coverage:.0f} |",
             flush=True,
         )
 
@@ -151,9 +151,11 @@ def rows(case: str, outcomes: list[Outcome]) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=40)
-    parser.add_argument("--only", default="", help="cases whose name holds this text")
+    parser.add_argument("--only", default="", help="cases whose name contains this text")
     arguments = parser.parse_args()
-    print("| case | value | told in | error, median % | largest % | half interval, median % | held in % |")
+    print(
+        "| case | value | identified in | error, median % | largest % | half interval, median % | coverage, % |"
+    )
     print("|---|---|---|---|---|---|---|")
     for case, run in CASES.items():
         if arguments.only in case:

@@ -1,4 +1,4 @@
-"""Identification: errors on the virtual rig, and how often the intervals hold the truth without model error.
+"""Identification: errors on the virtual rig, and coverage of the intervals without model error.
 
     python benchmarks/identification.py --seeds 20             # the rig in open loop
     python benchmarks/identification.py --seeds 20 --closed    # the rig under PI control with dither
@@ -36,7 +36,7 @@ def start_off_by(truth: dict[str, float], factor: float, seed: int) -> lm.Drivet
 
 
 def cell(found: Identification, truth: dict[str, float], name: str) -> tuple[str, float, bool | None]:
-    """Text, error in %, and whether the interval holds the truth."""
+    """Text, error in %, and whether the interval contains the truth."""
     value = found.values[name]
     if value is None or name not in found.intervals:
         return "–", np.nan, None
@@ -79,11 +79,11 @@ def on_the_rig(seeds: int, factor: float, closed: bool) -> None:
         f"{sum(bool(h) for h in column)} of {sum(h is not None for h in column)}"
         for column in zip(*hits, strict=True)
     ]
-    print("| **in interval** | " + " | ".join(counts) + " | |")
+    print("| **interval contains the truth** | " + " | ".join(counts) + " | |")
 
 
 def exact_recording(seed: int) -> lm.Recording:
-    """Two masses, excitation of the seed, torque and speed from 20 bit counts: nothing that the model leaves out."""
+    """Two masses, excitation of the seed, torque and speed from 20 bit counts: no model error."""
     torque = lm.signals.excitation(10.0, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     run = lm.simulate(lm.Drivetrain.two_mass(**TABLE_I), torque_motor=torque, dt=DT)
     count = 2.0 * np.pi / 2**20
@@ -93,7 +93,7 @@ def exact_recording(seed: int) -> lm.Recording:
 
 
 def coverage(seeds: int) -> None:
-    """Share of the 95 % intervals that hold the truth, in %, and their median half widths."""
+    """Share of the 95 % intervals that contain the truth, in %, and their median half widths."""
     hits, statistical, half = [], [], []
     start = lm.Drivetrain.two_mass(**TABLE_I)
     for seed in range(1, seeds + 1):
@@ -110,7 +110,7 @@ def coverage(seeds: int) -> None:
         statistical.append(np.abs(shift) <= 2.18 * np.sqrt(np.diag(found.covariance)))
     print("| | " + " | ".join(NAMES) + " | pooled |")
     print("|---" * (len(NAMES) + 2) + "|")
-    for title, table in (("in interval, %", hits), ("in statistical part alone, %", statistical)):
+    for title, table in (("coverage, %", hits), ("coverage of the statistical part, %", statistical)):
         share = 100.0 * np.mean(table, axis=0)
         print(f"| {title} | " + " | ".join(f"{s:.0f}" for s in share) + f" | {np.mean(share):.1f} |")
     print("| median half width, % | " + " | ".join(f"{h:.2f}" for h in np.median(half, axis=0)) + " | |")

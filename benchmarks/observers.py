@@ -1,9 +1,9 @@
-"""Observers on the virtual rig: the leaderboard, and the questions that the paper leaves open about its observers.
+"""Observers on the virtual rig: the leaderboard, targets, torque sensor, entries of Q, covariances, faults.
 
     python benchmarks/observers.py --seeds 20 --out leaderboard
 
-Prints Markdown tables; with --out also keeps the leaderboard's files and the figures there, and goes on from there
-if it was stopped. Parts can be chosen: --only leaderboard targets torque-sensor weights covariances.
+Prints Markdown tables. With --out it keeps the leaderboard's files and the figures there, and continues from them if
+it was stopped. Parts can be chosen: --only leaderboard targets torque-sensor weights covariances.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def weights(seed: int) -> dict[str, list[tuple[float, float, float]]]:
 
 
 def covariances_of_rig(seed: int) -> tuple[dict[str, list[tuple[float, float, float]]], dict[str, float]]:
-    """Errors with the paper's guess and with covariances from a recording of their own, and the sensitivities."""
+    """Errors with the paper's covariances and with those from another recording, and the sensitivities."""
     recording, truth = lm.rig.record(seed, noise_seed=3)
     plant = lm.Drivetrain.two_mass(**truth.parameters)
     found = covariances(recording.window(0.0, 3.0), plant, speed_from_counts=True)
@@ -84,7 +84,7 @@ def covariances_of_rig(seed: int) -> tuple[dict[str, list[tuple[float, float, fl
     return rows, {**noise, **{f"curvature {n}": v for n, v in found.sensitivity.items()}}
 
 
-#: Faults of a measured signal: how long (s), and what it shows instead of y; one every 0.3 s from 0.6 s on.
+#: Faults of a measured signal: duration (s), and value instead of y; one every 0.3 s from 0.6 s on.
 FAULTS: dict[str, tuple[float, Callable[[np.ndarray], Any]]] = {
     "NaN, 20 ms": (0.02, lambda y: np.nan),
     "frozen, 20 ms": (0.02, lambda y: y[0]),
@@ -98,7 +98,7 @@ NO_TORQUE, NOTHING, SOME = "torque_motor NaN, 20 ms", "all inputs NaN, 20 ms", "
 
 
 def broken(values: np.ndarray, fault: str, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The signal with its faults, which samples are bad, and which count: 50 to 70 ms after each fault."""
+    """The signal with its faults, its bad samples, and the judged ones: 50 to 70 ms after each fault."""
     first, shown = round(0.6 / dt), values.copy()
     bad, after = np.zeros(values.size, dtype=bool), np.zeros(values.size, dtype=bool)
     if fault == DROPPED:
@@ -117,7 +117,7 @@ def broken(values: np.ndarray, fault: str, dt: float) -> tuple[np.ndarray, np.nd
 def after_faults(
     law: Any, recording: lm.Recording, load: np.ndarray, signal: str
 ) -> list[tuple[float, float]]:
-    """For each fault of the signal, of the torque and of all inputs: the load's speed's error over the normal one.
+    """For each fault of the signal, of the torque and of all inputs: error of the load speed over the normal one.
 
     Beside it the share of the bad samples that is flagged.
     """

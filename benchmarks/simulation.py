@@ -206,7 +206,7 @@ def long_torque(kind: str, n: int = 100_000) -> np.ndarray:
 
 
 def whole_call(torque: np.ndarray) -> tuple[Callable, Callable]:
-    """What a user calls, every signal read; and every event listed."""
+    """The whole call with every signal read; and a list of every event."""
 
     def every_signal() -> float:
         rec = lm.simulate(PAPER, torque_motor=torque, dt=DT, state=(0, 0, 0))
@@ -217,7 +217,7 @@ def whole_call(torque: np.ndarray) -> tuple[Callable, Callable]:
 
 
 def whole_lines(kind: str, runs: int) -> list[str]:
-    """The whole call beside its kernel, in turn, and what listing its events takes."""
+    """The whole call beside its kernel, in turn, and the time to list its events."""
     torque = long_torque(kind)
     kernel = kernel_run(torque, np.zeros(3), run_open_loop_two_mass)
     call, events = whole_call(torque)
@@ -232,7 +232,7 @@ def whole_lines(kind: str, runs: int) -> list[str]:
 
 
 def fast_rows(kind: str, runs: int, code: ctypes.CDLL) -> tuple[list[tuple], list[str]]:
-    """The exact method in numba and in C: rows of the table, and lines on their events."""
+    """The exact method in numba and in C: rows of the table, and lines about their events."""
     torque, rest = long_torque(kind), np.zeros(3)
     quiet = np.full(torque.size, 3.0)
     ours, ours_quiet = (kernel_run(u, rest, run_open_loop_two_mass) for u in (torque, quiet))

@@ -1,9 +1,11 @@
-"""Are the observers as sure as they should be? python benchmarks/standard_deviations.py --seeds 20
+"""Standard deviations of the observers against their errors.
 
-How often the truth lies within twice the stated standard deviation (Gauss: 95 %), and the deviation's root mean square
-over that of the error; 3 s. First on a plant that is the observers' own model under noises that they are told and
-without modes (every deviation should be right), then on the virtual rig, whose modes nobody is told of, in three cases
-of the leaderboard: hard reversals, a load that rests half of the time, speed control.
+    python benchmarks/standard_deviations.py --seeds 20
+
+How often the truth lies within twice the standard deviation (Gauss: 95 %), and the standard deviation's root mean
+square over that of the error; 3 s. First on a plant that is the observers' own model, with given noises and without
+further eigenmodes (every standard deviation should be right), then on the virtual rig, which has further eigenmodes, in
+three cases of the leaderboard: hard reversals, a load that rests half of the time, speed control.
 """
 
 from __future__ import annotations
@@ -32,23 +34,23 @@ WORK = ("nominal", "sticking", "under control")
 #: Of one sample, on the model as plant: torques (Nm) and motor speed (rad/s).
 NOISE = {name: level / DT**0.5 for name, level in PROCESS_TORQUE.items()}
 SENSOR = 0.03
-#: Errors below this are no errors: in the gap the shaft torque is zero up to rounding.
+#: Smaller errors are rounding: in the gap the shaft torque is zero.
 ROUNDING = 1e-9
 
 
 def of_fixed_gain(law, given, process, measurement, **options):
-    told = lm.observers.standard_deviations(
+    deviations = lm.observers.standard_deviations(
         law, given, process_covariance=process, measurement_covariance=measurement, **options
     )
-    return law.run(given), told
+    return law.run(given), deviations
 
 
-def judged(estimate, told, truth, rows) -> list[tuple[float, float]]:
-    """(share within two deviations, deviation over error) of each signal."""
+def judged(estimate, deviations, truth, rows) -> list[tuple[float, float]]:
+    """(share within two standard deviations, standard deviation over error) of each signal."""
     found = []
     for signal in SIGNALS:
         error = (estimate[f"{signal}_estimated"] - truth[signal])[rows]
-        deviation = told[f"{signal}_deviation"][rows]
+        deviation = deviations[f"{signal}_deviation"][rows]
         found.append(
             (float(np.mean(np.abs(error) <= 2.0 * deviation + ROUNDING)), float(rms(deviation) / rms(error)))
         )
@@ -129,7 +131,9 @@ def main() -> None:
     for place, job in (("the model as plant", on_the_model), *rig):
         with ProcessPoolExecutor(os.cpu_count()) as pool:
             results = list(pool.map(job, seeds))
-        print(f"\n| {place}: within two deviations, deviation / error | load speed | shaft torque |")
+        print(
+            f"\n| {place}: within two standard deviations, its ratio to the error | load speed | shaft torque |"
+        )
         print("| --- | --- | --- |")
         for name in results[0]:
             middle = np.median([r[name] for r in results], axis=0)

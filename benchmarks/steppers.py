@@ -3,7 +3,7 @@
     python benchmarks/steppers.py --seeds 20     # accuracy, gap, backlash online, cost: a Markdown table of medians
     python benchmarks/steppers.py --wear         # the backlash grows by 10 % in 10 s: error from 1 s on, all cores
 
-Each rig is identified from 10 s of the default excitation, from nameplate values 30 % off, and judged on 5 s of another
+Each rig is identified from 10 s of the default excitation, with nameplate values 30 % off, and judged on 5 s of another
 one, from 0.5 s on. The backlash online starts 50 % too small and 50 % too large; the error is the larger one after 5 s.
 Cost: process time per sample, median of the seeds.
 """
@@ -34,7 +34,7 @@ MAKERS = (
     lm.observers.super_twisting,
     lm.observers.neural_network,
 )
-#: Those that follow the backlash of a joint that wears.
+#: Observers that track the backlash of a joint with wear.
 WEARING = (lm.observers.extended_kalman, lm.observers.unscented_kalman, lm.observers.moving_horizon)
 
 
@@ -50,9 +50,9 @@ def score(result: Recording, exact: Recording, backlash: float) -> list[float]:
         truth = exact[name][5000:]
         error = result[f"{name}_estimated"][5000:] - truth
         row.append(100.0 * np.sqrt(np.mean(error**2)) / np.ptp(truth))
-    told = result["twist_elastic_estimated"][5000:] == 0.0
+    reported = result["twist_elastic_estimated"][5000:] == 0.0
     gap = np.abs(exact["twist_3"][5000:]) < 0.5 * backlash
-    return [*row, 2.0 * np.sum(told & gap) / (np.sum(told) + np.sum(gap))]
+    return [*row, 2.0 * np.sum(reported & gap) / (np.sum(reported) + np.sum(gap))]
 
 
 def one_seed(seed: int) -> dict[str, list[float]]:
@@ -83,7 +83,7 @@ def one_seed(seed: int) -> dict[str, list[float]]:
 def wear(seed: int) -> list[tuple[float, float]]:
     """Errors of the backlash in %, for each of WEARING: the largest from 1 s on, and at the end.
 
-    100 pieces of 0.1 s, each with a backlash 0.1 % of the start larger; sines of 9 and 2.3 Hz, 12 and 4 Nm.
+    100 segments of 0.1 s, each with a backlash 0.1 % of the start larger; sines of 9 and 2.3 Hz, 12 and 4 Nm.
     """
     new = lm.rig.varied_rig(seed).drivetrain
     joint = next(i for i, shaft in enumerate(new.shafts) if shaft.has_backlash)

@@ -1,4 +1,4 @@
-"""The paper's powertrain in finite elements and its reductions: the tables of docs/structure.md.
+"""The paper's powertrain in finite elements and its reductions: the tables of docs/benchmarks/structure.md.
 
 python benchmarks/structure.py
 """
@@ -14,7 +14,9 @@ from lostmotion.structure import ChainReduction, TorsionalModel
 def powertrain(model: TorsionalModel) -> None:
     found, zeros = structure.modes(model), structure.zeros(model)
     print("| | finite elements | wanted |\n|---|---|---|")
-    print(f"| modes, Hz | {', '.join(f'{f:.2f}' for f in found.frequency[:4])} | 0, 100 ± 1.5, 750 ± 20 |")
+    print(
+        f"| eigenfrequencies, Hz | {', '.join(f'{f:.2f}' for f in found.frequency[:4])} | 0, 100 ± 1.5, 750 ± 20 |"
+    )
     print(f"| motor zeros, Hz | {', '.join(f'{f:.2f}' for f in zeros[:2])} | 38 ± 0.5 |")
     print(f"| total inertia, kg m² | {model.inertia_total:.5f} | 0.1292 |")
     sides = model.inertia_sides(structure.GAP)
@@ -22,7 +24,7 @@ def powertrain(model: TorsionalModel) -> None:
     swing = dict(zip(model.names, found.shapes[:, 1] / found.shapes[0, 1], strict=True))
     shown = ("motor", "clutch output", "joint", "hub", "brake disc")
     print(
-        f"| angles in the 100 Hz mode: {', '.join(shown)} | {', '.join(f'{swing[n]:+.3f}' for n in shown)} | |\n"
+        f"| angles in the 100 Hz eigenmode: {', '.join(shown)} | {', '.join(f'{swing[n]:+.3f}' for n in shown)} | |\n"
     )
 
 

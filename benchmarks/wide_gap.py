@@ -1,8 +1,8 @@
-"""Observers on a shaft that winds less and less of its gap: what filters that linearise once make of it.
+"""Observers on a shaft whose gap is ever wider against its wind-up.
 
     python benchmarks/wide_gap.py      # a Markdown table: median (worst) of six excitations; a minute on one core
 
-The paper's rig with a stiffer shaft, told exactly, under a contact law that is not the observers'; 20-bit encoder.
+The paper's rig with a stiffer shaft, true parameters, under a contact law that is not the observers'; 20-bit encoder.
 """
 
 from __future__ import annotations

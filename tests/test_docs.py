@@ -1,4 +1,4 @@
-"""The code in README and docs runs as it stands, and the README names the commands that it must."""
+"""README and docs: their code runs, links lead somewhere, tables and pages stay short, the commands are named."""
 
 from __future__ import annotations
 
@@ -9,11 +9,18 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+#: Pages for users: a benchmark's own page may be as long and wide as its tables, and a reference of keys is looked up.
+SHORT_PAGES = [p for p in PAGES if p.parent.name != "benchmarks" and p.name != "configuration.md"]
+LONGEST_PAGE, WIDEST_TABLE = 150, 120
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if BLOCK.search(p.read_text())], ids=lambda p: p.stem)
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if BLOCK.search(p.read_text())], ids=name)
 def test_code_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """All blocks of a page in turn, in one namespace and an empty folder."""
     monkeypatch.chdir(tmp_path)
@@ -30,11 +37,27 @@ def test_api_example_closes_the_loop(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert (tmp_path / "out" / "drive_law.c").exists()
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+@pytest.mark.parametrize("page", PAGES, ids=name)
 def test_links_lead_somewhere(page: Path) -> None:
-    for target in re.findall(r"\]\(([^)#]+)", page.read_text()):
-        if not target.startswith("http"):
-            assert (page.parent / target).exists(), target
+    for target, anchor in re.findall(r"\]\(([^)#]*)#?([^)]*)\)", page.read_text()):
+        if target.startswith("http"):
+            continue
+        goal = page.parent / target if target else page
+        assert goal.exists(), target
+        assert not anchor or anchor in anchors(goal), f"{target}#{anchor}"
+
+
+def anchors(page: Path) -> set[str]:
+    """Of the headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", SHORT_PAGES, ids=name)
+def test_a_page_is_short_and_its_tables_fit_on_a_screen(page: Path) -> None:
+    lines = page.read_text().splitlines()
+    assert len(lines) <= LONGEST_PAGE
+    assert [line for line in lines if line.startswith("|") and len(line) > WIDEST_TABLE] == []
 
 
 def test_readme_names_both_commands() -> None:
@@ -44,7 +67,7 @@ def test_readme_names_both_commands() -> None:
     assert '.venv/bin/pip install --quiet ".[test]" && .venv/bin/pytest' in (ROOT / ".ci" / "run").read_text()
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+@pytest.mark.parametrize("page", PAGES, ids=name)
 def test_files_that_are_named_exist_and_no_place_is_left_open(page: Path) -> None:
     text = page.read_text()
     for named in re.findall(r"(?:^|[ `(])((?:src|tests|benchmarks|docs|examples)/[\w./-]+\.\w+)", text):

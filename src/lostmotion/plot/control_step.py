@@ -50,7 +50,7 @@ def control_step(
     torque_limit : float, optional, Nm
         Each sign is drawn if the torque exceeds a third of it.
     signals : sequence of str
-        One panel each, as far as any response holds it.
+        One panel each, for the signals in any response.
     title : str
     axes : sequence of Axes, optional
         One for each panel.

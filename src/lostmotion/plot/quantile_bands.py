@@ -1,4 +1,4 @@
-"""What a signal does in most variants of a batch: bands of quantiles over time."""
+"""Quantiles of a signal over the variants of a batch, as bands over time."""
 
 from __future__ import annotations
 

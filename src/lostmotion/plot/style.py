@@ -54,7 +54,7 @@ def words(signal: str) -> str:
 
 
 def display_unit(signal: str) -> tuple[float, str]:
-    """Factor from SI and unit in which a signal is drawn: twists in mrad, all else in SI; "–" if unknown."""
+    """Factor from SI and unit in which a signal is drawn: twists in mrad, all others in SI; "–" if unknown."""
     if signal.startswith("twist"):
         return 1e3, "mrad"
     return 1.0, unit_of(signal) or "–"

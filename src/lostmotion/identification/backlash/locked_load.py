@@ -17,7 +17,7 @@ from .ramps import count_of, ramps_of, sides_of
 
 #: Most rows that go into the fit; every n-th is taken (chosen: a second of computing at the most).
 MOST_ROWS = 20_000
-#: What is looked for.
+#: Names of the values.
 VALUES = ("backlash", "stiffness", "coulomb_motor")
 
 
@@ -27,7 +27,8 @@ class LockedBacklash(Estimates):
 
     Values: ``backlash`` (rad, total free angle, the wind-up removed; slightly negative, perhaps, where there is none),
     ``stiffness`` (Nm/rad, of all shafts between motor and lock, in series), ``coulomb_motor`` (Nm, half the torque
-    between the rising and the falling branch; where only one of them was recorded, the others hold for none).
+    between the rising and the falling branch; None if only one of them was recorded; the others then assume no
+    friction).
 
     Attributes
     ----------
@@ -73,12 +74,12 @@ def locked_backlash(
         angle = middle + (torque − direction·coulomb_motor)/stiffness + side·backlash/2
 
     ``side`` is the flank in contact, ``direction`` that of the torque: friction at the motor makes rising and falling
-    branches lie 2·coulomb_motor/stiffness apart, and their average is free of it. The readings are fitted as what they
-    are, counts (``count_fit``): at 12 bit a wind-up of 15 Nm sweeps one or two of them only. Left out: the crossing
-    of the gap and what swings after it, the rows after a reversal in which the motor's friction holds it, and the swing
+    branches lie 2·coulomb_motor/stiffness apart, and their average is free of it. The readings are fitted as
+    counts (``count_fit``): at 12 bit a wind-up of 15 Nm covers one or two of them only. Left out: the crossing of the
+    gap and the oscillation after it, the rows after a reversal in which friction holds the motor, and the oscillation
     after a jump of the torque. Intervals: scatter between ramps.
 
-    A gap that its own friction holds closed against the torque, and a lock that gives way, are not seen.
+    Not detected: a gap that its own friction holds closed against the torque, and a lock that gives way.
 
     Parameters
     ----------
@@ -88,7 +89,7 @@ def locked_backlash(
     resolution : float, optional, rad
         Encoder count; default: found from the readings.
     settling : float, s
-        After a crossing or a jump of the torque (default chosen: ten periods of a mode of 100 Hz).
+        After a crossing or a jump of the torque (default chosen: ten periods of a 100 Hz eigenmode).
 
     Source: Fietzek & Rinderknecht, section II.4 (brakes closed, small oscillating motor torque).
     """
@@ -169,7 +170,7 @@ def _estimate(
     With one edge of a count on each flank, every compliance is compatible up to the limit at which a second edge would
     have shown. Edges seen at a given torque on two flanks are the more likely the more edges there are for each Nm;
     with all scales of compliance equally likely beforehand its density rises linearly up to that limit. It begins where
-    the wind-up sweeps one count: the torque is taken to be chosen that high.
+    the wind-up covers one count: the torque is assumed to be chosen that high.
     """
     fit = count_fit(columns, theta, resolution, ramp)
     low, high = fit.values - fit.margins, fit.values + fit.margins

@@ -1,4 +1,4 @@
-"""What a test for backlash may fail to tell, and what to do about it: load locked, two encoders, shaft torque."""
+"""Warnings of the backlash tests (load locked, two encoders, shaft torque): values not identified, and the remedy."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from ..statistics.estimates import Interval
 
 #: Fewest rows on each side of the gap (chosen).
 MIN_ROWS = 20
-#: The motor must turn by this many counts: else nothing can be told from them (chosen).
+#: The motor must turn by this many counts for a result (chosen).
 MIN_COUNTS = 3.0
-#: Ramps below which an interval rests on too little (chosen).
+#: Fewest ramps for an interval (chosen).
 MIN_RAMPS = 4
 
 
@@ -56,10 +56,10 @@ def stiffness_open(low: float, high: float) -> Problem:
         "warning",
         "locked_backlash: stiffness",
         f"one edge of a count on each flank: any stiffness from {low:.3g} Nm/rad on is compatible, up to {high:.3g} "
-        "if the wind-up sweeps one count as it is taken to",
-        "a wind-up that sweeps two counts or more",
-        "Raise the torque, use a finer encoder, or lock the load at another angle; the backlash's interval "
-        "holds what this leaves open.",
+        "if the wind-up covers one count as assumed",
+        "a wind-up that covers two counts or more",
+        "Raise the torque, use a finer encoder, or lock the load at another angle; the interval of the backlash "
+        "contains this uncertainty.",
     )
 
 
@@ -69,7 +69,7 @@ def one_way() -> Problem:
         "locked_backlash",
         "each flank loaded in one direction only",
         "rising and falling torque on at least one flank",
-        "Ramp back to zero as well: friction at the motor cannot be told here and makes the backlash read "
+        "Ramp back to zero as well: friction at the motor is not identified here, and the backlash reads "
         "2·friction/stiffness too small.",
     )
 
@@ -88,8 +88,8 @@ def none_found(most: float) -> Problem:
     return Problem(
         "warning",
         "locked_backlash",
-        f"an interval that holds zero: no backlash found, at most {max(most, 0.0):.3g} rad",
-        "a gap that stands out",
+        f"an interval that contains zero: no backlash found, at most {max(most, 0.0):.3g} rad",
+        "a gap that differs from zero",
         "If there should be one, check that the load is locked behind it and that the torque overcomes its friction.",
     )
 
@@ -100,7 +100,7 @@ def no_torque() -> Problem:
         "lost_motion",
         "no torque",
         "torque_shaft or torque_motor",
-        "Record it: wind-up, hysteresis and dead zone cannot be told apart without one.",
+        "Record it: wind-up, hysteresis and dead zone cannot be separated without one.",
     )
 
 
@@ -114,12 +114,12 @@ def hardly_reverses(torque: str, m: Floats, reversals: int, needed: int) -> Prob
     )
 
 
-def none_claimed(found: Interval, claim: float) -> Problem:
+def none_reported(found: Interval, claim: float) -> Problem:
     """``claim``: the jump must be this many times the twist's scatter."""
     return Problem(
         "warning",
         "lost_motion: backlash",
-        f"{found[0]:.2g} … {found[1]:.2g} rad (95 %): no dead zone is claimed",
+        f"{found[0]:.2g} … {found[1]:.2g} rad (95 %): no dead zone is reported",
         f"an interval above zero, with and without rising stiffness, and a jump of {claim:g} times the twist's scatter",
         "If there should be one, record slower motions with more reversals of the torque.",
     )

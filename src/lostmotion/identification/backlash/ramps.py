@@ -1,4 +1,4 @@
-"""Which rows of the test with the load locked can be used: the torque's ramps, the flank in contact, the count."""
+"""Usable rows of the test with the load locked: the torque's ramps, the flank in contact, the encoder count."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ..friction.result import Floats
 
 #: Torque reversals smaller than this part of its range count as noise (chosen).
 REVERSAL = 0.05
-#: Kept clear on both sides of a crossing and of the end of sticking, as part of the torque's range (chosen).
+#: Left out on both sides of a crossing and of the end of sticking, as part of the torque's range (chosen).
 CLEARANCE = 0.02
-#: Jumps of the torque by this part of its range within a sample are steps, after which the motor swings (chosen).
+#: Jumps of the torque by this part of its range within a sample are steps, after which the motor oscillates (chosen).
 JUMP = 0.02
-#: The angle swings where it varies by this many times the usual amount within the settling time (chosen).
+#: The angle oscillates where it varies by this many times the usual amount within the settling time (chosen).
 SWING = 2.0
 
 
@@ -57,7 +57,7 @@ def sides_of(
     for number in range(int(ramp.max()) + 1):
         rows = np.flatnonzero(ramp == number)
         start = m[rows[0]]
-        # After a reversal the motor's friction turns round before the motor does. The first ramp starts anywhere.
+        # After a reversal the motor's friction reverses before the motor moves. The first ramp starts anywhere.
         held = 2.2 * friction + clear
         use[rows] &= direction[rows] * (m[rows] - start) > held
     for k in crossings:
@@ -72,7 +72,7 @@ def sides_of(
 
 
 def _quiet(theta: Floats, use: NDArray[np.bool_], width: int, count: float) -> NDArray[np.bool_]:
-    """Where the motor does not swing: a motor with little friction bounces for longer than the settling time."""
+    """Where the motor does not oscillate: with little friction it bounces for longer than the settling time."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     swing = maximum_filter1d(theta, width) - minimum_filter1d(theta, width)

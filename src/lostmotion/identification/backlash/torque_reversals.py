@@ -1,4 +1,4 @@
-"""Whether a recording can tell the backlash: the gap is crossed only where the shaft torque reverses."""
+"""Whether the backlash can be identified from a recording: only if the shaft torque reverses."""
 
 from __future__ import annotations
 

@@ -23,9 +23,9 @@ TURNING = 0.02
 IN_CONTACT = 0.1
 #: Rows further than this many standard deviations (by their median) from the fit bounce and are left out; so often.
 TRIM, TRIMS = 3.0, 5
-#: A gap within this many standard deviations of the twist about the fit shows no two flanks: none is claimed (chosen).
+#: A gap within this many standard deviations of the twist about the fit shows no two flanks: not reported (chosen).
 CLAIM = 4.0
-#: The delay is not told finer than this part of a sample (chosen): clocks jitter.
+#: Resolution of the delay as part of a sample (chosen): clocks jitter.
 FINEST_DELAY = 1e-3
 #: Fits: without a shift, and with the load's angle shifted by the delay found.
 PASSES = 2
@@ -43,9 +43,8 @@ class LostMotion(Estimates):
         motor − load = offset + delay·speed + compliance·torque + hysteresis/2·sgn(speed) + backlash/2·sgn(torque)
 
     Values: ``delay`` (s, positive: the load's angle is late), ``compliance`` (rad/Nm), ``hysteresis`` (rad, full width,
-    the sign taken off), ``backlash`` (rad, total). A backlash is claimed only where its interval excludes zero and the
-    jump stands out of the scatter; where none is claimed there is an interval all the same, and its high end is what
-    may hide.
+    always positive), ``backlash`` (rad, total). A backlash is reported only if its interval excludes zero and the jump
+    exceeds the scatter. Otherwise its interval is still given: the upper end is the largest backlash that may exist.
 
     Attributes
     ----------
@@ -75,12 +74,12 @@ def lost_motion(
 ) -> LostMotion:
     """Separate delay, wind-up, hysteresis and dead zone by what each follows: speed, torque, and their signs.
 
-    An encoder that is late by a millisecond shows speed · 1 ms of twist that is not there, usually the largest part
-    by far. It is estimated first, together with all that it could be mistaken for; then the load's angle is
-    shifted by it and the rest is fitted. Friction between the encoders makes a hysteresis that turns round with
-    the direction of motion, whatever the torque; a gap jumps where the **torque** reverses. Without a torque,
-    or without its reversal, the two are one and no dead zone is claimed; nor where it may as well be a
-    stiffness that rises with the torque (a term torque·abs(torque) is tried beside it).
+    An encoder that is late by a millisecond shows speed · 1 ms of twist that does not exist, usually the largest part
+    by far. The delay is estimated first, together with everything it could be mistaken for; then the load's angle is
+    shifted by it and the rest is fitted. Friction between the encoders makes a hysteresis that reverses with the
+    direction of motion, whatever the torque; a gap jumps where the **torque** reverses. Without a torque, or without
+    its reversal, the two cannot be separated and no dead zone is reported; nor where it may as well be a stiffness
+    that rises with the torque (a term torque·abs(torque) is tried beside it).
 
     Parameters
     ----------
@@ -90,7 +89,7 @@ def lost_motion(
     torque : str, optional
         Default: ``torque_shaft``, else the motor torque.
     inertia_motor : float, kg m2
-        With a motor torque: what lies before the shaft and is accelerated by it. Friction there shows as hysteresis.
+        With a motor torque: the inertia before the shaft. Friction there shows as hysteresis.
 
     Returns
     -------
@@ -122,7 +121,7 @@ def lost_motion(
         rows &= np.abs(recording.time - recording.time.mean()) < 0.5 * dt * len(rows) - abs(shift)
         fit = _fit(columns, apparent, rows)
         shift = float(fit.values[1])
-    values, intervals = _told(tuple(columns), fit)
+    values, intervals = _identified(tuple(columns), fit)
     problems += () if name is not None else (problem.no_torque(),)
     if name is not None:
         reversals = _reversals(m)
@@ -132,10 +131,10 @@ def lost_motion(
             columns, fit, found = _dead_zone(columns, apparent, m, rows, fit)
             intervals["backlash"] = found
             if found[0] > 0.0:
-                values, more = _told(tuple(columns), fit)
+                values, more = _identified(tuple(columns), fit)
                 intervals = {**more, "backlash": found}
             else:
-                problems += (problem.none_claimed(found, CLAIM),)
+                problems += (problem.none_reported(found, CLAIM),)
     delay, (low, high) = float(values["delay"] or 0.0), intervals["delay"]
     finest = FINEST_DELAY * dt
     intervals["delay"] = (min(low, delay - finest), max(high, delay + finest))
@@ -187,13 +186,15 @@ def _fit(columns: Mapping[str, Floats], y: Floats, rows: NDArray[np.bool_]) -> L
     return linear_fit(np.stack([c[rows] for c in columns.values()]), y[rows])
 
 
-def _told(names: tuple[str, ...], fit: LinearFit) -> tuple[dict[str, float | None], dict[str, Interval]]:
-    told = [
+def _identified(
+    names: tuple[str, ...], fit: LinearFit
+) -> tuple[dict[str, float | None], dict[str, Interval]]:
+    found = [
         (n, float(v), float(m))
         for n, v, m in zip(names, fit.values, fit.margins, strict=True)
         if n != "offset"
     ]
-    return {n: v for n, v, _ in told}, {n: (v - m, v + m) for n, v, m in told}
+    return {n: v for n, v, _ in found}, {n: (v - m, v + m) for n, v, m in found}
 
 
 def _reversals(m: Floats) -> int:
@@ -209,7 +210,7 @@ def _dead_zone(
     sure = rows & (np.abs(m) > IN_CONTACT * float(np.abs(m).max()))
     fit = _fit(gap, y, sure)
     for _ in range(TRIMS):
-        # While it bounces, the torque already pushes and the twist is still inside the gap: outliers to one side.
+        # While it bounces, there is torque already while the twist is still inside the gap: outliers to one side.
         values = fit.values @ np.stack(list(gap.values()))
         error = np.abs(y - values)
         sure &= error < TRIM * 1.4826 * float(np.median(error[sure]))

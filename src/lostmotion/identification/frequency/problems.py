@@ -1,4 +1,4 @@
-"""What a frequency response and the fit to it may fail to tell, and what to do about it."""
+"""Warnings of the frequency response and its fit, each with a remedy."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def hole_in_time(step: float, usual: float) -> Problem:
         "frequency_response: time",
         f"a step of {1e3 * step:.4g} ms among steps of {1e3 * usual:.4g} ms",
         "an even time axis",
-        "Samples are missing: choose a window without the hole.",
+        "Samples are missing: choose a window without the gap.",
     )
 
 
@@ -44,7 +44,7 @@ def outside_the_band(name: str, frequency: float, low: float, high: float) -> Pr
         f"two_mass_fit: {name}",
         f"{frequency:.4g} Hz, outside the band",
         f"a {name} between {low:.4g} and {high:.4g} Hz",
-        "Widen the band or excite more there: inertias and stiffness rest on it.",
+        "Widen the band or excite more there: inertias and stiffness depend on it.",
     )
 
 

@@ -16,10 +16,10 @@ from .result import Floats, torque_to_use
 SMOOTHING = 0.05
 #: The drive moves from this part of the largest speed on (chosen).
 MOVING = 0.01
-#: The rest before a start that gives the line from which the angle departs, s (chosen).
+#: Time at rest before a start, to which the reference line of the angle is fitted, s (chosen).
 REST = 0.4
-#: By so much a start may show late, s: the torque follows its set-point, and a load's start shows through the shaft
-#: (chosen: a usual current loop, and a quarter period of a 100 Hz mode; on the virtual rig it was 2 ms).
+#: Largest delay of a start in the signals, s: the torque follows its set-point, and a load's start shows through the
+#: shaft (chosen: a usual current loop, and a quarter period of a 100 Hz eigenmode; on the virtual rig it was 2 ms).
 LATE = 3e-3
 #: The angle has departed from that line at this many standard deviations of its scatter (chosen).
 DEPARTURE = 6.0

@@ -1,4 +1,4 @@
-"""Friction against speed from a ladder of constant speeds: Coulomb, viscous and Stribeck part."""
+"""Friction against speed from a series of constant speeds: Coulomb, viscous and Stribeck part."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def friction_ladder(
     Plateaus are where the reference stands still, or the windows given. Their first 40 % are left out. Of a plateau
     whose speed scatters by 30 % (slip and stick) the mean means nothing: it is shown and not used. The curve is
     fitted with each plateau's own weight; its intervals follow from the scatter about it where that is larger;
-    that of the rise at rest, which is extrapolated from the slowest plateau, holds what both shapes say.
+    that of the rise at rest, which is extrapolated from the slowest plateau, contains both shapes.
 
     Parameters
     ----------
@@ -203,13 +203,13 @@ def _fit(
         for e in EXPONENTS
         if (fit := _one_fit(w, m, margin, (*names, "stribeck", "stribeck_speed"), e))
     ]
-    told = [
+    fits = [
         (fit, e) for fit, e in shaped if fit[1]["stribeck"][0] > 0.0 and fit[1]["stribeck_speed"][0] > 0.0
     ]
-    if told:
-        best, exponent = min(told, key=lambda f: f[0][2])
-        # The rise at rest is extrapolated: how far depends on the shape, which the ladder hardly tells.
-        low, high = (dict(fit[1]) for fit, _ in (told[0], told[-1]))
+    if fits:
+        best, exponent = min(fits, key=lambda f: f[0][2])
+        # The rise at rest is extrapolated: how far depends on the shape, which constant speeds hardly identify.
+        low, high = (dict(fit[1]) for fit, _ in (fits[0], fits[-1]))
         intervals = {
             n: (min(low[n][0], high[n][0]), max(low[n][1], high[n][1])) if n.startswith("stribeck") else i
             for n, i in best[1].items()

@@ -11,7 +11,7 @@ from ...errors import InvalidInput
 from ...recording import Recording
 from ..statistics.block_covariance import sandwich, student_factor
 from ..statistics.regression import linear_fit
-from .result import Floats, FrictionFit, checked_inertia, told, torque_to_use
+from .result import Floats, FrictionFit, checked_inertia, reported, torque_to_use
 
 #: Samples in, one sample out (chosen: the EMPS benchmark's own choice at 1 kHz).
 DECIMATION = 10
@@ -51,7 +51,7 @@ def rigid_drive(
         Where it is known; else it is identified.
     asymmetric : bool
         Coulomb and viscous friction for each direction instead of one offset: at one speed in each direction
-        the two cannot be told apart.
+        the two cannot be separated.
     decimation : int
 
     Returns
@@ -81,7 +81,7 @@ def rigid_drive(
     if inertia is not None:
         names, x, known = names[1:], x[1:], inertia * x[0]
     fit = linear_fit(x, y - known)
-    values, intervals, sources, more = told(names, fit.values, fit.margins, inertia, "rigid_drive")
+    values, intervals, sources, more = reported(names, fit.values, fit.margins, inertia, "rigid_drive")
     time = recording.time[::decimation][EDGE:-EDGE]
     return FrictionFit(
         values=values,
@@ -163,8 +163,8 @@ def output_error_fit(
 ) -> tuple[FrictionFit, Recording]:
     """The same parameters fitted to the angle that the torque alone would lead to, from rest at the first sample.
 
-    Least squares of simulated minus measured angle, from the values found. It integrates twice: what it gains in
-    the simulated angle it may lose on another recording, so look at one.
+    Least squares of simulated minus measured angle, from the values found. The error integrates
+    twice: a lower one on this recording may be a larger one on another, so check one.
 
     Returns
     -------
@@ -187,7 +187,7 @@ def output_error_fit(
     best: Any = least_squares(residual, np.zeros(len(names)), diff_step=[1e-5] * len(names))
     covariance = sandwich(np.ascontiguousarray(best.jac.T), np.asarray(best.fun))
     margins = student_factor(len(names)) * np.sqrt(np.diag(covariance)) * scale
-    values, intervals, sources, problems = told(
+    values, intervals, sources, problems = reported(
         tuple(names), start + scale * best.x, margins, _given_inertia(found), "output_error_fit"
     )
     run = simulated(best.x)

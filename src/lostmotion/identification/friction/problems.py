@@ -1,4 +1,4 @@
-"""What a measurement of friction may fail to tell, and what to do about it."""
+"""Warnings of the friction tests: values that cannot be identified, and the remedy."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ def commanded_torque(torque: str, measured: str) -> Problem:
         "warning",
         f"friction: {torque}",
         "a commanded torque",
-        f"the measured one, {measured}, which the recording holds",
+        f"the measured one, {measured}, which is in the recording",
         f'Leave the argument out, or give torque="{measured}": losses and errors of the current '
         "controller would count as friction and inertia.",
     )
 
 
-def inertia_not_told(where: str, value: float, margin: float) -> Problem:
+def inertia_not_identified(where: str, value: float, margin: float) -> Problem:
     return Problem(
         "warning",
         f"{where}: inertia",
         f"{value:.3g} ± {margin:.2g} kg m2 (95 %)",
         "an interval of positive inertia",
-        "Record a motion that accelerates, or give the inertia; friction is then known all the same.",
+        "Record a motion that accelerates, or give the inertia; the friction is identified anyway.",
     )
 
 
-def scale_not_told(torque: str) -> Problem:
+def scale_not_identified(torque: str) -> Problem:
     return Problem(
         "warning",
         f"torque_step: {torque}",
         "one constant torque while the drive turns, and no inertia",
         "the inertia, or torques that differ",
-        "Give the inertia, or record two levels of torque or the coasting down as well: one level tells "
+        "Give the inertia, or record two levels of torque or the coasting down as well: one level gives "
         "friction per inertia only.",
     )
 
@@ -51,14 +51,14 @@ def does_not_turn(speed: str, averages: int, needed: int, largest: float) -> Pro
 
 
 def may_be_zero(values: Mapping[str, float | None], intervals: Mapping[str, Interval]) -> Problem:
-    """One warning for all friction values whose intervals hold zero."""
+    """One warning for all friction values whose intervals contain zero."""
     got = ", ".join(f"{n} {values[n]:.2g} ({low:.2g} … {high:.2g})" for n, (low, high) in intervals.items())
     return Problem(
         "warning",
         "torque_step",
-        f"intervals that hold zero: {got}",
-        "friction that stands out",
-        "Record longer, up to the final speed, with two levels of torque: then Coulomb and viscous part.",
+        f"intervals that contain zero: {got}",
+        "friction that differs from zero",
+        "Record longer, up to the final speed, with two levels of torque, to separate Coulomb and viscous friction.",
     )
 
 
@@ -67,7 +67,7 @@ def unsteady_plateaus(speeds: Sequence[float]) -> Problem:
         "warning",
         "friction_ladder",
         "speed that scatters by more than 30 % at " + ", ".join(f"{w:.3g}" for w in speeds) + " rad/s",
-        "plateaus that turn evenly",
+        "plateaus at constant speed",
         "They are left out. A stiffer speed controller lowers the speed at which the drive slips and sticks.",
     )
 
@@ -88,12 +88,12 @@ def one_ramp(name: str) -> Problem:
         name,
         "one ramp",
         "three or more in that direction",
-        "Repeat the ramp: the interval holds what the instant leaves open, not how much the level scatters.",
+        "Repeat the ramp: the interval contains the uncertainty of the instant, not the scatter of the level.",
     )
 
 
 def never_moved(angle: str, at_rest: float, rest: float) -> Problem:
-    """``at_rest``: largest torque under which it rested, Nm; ``rest``: time that a start needs before it, s."""
+    """``at_rest``: largest torque without motion, Nm; ``rest``: time at rest needed before a start, s."""
     return Problem(
         "warning",
         f"breakaway: {angle}",

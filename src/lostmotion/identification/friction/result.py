@@ -1,4 +1,4 @@
-"""Friction: what every way of measuring it gives back, and which torque it is measured from."""
+"""Friction: the result of all its tests, and the torque signal that they use."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class FrictionFit(Estimates):
 
 
 def torque_to_use(recording: Recording, torque: str | None) -> tuple[str, tuple[Problem, ...]]:
-    """The torque signal asked for, or the best there is: measured before commanded.
+    """The torque signal asked for, or the best one in the recording: measured before commanded.
 
     Commanded is a signal whose name ends in ``_reference`` or whose origin is ``reference``; and
     ``torque_motor`` where there is a ``torque_motor_measured`` beside it.
@@ -76,7 +76,7 @@ def torque_to_use(recording: Recording, torque: str | None) -> tuple[str, tuple[
     Returns
     -------
     (name, problems)
-        A warning where a commanded torque is used although a measured one is there.
+        A warning if a commanded torque is used although there is a measured one.
     """
     measured = [name for name in ("torque_motor_measured", "torque_motor") if not _commanded(recording, name)]
     if torque is None:
@@ -101,19 +101,19 @@ def checked_inertia(inertia: float | None, where: str) -> float | None:
     raise InvalidInput(f"{where}: inertia", repr(inertia), "a positive number in kg m2", "Check the unit.")
 
 
-def told(
+def reported(
     names: tuple[str, ...], values: Floats, margins: Floats, inertia: float | None, where: str
 ) -> tuple[dict[str, float | None], dict[str, Interval], dict[str, Source], tuple[Problem, ...]]:
-    """Values, intervals and sources of a fit; an inertia whose interval reaches zero is not told."""
-    told_values: dict[str, float | None] = {} if inertia is None else {"inertia": inertia}
+    """Values, intervals and sources of a fit; an inertia whose interval contains zero is not identified."""
+    known: dict[str, float | None] = {} if inertia is None else {"inertia": inertia}
     intervals: dict[str, Interval] = {}
     sources: dict[str, Source] = {} if inertia is None else {"inertia": "nameplate"}
     problems = []
     for name, value, margin in zip(names, values.tolist(), margins.tolist(), strict=True):
         if name == "inertia" and not value - margin > 0.0:
-            told_values[name], sources[name] = None, "not excited"
-            problems.append(problem.inertia_not_told(where, value, margin))
+            known[name], sources[name] = None, "not excited"
+            problems.append(problem.inertia_not_identified(where, value, margin))
             continue
-        told_values[name], sources[name] = value, "identified"
+        known[name], sources[name] = value, "identified"
         intervals[name] = (value - margin, value + margin)
-    return told_values, intervals, sources, tuple(problems)
+    return known, intervals, sources, tuple(problems)

@@ -11,11 +11,11 @@ from ...errors import InvalidInput
 from ...recording import Recording
 from ..statistics.regression import linear_fit
 from . import problems as problem
-from .result import Floats, FrictionFit, checked_inertia, told, torque_to_use
+from .result import Floats, FrictionFit, checked_inertia, reported, torque_to_use
 
-#: A stretch counts as turning above this part of the largest speed (chosen), below it as Stribeck and stiction.
+#: Above this part of the largest speed (chosen) the drive counts as turning, below it as in Stribeck or stiction.
 TURNING = 0.02
-#: Half width of the averages in s (chosen: ten periods of a mode of 100 Hz, a tenth of a friction time constant).
+#: Half width of the averages in s (chosen: ten periods of a 100 Hz eigenmode, a tenth of a friction time constant).
 AVERAGING = 0.1
 #: Fewest averages (chosen: three in each of the blocks that the intervals come from).
 MIN_AVERAGES = 60
@@ -48,8 +48,8 @@ def torque_step(
         inertia·d(speed)/dt = torque − offset − coulomb·sgn(speed) − viscous·speed
 
     It is linear in its parameters, so torque, speed and its central difference go through the same weighted average
-    (Hann), over every stretch in which the drive turns in one direction; ripple and noise of the torque, which is what
-    is poorly measured, then are the residual of a least-squares fit. Intervals: jackknife over 20 blocks, valid for
+    (Hann), over every stretch in which the drive turns in one direction; ripple and noise of the torque, which is
+    the poor measurement, then are the residual of a least-squares fit. Intervals: jackknife over 20 blocks, valid for
     coloured residuals; friction that drifts over the whole recording (a bearing that warms up) is not in them.
 
     Parameters
@@ -104,9 +104,9 @@ def torque_step(
     if inertia is not None:
         names, x, y = names[1:], x[1:], y - inertia * x[0]
     elif _constant_torque(names, x, y):
-        return replace(result, problems=(*problems, problem.scale_not_told(used)))
+        return replace(result, problems=(*problems, problem.scale_not_identified(used)))
     fit = linear_fit(x, y)
-    values, intervals, sources, more = told(names, fit.values, fit.margins, inertia, "torque_step")
+    values, intervals, sources, more = reported(names, fit.values, fit.margins, inertia, "torque_step")
     doubtful = {n: (a, b) for n, (a, b) in intervals.items() if n != "offset" and a <= 0.0 <= b}
     zero = (problem.may_be_zero(values, doubtful),) if doubtful else ()
     result = replace(

@@ -1,4 +1,4 @@
-"""What a measurement of the shaft may fail to tell, and what to do about it."""
+"""Warnings of the shaft measurements: values not identified, and the remedy."""
 
 from __future__ import annotations
 
@@ -55,5 +55,5 @@ def no_ring_down(signal: str, got: str) -> Problem:
         f"ring_down: {signal}",
         got,
         "a step after which the signal rings down, ten periods long",
-        "Record a sharp step of load or torque and let it ring; widen the band if the mode lies outside.",
+        "Record a sharp step of load or torque and let it ring; widen the band if the eigenfrequency lies outside.",
     )

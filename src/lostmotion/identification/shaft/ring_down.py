@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 #: What is looked for.
 VALUES = ("frequency", "damping_ratio")
 
-#: Means over this many seconds on both sides make a step stand out (chosen: a few periods of the mode).
+#: Means over this many seconds on both sides make a step stand out (chosen: a few periods of the eigenmode).
 STEP_WINDOW = 0.1
 #: A change of the mean is a step if it is this many robust standard deviations of all changes (chosen).
 STEP_FACTOR = 6.0
@@ -27,7 +27,7 @@ STEP_FRACTION = 0.5
 #: Where the fit starts after the step and how long it is, in periods (chosen). The first pair gives the
 #: estimate, the others its spread. The step itself is over after half a period.
 WINDOWS = ((0.5, 10.0), (0.5, 6.0), (0.5, 14.0), (1.0, 10.0), (1.0, 14.0), (1.5, 10.0))
-#: From here on there is hardly a second swing to measure (chosen: each is 14 % of the one before).
+#: Largest damping ratio: above, there is hardly a second period to measure (chosen: each is 14 % of the one before).
 MAX_DAMPING_RATIO = 0.3
 #: Surrogates of the residual for the interval (chosen: their scatter is then known within 11 %).
 SURROGATES = 40
@@ -116,8 +116,8 @@ def ring_down(
     if fit is None:
         return _nothing(signal, times, seed, "no ring-down of four periods or more")
     found, rows, models = fit
-    pieces = [values[r] for r in rows]
-    explained = _explained(pieces, models)
+    segments = [values[r] for r in rows]
+    explained = _explained(segments, models)
     decays = 0.0 < found[1] < MAX_DAMPING_RATIO and explained > 0.0
     if not (decays and band[0] < found[0] < band[1]):
         best = f"{found[0]:.3g} Hz, damping ratio {found[1]:.2g}, {100 * explained:.0f} % of the variance"
@@ -125,7 +125,7 @@ def ring_down(
     others = [_cut(values.size, steps, 1.0 / (found[0] * dt), window) for window in WINDOWS[1:]]
     spread = np.array([_fit([values[r] for r in other], dt, found)[0] for other in others if other])
     spread = spread.reshape(-1, 2)
-    intervals = _intervals(found, pieces, models, dt, spread, np.random.default_rng(seed))
+    intervals = _intervals(found, segments, models, dt, spread, np.random.default_rng(seed))
     if intervals["damping_ratio"][0] <= 0.0:
         got = f"a line at {found[0]:.4g} Hz that need not decay"
         return _nothing(signal, times, seed, got, explained)
@@ -174,19 +174,19 @@ def _cut(size: int, steps: list[int], period: float, window: tuple[float, float]
     return rows
 
 
-def _model(frequency: float, ratio: float, piece: Floats, dt: float) -> Floats:
-    """The best fit to one piece at this frequency and damping ratio: offset, cosine, sine are linear."""
-    t = np.arange(piece.size) * dt
+def _model(frequency: float, ratio: float, segment: Floats, dt: float) -> Floats:
+    """The best fit to one segment at this frequency and damping ratio: offset, cosine, sine are linear."""
+    t = np.arange(segment.size) * dt
     w = 2.0 * math.pi * frequency
     decay = np.exp(-ratio * w * t)
     turn = w * math.sqrt(max(1.0 - ratio**2, 1e-9)) * t
     basis = np.stack([np.ones_like(t), decay * np.cos(turn), decay * np.sin(turn)], axis=1)
-    return np.asarray(basis @ np.linalg.lstsq(basis, piece, rcond=None)[0], dtype=float)
+    return np.asarray(basis @ np.linalg.lstsq(basis, segment, rcond=None)[0], dtype=float)
 
 
-def _explained(pieces: list[Floats], models: list[Floats]) -> float:
-    rest = sum(float(((p - m) ** 2).sum()) for p, m in zip(pieces, models, strict=True))
-    whole = sum(float(((p - p.mean()) ** 2).sum()) for p in pieces)
+def _explained(segments: list[Floats], models: list[Floats]) -> float:
+    rest = sum(float(((p - m) ** 2).sum()) for p, m in zip(segments, models, strict=True))
+    whole = sum(float(((p - p.mean()) ** 2).sum()) for p in segments)
     return 1.0 - rest / whole if whole > 0.0 else 0.0
 
 
@@ -194,10 +194,10 @@ def _search(values: Floats, steps: list[int], dt: float, band: Interval) -> Floa
     """Start values: the pair of a grid that explains most of the variance of its own window."""
     best, found = -math.inf, None
     for frequency in np.geomspace(*band, max(round(25.0 * math.log(band[1] / band[0])), 2)):
-        pieces = [values[rows] for rows in _cut(values.size, steps, 1.0 / (frequency * dt), WINDOWS[0])]
+        segments = [values[rows] for rows in _cut(values.size, steps, 1.0 / (frequency * dt), WINDOWS[0])]
         for ratio in (0.02, 0.06, 0.18):
-            explained = _explained(pieces, [_model(frequency, ratio, p, dt) for p in pieces])
-            if pieces and explained > best:
+            explained = _explained(segments, [_model(frequency, ratio, p, dt) for p in segments])
+            if segments and explained > best:
                 best, found = explained, np.array([frequency, ratio])
     return found
 
@@ -218,22 +218,22 @@ def _search_and_fit(
     return found, rows, models
 
 
-def _fit(pieces: list[Floats], dt: float, start: Floats) -> tuple[Floats, list[Floats]]:
-    """Least squares over (frequency, damping ratio) common to all pieces; also the fitted pieces."""
+def _fit(segments: list[Floats], dt: float, start: Floats) -> tuple[Floats, list[Floats]]:
+    """Least squares over (frequency, damping ratio) common to all segments; also the fitted segments."""
     from scipy.optimize import least_squares
 
     def residual(p: Floats) -> Floats:
-        return np.concatenate([piece - _model(p[0], p[1], piece, dt) for piece in pieces])
+        return np.concatenate([segment - _model(p[0], p[1], segment, dt) for segment in segments])
 
     bounds = ([0.5 * start[0], -0.5], [2.0 * start[0], 0.9])
     scale = [0.02 * start[0], 0.02]
     found = np.asarray(least_squares(residual, start, x_scale=scale, bounds=bounds).x, dtype=float)
-    return found, [_model(found[0], found[1], piece, dt) for piece in pieces]
+    return found, [_model(found[0], found[1], segment, dt) for segment in segments]
 
 
 def _intervals(
     found: Floats,
-    pieces: list[Floats],
+    segments: list[Floats],
     models: list[Floats],
     dt: float,
     spread: Floats,
@@ -243,7 +243,7 @@ def _intervals(
 
     fits = np.empty((SURROGATES, 2))
     for i in range(SURROGATES):
-        surrogate = [m + _random_phases(p - m, random) for p, m in zip(pieces, models, strict=True)]
+        surrogate = [m + _random_phases(p - m, random) for p, m in zip(segments, models, strict=True)]
         fits[i] = _fit(surrogate, dt, found)[0]
     variance = fits.var(axis=0, ddof=1)
     if len(spread):

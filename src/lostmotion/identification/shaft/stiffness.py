@@ -1,4 +1,4 @@
-"""Stiffness of a shaft from the speeds at both of its ends and its torque, and how late that torque is."""
+"""Stiffness of a shaft from the speeds at both of its ends and its torque, and the delay of that torque."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PERIODS_PER_SEGMENT = 3.0
 #: Fewest segments and fewest usable frequencies (chosen): below, coherence and intervals mean little.
 MIN_SEGMENTS = 6
 MIN_FREQUENCIES = 8
-#: 1 − coherence counts as at least this much (chosen), so that one strong line does not outvote the rest.
+#: Lower bound on 1 − coherence (chosen), so that one strong line does not dominate.
 COHERENCE_FLOOR = 1e-3
 #: Half width, in bins, of what is left out around multiples of the turning frequency: Hann's main lobe.
 ORDER_BINS = 2.0
@@ -101,7 +101,7 @@ def shaft_stiffness(
     speed_a, speed_b, torque : str
         The speeds at the driving and the driven end, and the torque of the shaft between them.
     band : (float, float), Hz
-        Default for a first mode near 30 Hz (the Aalto thruster rig).
+        Default for a first eigenmode near 30 Hz (the Aalto thruster rig).
     min_coherence : float
         In (0, 1); default chosen.
     torque_delay : float, optional, s

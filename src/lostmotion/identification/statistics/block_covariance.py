@@ -1,4 +1,4 @@
-"""Covariances that hold for noise of any colour: from blocks of a recording that count as independent."""
+"""Covariances for noise of any colour: from blocks of a recording that are treated as independent."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Blocks of the recording whose scores count as independent (chosen: 0.5 s each in 10 s, several times the
+#: Blocks of the recording whose scores are treated as independent (chosen: 0.5 s each in 10 s, several times the
 #: slowest time constant of the observer, and about as long as a speed level lasts).
 BLOCKS = 20
 
-#: The rest of a block's share in a parameter counts as at least this much (chosen: pulls grow fivefold at most).
+#: Lower bound on 1 − leverage of a block (chosen: influences grow fivefold at most).
 LEAST_REST = 0.2
 
 
@@ -46,17 +46,17 @@ class Blocks:
 
     @cached_property
     def step(self) -> Array:
-        """(p,) Gauss–Newton step; zero where the residual does not tell a parameter at all."""
+        """(p,) Gauss–Newton step; zero for a parameter without information."""
         hessian, scale = self._scaled(self.hessians.sum(axis=0))
         step = np.linalg.lstsq(hessian, -self.gradients.sum(axis=1) / scale, rcond=1e-10)[0]
         return np.asarray(step / scale)
 
     @cached_property
     def influences(self) -> Array:
-        """(p, BLOCKS): how far each block pulls the estimate.
+        """(p, BLOCKS): influence of each block on the estimate.
 
-        A block that tells much of a parameter bends the fit towards itself; as in a jackknife its pull is taken as
-        1/(1 − share) larger (Bell & McCaffrey 2002, "CR3").
+        A block of high leverage bends the fit towards itself; as in a jackknife its influence is divided by
+        1 − leverage (Bell & McCaffrey 2002, "CR3").
         """
         hessian, scale = self._scaled(self.hessians.sum(axis=0))
         # A direction without information gets a huge variance instead of an error.
@@ -77,7 +77,7 @@ class Blocks:
 
 
 def covariance(influences: Array) -> Array:
-    """(p, p) covariance of an estimate from what its blocks pull, (p, BLOCKS): valid for a residual of any colour."""
+    """(p, p) covariance of an estimate from the influences of its blocks, (p, BLOCKS), for a residual of any colour."""
     centred = influences - influences.mean(axis=1, keepdims=True)
     return np.asarray(centred @ centred.T * BLOCKS / (BLOCKS - 1))
 
@@ -97,13 +97,13 @@ def sandwich(jacobian: Array, residual: Array) -> Array:
 
 
 def excess(value: Array, spread: Array, factor: float) -> Array:
-    """What of (p,) values is more than chance: √(value² − (factor · standard deviation)²), or zero.
+    """Part of (p,) shifts that exceeds their noise level: √(value² − (factor · standard deviation)²), or zero.
 
     Parameters
     ----------
     value : (p,) array
     spread : (p, BLOCKS) array
-        What each block of the recording contributes to it.
+        Contribution of each block of the recording.
     factor : float
         Half width of an interval in standard deviations.
     """
@@ -141,6 +141,6 @@ def growth(residual: Array, reference: Array) -> tuple[float, float]:
 def shift(jacobian: Array, residual: Array) -> Array:
     """(p,) Gauss–Newton step that these innovations ask for.
 
-    Zero where the innovations do not tell a parameter at all.
+    Zero for a parameter without information.
     """
     return Blocks.of(jacobian, residual).step

@@ -1,4 +1,4 @@
-"""Estimates: what every identification gives back, in one form."""
+"""Estimates: the one form of all results of an identification."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ UNITS: Mapping[str, str] = MappingProxyType(
 
 
 def sources_of(values: Mapping[str, float | None]) -> dict[str, Source]:
-    """Sources where nothing was given: identified is what has a value."""
+    """Sources where nothing was given: a value means identified."""
     return {name: "not excited" if value is None else "identified" for name, value in values.items()}
 
 
@@ -54,11 +54,11 @@ class Estimates:
     Parameters
     ----------
     values : mapping of name → float or None
-        SI; None where the recording does not tell the value.
+        SI; None if not identified.
     intervals : mapping of name → (low, high)
         95 % intervals of what was identified.
     sources : mapping of name → {"identified", "nameplate", "not excited"}
-        For each of the values: found, given by the user, or not told by the recording.
+        For each of the values: found, given by the user, or not identifiable from the recording.
     problems : tuple of Problem
         Warnings, each with a remedy.
     """

@@ -48,8 +48,8 @@ def count_fit(
     cutting off changes nothing else), blurred by normal scatter that is fitted too. Unlike least squares this has no
     bias where the angle sweeps a few counts only. With ``resolution`` 0: least squares.
 
-    Intervals: sandwich over groups of rows that belong together (ramps), with Student's t. What the counts themselves
-    leave open is not in them: see ``compatible_range``.
+    Intervals: sandwich over groups of rows that belong together (ramps), with Student's t. They do not contain the
+    uncertainty by the counts themselves: see ``compatible_range``.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def compatible_range(
     """Least and greatest value of each parameter with which the linear model fits every reading, by linear programming.
 
     The readings may be off by the least slack that makes them compatible at all; NaN where that is more than half a
-    count, since the readings then scatter too much for such a statement. Infinite where nothing bounds a parameter.
+    count, since the readings then scatter too much. Infinite where nothing bounds a parameter.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def compatible_range(
     sweep : int
         The column that changes gradually (the torque); the others have a few values only.
     bounds : mapping of parameter → (low, high)
-        What is known of the parameters beforehand.
+        Prior bounds on parameters.
     """
     from scipy.optimize import linprog
 

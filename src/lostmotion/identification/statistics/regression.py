@@ -1,4 +1,4 @@
-"""Linear least squares with intervals that hold for a residual of any colour."""
+"""Linear least squares with intervals for a residual of any colour."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class LinearFit:
 def linear_fit(columns: Floats, y: Floats) -> LinearFit:
     """Least squares of y (n,) on columns (p, n), the columns brought to one size first.
 
-    Intervals: jackknife over 20 blocks of consecutive rows, Student's t. Where a few blocks carry a parameter, as the
-    instants of a torque step carry the inertia, the sandwich form is too narrow: the fit bends towards them.
+    Intervals: jackknife over 20 blocks of consecutive rows, Student's t. Where a few blocks determine a parameter, as
+    the instants of a torque step the inertia, the sandwich form is too narrow: the fit bends towards them.
     """
     size = np.maximum(np.sqrt((columns**2).mean(axis=1)), np.finfo(float).tiny)
     scaled = columns / size[:, None]
@@ -44,7 +44,8 @@ def linear_fit(columns: Floats, y: Floats) -> LinearFit:
     without = []
     for number in range(BLOCKS):
         part = scaled[:, block == number]
-        # A parameter that only this block tells keeps its value in the direction that is lost: least norm of the step.
+        # A parameter that only this block determines keeps its value in the direction that is lost: least norm of the
+        # step.
         left = right - part @ y[block == number] - (square - part @ part.T) @ values
         without.append(np.linalg.lstsq(square - part @ part.T, left, rcond=1e-10)[0])
     spread = np.array(without) - np.mean(without, axis=0)

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Highest phases to choose from, in this order where two are as good: that of an angle over torque is first.
+#: Upper ends of the phase axis to choose from, in order of preference: that of an angle over torque first.
 _TOPS = (0.0, 180.0, 90.0, 270.0)
-#: How far the panel goes beyond a turn at either edge, in degrees.
+#: Margin of the phase axis beyond 360°, in degrees.
 EDGE = 10.0
 
 

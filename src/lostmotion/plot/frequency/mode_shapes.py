@@ -24,7 +24,7 @@ def mode_shapes(
     labelled: Sequence[str] | None = None,
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
-    """The first modes, each scaled to a largest angle of 1, one panel for each.
+    """The first eigenmodes, each scaled to a largest angle of 1, one panel for each.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def mode_shapes(
     names : sequence of str
         Of the nodes.
     count : int
-        How many modes.
+        Number of eigenmodes.
     labelled : sequence of str, optional
         Names to write below; default: all without a dot, which finite elements inside a shaft have.
     axes : sequence of Axes, optional

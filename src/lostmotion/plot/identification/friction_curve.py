@@ -1,4 +1,4 @@
-"""Friction torque over speed: plateaus of a ladder with their intervals, and the fitted Stribeck curve."""
+"""Friction torque over speed: plateaus of constant speed with their intervals, and the fitted Stribeck curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well the identified model predicts: measured and predicted, the residual and its autocorrelation."""
+"""Prediction by the identified model: measured and predicted signal, the residual and its autocorrelation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Damped oscillation fitted to what follows the steps of a signal."""
+"""Damped oscillation fitted to a signal after its steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Errors of estimates beside what the observers say of them, with the times in the gap."""
+"""Errors of estimates within the band of their standard deviation, with the times in the gap."""
 
 from __future__ import annotations
 
@@ -69,5 +69,5 @@ def estimate_errors(
         axis.margins(x=0.0)
     grid[-1].set_xlabel("time (s)")
     figure.align_ylabels(grid)
-    title_and_legend(figure, grid, f"Error of the {words(signal)}, and how large it is said to be")
+    title_and_legend(figure, grid, f"Error of the {words(signal)} and its standard deviation")
     return figure

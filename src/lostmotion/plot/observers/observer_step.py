@@ -42,14 +42,14 @@ def observer_step(
     Parameters
     ----------
     measured : Recording
-        Signals by their names; those that it does not hold are drawn from the observer alone.
+        Signals by their names; for signals that are not in it, the observer alone is drawn.
     estimated : Recording
         The observer's outputs, ``<signal>_estimated``.
     step_time : float, s
     name : str
         The observer's name, for the title.
     signals : sequence of str
-        One panel each, as far as either recording holds it.
+        One panel each, for the signals in either recording.
     before, after : float, s
         The paper draws 0.95 to 1.1 s around its step at 1 s.
     source : str, optional

@@ -1,4 +1,4 @@
-"""What a torque sensor is worth: error of Observer 2 over that of Observer 1 against the sensor's noise."""
+"""Worth of a torque sensor: error of Observer 2 over that of Observer 1 against the sensor's noise."""
 
 from __future__ import annotations
 
