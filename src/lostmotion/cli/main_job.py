@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ..errors import InputProblems, InvalidInput, Problem
+from ..errors import InvalidInput
 from .messages import INPUT_ERROR, interruptible, show
 
 
@@ -47,14 +47,9 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print the problems as JSON.")] = False,
 ) -> None:
     """Read a TOML and its recordings and show every problem; nothing is written."""
-    from ..io import load_recordings, read_configuration
+    from ..io import find_problems
 
-    problems: list[Problem] = []
-    try:
-        loaded = load_recordings(read_configuration(file))
-        problems += [p for _, recording in loaded for p in recording.meta.get("problems", ())]
-    except InputProblems as error:
-        problems += error.problems
+    problems = list(find_problems(file))
     failed = any(p.severity == "error" for p in problems)
     if as_json:
         typer.echo(json.dumps([p.as_dict() for p in problems], indent=1))

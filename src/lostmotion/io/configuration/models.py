@@ -10,6 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from ...controllers.pole_placement import DEFAULT_POLES
 from ...drivetrain import PARAMETER_UNITS
 from ...errors import InputProblems, InvalidInput, Problem
+from ...plain_data import shown
 from ..spelling import suggestion
 from ..tables.channels import Channel
 from . import values as value
@@ -44,20 +45,9 @@ class RecordingModel(_Model):
     use: Literal["identify", "validate"] = "identify"
     time: Annotated[Any, BeforeValidator(value.time)] = None
     channels: Annotated[dict[str, Channel], BeforeValidator(value.channels)] = {}
-    window: (
-        tuple[Annotated[float, BeforeValidator(value.edge)], Annotated[float, BeforeValidator(value.edge)]]
-        | None
-    ) = None
+    window: Annotated[tuple[float, float] | None, BeforeValidator(value.window)] = None
     resample: Annotated[float | bool | None, BeforeValidator(value.resample)] = None
     speed_from_counts: Annotated[bool | None, Field(strict=True)] = None
-
-    @model_validator(mode="after")
-    def _window_in_order(self) -> RecordingModel:
-        if self.window is not None and not self.window[0] < self.window[1]:
-            raise InvalidInput(
-                "", f"window {list(self.window)}", "[start, stop] with start < stop, s", "Swap them."
-            )
-        return self
 
 
 class LawModel(_Model):
@@ -66,8 +56,8 @@ class LawModel(_Model):
     sample_time: Annotated[float | None, value.positive("s")] = None
     torque_limit: Annotated[float | None, value.positive("Nm")] = None
     poles: Annotated[tuple[float, ...], BeforeValidator(value.poles)] = DEFAULT_POLES
-    kp: Annotated[float | None, BeforeValidator(value.proportional_gain)] = None
-    ki: Annotated[float | None, BeforeValidator(value.gain)] = None
+    kp: Annotated[float | None, value.gain("Nm s/rad", zero=False)] = None
+    ki: Annotated[float | None, value.gain("Nm/rad")] = None
 
     @model_validator(mode="after")
     def _both_gains(self) -> LawModel:
@@ -81,7 +71,7 @@ class LawModel(_Model):
 class RunModel(_Model):
     """How to run."""
 
-    seed: Annotated[int, Field(strict=True, ge=0)] = 1
+    seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 1
 
 
 class ConfigurationModel(_Model):
@@ -129,16 +119,23 @@ def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
         known = _known_keys(location[:-1])
         remedy = suggestion(str(location[-1]), known)
         return [
-            Problem("error", where, f"unknown key {location[-1]!r}", "one of " + ", ".join(known), remedy)
+            Problem(
+                "error", where, f"unknown key {shown(location[-1])}", "one of " + ", ".join(known), remedy
+            )
         ]
     if error["type"] == "missing":
         remedy = "Add a [[recording]]." if location == ("recording",) else "Add it."
         return [Problem("error", where, "nothing", "this key", remedy)]
+    if error["type"] == "model_type":
+        name = location[-1]
+        return [
+            Problem("error", where, shown(error["input"]), f"a table [{name}]", "Write its keys below it.")
+        ]
     return [
         Problem(
             "error",
             where,
-            repr(error["input"]),
+            shown(error["input"]),
             error["msg"].removeprefix("Input should be "),
             "Correct the value.",
         )

@@ -9,6 +9,8 @@ from pydantic import BeforeValidator
 
 from ...drivetrain import PARAMETER_UNITS
 from ...errors import InvalidInput, Problem
+from ...plain_data import number as finite_number
+from ...plain_data import shown
 from ...recording import SIGNAL_UNITS
 from ..spelling import suggestion
 from ..tables.channels import Channel
@@ -30,13 +32,15 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "lag": (1e-9, 10.0),
     }
 )
+#: The fastest pole, 1/s: a law at 1 MHz cannot have a faster one.
+FASTEST_POLE = 1e6
 
 
 def positive(dimension: str) -> BeforeValidator:
     def convert(value: object) -> float:
         number = parse_quantity(value, dimension)
         if number <= 0.0:
-            raise InvalidInput("", repr(value), "a positive number", "Check the sign.")
+            raise InvalidInput("", shown(value), "a positive number", "Check the sign.")
         return number
 
     return BeforeValidator(convert)
@@ -56,56 +60,79 @@ def parameter(name: str, *, positive: bool = False) -> BeforeValidator:
                 if number < 0.0
                 else f"Check the unit and the power of ten: it is in {unit}."
             )
-            raise InvalidInput("", repr(value), f"{zero}{low:g} to {high:g} {unit}", remedy)
+            raise InvalidInput("", shown(value), f"{zero}{low:g} to {high:g} {unit}", remedy)
         return number
 
     return BeforeValidator(convert)
 
 
-def edge(value: object) -> float:
-    return parse_quantity(value, "s")
-
-
-def gain(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < float("inf"):
-        raise InvalidInput("", repr(value), "zero or a positive number in SI units", "Check it.")
-    return float(value)
-
-
-def proportional_gain(value: object) -> float:
-    if (number := gain(value)) == 0.0:
+def window(value: object) -> tuple[float, float]:
+    """Start and stop, s."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        count = f", a list of {len(value)}" if isinstance(value, list | tuple) else ""
         raise InvalidInput(
-            "",
-            repr(value),
-            "a positive number in SI units",
-            "Leave kp and ki out for the package's own gains.",
+            "", f"{shown(value)}{count}", "[start, stop], s", "Give both: window = [2.0, 9.0]."
         )
-    return number
+    start, stop = (parse_quantity(edge, "s") for edge in value)
+    if not start < stop:
+        raise InvalidInput("", f"[{start}, {stop}]", "[start, stop] with start < stop, s", "Swap them.")
+    return start, stop
+
+
+def gain(unit: str, zero: bool = True) -> BeforeValidator:
+    """A gain of the PI controller."""
+
+    def convert(value: object) -> float:
+        number = finite_number("", value)
+        if number < 0.0:
+            raise InvalidInput(
+                "", shown(value), f"{'zero or ' if zero else ''}a positive number in {unit}",
+                "A negative gain drives the speed away from its set-point; if torque and speed have opposite signs, "
+                "set sign = -1 in their channels.",
+            )  # fmt: skip
+        if number == 0.0 and not zero:
+            raise InvalidInput(
+                "",
+                shown(value),
+                f"a positive number in {unit}",
+                "Leave kp and ki out for the package's own gains.",
+            )
+        return number
+
+    return BeforeValidator(convert)
 
 
 def poles(value: object) -> tuple[float, ...]:
     """Three poles: as many as a two-mass drivetrain has states."""
-    good = isinstance(value, list | tuple) and len(value) == 3
-    numbers = value if isinstance(value, list | tuple) else ()
-    if not good or any(
-        isinstance(p, bool) or not isinstance(p, int | float) or not -1e9 < p < 0 for p in numbers
-    ):
+    example = "[-400, -400, -400]"
+    expected = f"three numbers in 1/s from {-FASTEST_POLE:g} to below 0, such as {example}"
+    if not isinstance(value, list | tuple):
+        raise InvalidInput("", f"{shown(value)}, which is no list", expected, f"Write poles = {example}.")
+    if len(value) != 3:
         raise InvalidInput(
             "",
-            repr(value),
-            "three negative numbers in 1/s",
-            "A stable pole lies left of zero: [-400, -400, -400].",
+            f"{shown(value)}, {len(value)} of them",
+            expected,
+            "A two-mass drivetrain has three states: give one pole for each.",
         )
-    return tuple(map(float, numbers))
+    numbers = tuple(finite_number("", pole) for pole in value)
+    if max(numbers) >= 0.0:
+        raise InvalidInput("", shown(value), expected, "A stable pole lies left of zero: check the signs.")
+    if min(numbers) < -FASTEST_POLE:
+        raise InvalidInput("", shown(value), expected, "No drive is so fast: check the power of ten.")
+    return numbers
 
 
 def tables(value: object) -> object:
+    expected = "[[recording]], once for each file"
     if isinstance(value, dict):
-        raise InvalidInput(
-            "", "a table [recording]", "[[recording]], once for each file", "Double the brackets."
-        )
+        raise InvalidInput("", "a table [recording]", expected, "Double the brackets.")
     if value == []:
         raise InvalidInput("", "none", "at least one [[recording]]", "Add one.")
+    if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value):
+        raise InvalidInput(
+            "", shown(value), expected, 'Write [[recording]] in a line of its own and file = "…" below it.'
+        )
     return value
 
 
@@ -113,7 +140,7 @@ def channels(value: object) -> dict[str, Channel]:
     """Channels by signal name; a name that no stage knows is an error here, where it is a slip of the pen."""
     if not isinstance(value, dict):
         raise InvalidInput(
-            "", repr(value), "channels.NAME = { column = ... }", "Give one entry for each signal."
+            "", shown(value), "channels.NAME = { column = ... }", "Give one entry for each signal."
         )
     problems: list[Problem] = []
     found: dict[str, Channel] = {}
@@ -121,7 +148,10 @@ def channels(value: object) -> dict[str, Channel]:
         try:
             if name not in SIGNAL_UNITS:
                 raise InvalidInput(
-                    name, f"unknown signal {name!r}", ", ".join(SIGNAL_UNITS), suggestion(name, SIGNAL_UNITS)
+                    name,
+                    f"unknown signal {shown(name)}",
+                    ", ".join(SIGNAL_UNITS),
+                    suggestion(name, SIGNAL_UNITS),
                 )
             found[name] = Channel.of(spec, name)
         except InvalidInput as error:
@@ -143,11 +173,11 @@ def time(value: object) -> object:
     if isinstance(value, dict) and "sample_time" in value:
         if set(value) != {"sample_time"}:
             raise InvalidInput(
-                "", f"keys {', '.join(map(repr, value))}", "sample_time alone, or a column", "Leave one out."
+                "", f"keys {', '.join(map(shown, value))}", "sample_time alone, or a column", "Leave one out."
             )
         step = parse_quantity(value["sample_time"], "s")
         if step <= 0.0:
-            raise InvalidInput("", repr(value["sample_time"]), "more than 0 s", "Check the sign.")
+            raise InvalidInput("", shown(value["sample_time"]), "more than 0 s", "Check the sign.")
         return {"sample_time": step}
     return Channel.of(value, "")
 
@@ -157,5 +187,5 @@ def resample(value: object) -> float | bool:
         return value
     step = parse_quantity(value, "s")
     if step <= 0.0:
-        raise InvalidInput("", repr(value), 'true, or a sample time such as "0.1 ms"', "Check the sign.")
+        raise InvalidInput("", shown(value), 'true, or a sample time such as "0.1 ms"', "Check the sign.")
     return step

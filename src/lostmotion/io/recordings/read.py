@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputProblems, InvalidInput, Problem
+from ...errors import InputProblems, InvalidInput
 from ...recording import Recording
-from ..spelling import short_list
+from ..storage.whole_files import read_bytes
 from ..tables.columns import Table
 from .checks import check_recording
 from .raw_signals import RawSignals, signals_of_table
@@ -63,11 +63,11 @@ def read_recording(
         All errors of the file together; the warnings that were found with them follow.
     """
     path, where = Path(path), str(path)
-    data = _read_bytes(path)
     meta: dict[str, Any] = {}
     try:
+        data = read_bytes(path)
         if data.startswith(b"PK\x03\x04"):
-            saved = _saved(path, channels)
+            saved = _saved(data, where, channels)
             raw = RawSignals(saved.time, dict(saved.signals), lambda row: f"row {row}", {})
             origin, meta = dict(saved.origin), dict(saved.meta)
         else:
@@ -86,21 +86,6 @@ def read_recording(
     return replace(recording, meta={**recording.meta, **said, "problems": problems})
 
 
-def _read_bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        if path.is_dir():
-            got, remedy = "a folder", "Name the file in it."
-        elif not path.exists():
-            near = [p.name for p in path.parent.glob("*" + path.suffix)] if path.parent.is_dir() else []
-            got = "no such file"
-            remedy = f"In that folder: {short_list(sorted(near))}." if near else "Check the path."
-        else:
-            got, remedy = f"{error.strerror}", "Check the permissions."
-        raise InputProblems([Problem("error", str(path), got, "a readable file", remedy)]) from None
-
-
 def _table(path: Path, raw: bytes) -> Table:
     from ..tables.csv_files import read_csv
     from ..tables.matlab_files import read_mat
@@ -110,13 +95,13 @@ def _table(path: Path, raw: bytes) -> Table:
     return read_csv(path, raw)
 
 
-def _saved(path: Path, channels: Mapping[str, Any] | None) -> Recording:
-    from ..storage.laws_and_recordings import load_recording
+def _saved(data: bytes, where: str, channels: Mapping[str, Any] | None) -> Recording:
+    from ..storage.recording_files import recording_in
 
-    recording = load_recording(path)
+    recording = recording_in(data, where)
     if channels:
         raise InvalidInput(
-            str(path),
+            where,
             "channels for a saved recording",
             "none",
             "Leave them out: names and units are stored in it.",

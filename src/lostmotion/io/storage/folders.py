@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ...errors import InvalidInput
 from ..spelling import short_list
-from .laws_and_recordings import load_json, save_json
+from .json_files import load_json, save_json
 
 #: File in every output folder that lists what the run wrote, with hashes: whatever else lies there, or was changed, is
 #: somebody else's.

@@ -22,7 +22,8 @@ _COLUMNS = ("final_state", "peak", "rms", "events", "samples", "time")
 
 #: What a batch runs through: this layer and all below it.
 SOURCES = (
-    "simulation", "systems", "metrics", "drivetrain", "recording", "signals", "curves", "kernels", "errors",
+    "simulation", "systems", "metrics", "drivetrain", "recording", "signals", "curves", "plain_data", "kernels",
+    "errors",
 )  # fmt: skip
 
 
