@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -66,13 +67,10 @@ def init(
 ) -> None:
     """Write a commented TOML to fill in."""
     from ..io import template
+    from ..io.storage.whole_files import write_bytes
 
-    if file.exists() and not force:
+    if os.path.lexists(file) and not force:
         raise InvalidInput(str(file), "an existing file", "a new name", "Choose another name, or --force.")
-    try:
-        file.write_text(template(), encoding="utf-8")
-    except OSError as error:
-        raise InvalidInput(
-            str(file), error.strerror or "an error", "a place to write", "Choose another."
-        ) from None
+    with interruptible():
+        write_bytes(file, template().encode("utf-8"))
     typer.echo(f"{file} written: fill it in, then: lostmotion check {file}")

@@ -14,6 +14,11 @@ from ..interruption import INTERRUPTED, as_exceptions
 INPUT_ERROR = 1
 
 
+def announce(sentence: str) -> None:
+    """What a command will cost, on standard error."""
+    typer.secho(f"  {sentence}", fg="yellow", err=True)
+
+
 def finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
     """Warnings on standard error, then the files written."""
     show([Problem(**p) for p in problems])  # type: ignore[arg-type]

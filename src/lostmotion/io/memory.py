@@ -11,6 +11,8 @@ from ..errors import InvalidInput
 VARIABLE = "LOSTMOTION_MEMORY_LIMIT"
 #: Bytes that reading one file, or one simulation, may take (chosen: five channels at 10 kHz for five minutes as CSV).
 DEFAULT = 1e9
+#: More than this, bytes, no limit is offered for (chosen: no desk has it).
+LARGEST = 1e12
 
 _UNITS = {"": 1e9, "GB": 1e9, "MB": 1e6}
 _SIZE = re.compile(r"\s*(\d+\.?\d*)\s*(GB|MB|)\s*", re.IGNORECASE | re.ASCII)
@@ -44,14 +46,14 @@ def check_memory(where: str, got: str, needed: float, remedy: str) -> None:
 
 
 def too_much(where: str, got: str, needed: float, remedy: str) -> InvalidInput:
-    """The error that says how the limit is raised to what is needed (bytes)."""
-    return InvalidInput(
-        where,
-        got,
-        f"what takes at most {size_text(memory_limit())} of memory",
-        f"{remedy} Or raise the limit: lostmotion --memory-limit {_enough(needed)} before the command's name, or "
-        f"{VARIABLE}={_enough(needed)} in the environment.",
-    )
+    """The error that says how the limit is raised to what is needed (bytes), where a machine can have that."""
+    if needed < LARGEST:
+        size = _enough(needed)
+        remedy += (
+            f" Or raise the limit: lostmotion --memory-limit {size} before the command's name, or "
+            f"{VARIABLE}={size} in the environment."
+        )
+    return InvalidInput(where, got, f"what takes at most {size_text(memory_limit())} of memory", remedy)
 
 
 def _enough(needed: float) -> str:

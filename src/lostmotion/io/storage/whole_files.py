@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import secrets
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import InvalidInput
@@ -79,16 +81,28 @@ def _near(path: Path) -> str:
 
 
 def write_bytes(path: str | Path, content: bytes) -> None:
-    """Write all or nothing: a sibling file, then a rename; raises ``InvalidInput`` where that fails."""
+    """Write all or nothing; raises ``InvalidInput`` where that fails."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content)
+
+
+@contextlib.contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """A sibling to write to, which takes the file's place when the block ends without an exception.
+
+    Raises ``InvalidInput`` where it cannot be written.
+    """
     path = Path(path)
     # Its own name in it could be too long for a file.
     temporary = path.parent / f".lostmotion-{os.getpid()}-{secrets.token_hex(4)}.partial"
     try:
         try:
-            temporary.write_bytes(content)
+            yield temporary
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
+    except InvalidInput:
+        raise
     except (OSError, ValueError) as error:
         said = getattr(error, "strerror", None) or "a name that no file can have"
         raise InvalidInput(
