@@ -42,8 +42,8 @@ def test_an_absurd_simulation_is_refused_at_once(plant: Path, duration: float, d
     ):
         with pytest.raises(lm.InvalidInput) as caught:
             call()
-        assert words in caught.value.problem.got
-        assert "--memory-limit" in caught.value.problem.remedy and "dt" in caught.value.problem.remedy
+        assert words in caught.value.problem.got and "a longer dt" in caught.value.problem.remedy
+        assert ("--memory-limit 3GB" in caught.value.problem.remedy) == (duration == 1e3)
     assert time.perf_counter() - before < 5.0
     assert {path.name for path in plant.parent.iterdir()} == {"plant.toml"}
 
@@ -77,9 +77,7 @@ def test_a_long_command_says_so_and_a_short_one_does_not() -> None:
     Cost(1e6, 300.0, 1e-4).check("here", said.append)
     assert said == ["1e+06 samples: about 100 s and 300 MB of memory"]
     Cost(1e4, 300.0, 1e-4).check("here", said.append)
-    with pytest.raises(
-        lm.InvalidInput, match=r"1e\+06 samples, which take about 11\.6 days, expected at most 24 hours"
-    ):
+    with pytest.raises(lm.InvalidInput, match=r"which take about 11\.6 days, expected at most 24 hours"):
         Cost(1e6, 300.0, 1.0).check("here", said.append)
     assert len(said) == 1
 
