@@ -80,6 +80,15 @@ def _near(path: Path) -> str:
     return f"In that folder: {short_list(near)}." if near else "Check the path."
 
 
+def make_folder(path: Path) -> None:
+    """The folder and its parents, where they are missing; raises ``InvalidInput`` where that fails."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        said = getattr(error, "strerror", None) or "a name that no folder can have"
+        raise InvalidInput(str(path), said, "a folder to write into", "Choose another.") from None
+
+
 def write_bytes(path: str | Path, content: bytes) -> None:
     """Write all or nothing; raises ``InvalidInput`` where that fails."""
     with whole_file(path) as temporary:

@@ -81,10 +81,14 @@ def known_files(manifest: Path, kind: str) -> dict[str, str | None] | None:
 
 def content_hash(file: Path) -> str:
     """Of the content; what is no file, such as a link or an empty folder, is known by being none."""
-    if file.is_symlink() or not file.is_file():
+    # These two say no, where Path's own raise, of names that no file can have.
+    if os.path.islink(file) or not os.path.isfile(file):  # noqa: PTH113, PTH114
         return "no file"
     digest = hashlib.sha256()
-    with file.open("rb") as stream:
-        while part := stream.read(1 << 20):
-            digest.update(part)
+    try:
+        with file.open("rb") as stream:
+            while part := stream.read(1 << 20):
+                digest.update(part)
+    except OSError:
+        return "not readable"
     return digest.hexdigest()
