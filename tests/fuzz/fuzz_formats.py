@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import io
 import json
 import random
@@ -74,6 +75,21 @@ def _plant() -> lm.Drivetrain:
 
 def _json_rewritten(data: bytes, rng: random.Random) -> bytes:
     return fuzz_trees.json_text(fuzz_trees.changed(json.loads(data), rng))
+
+
+def _law_rewritten(data: bytes, rng: random.Random) -> bytes:
+    """With another structure under a hash that fits it, or of before there were hashes."""
+    content = json.loads(data)
+    content.pop("sha256", None)
+    content = fuzz_trees.changed(content, rng)
+    if isinstance(content, dict) and rng.random() < 0.9:
+        if rng.random() < 0.5:
+            content["schema_version"] = 1
+        else:
+            signed = {k: v for k, v in content.items() if k not in ("kind", "schema_version")}
+            text = json.dumps(signed, sort_keys=True, separators=(",", ":"), default=str)
+            content["sha256"] = hashlib.sha256(text.encode(errors="backslashreplace")).hexdigest()
+    return fuzz_trees.json_text(content)
 
 
 def _toml_rewritten(data: bytes, rng: random.Random) -> bytes:
@@ -290,8 +306,8 @@ def _retyped(data: bytes, rng: random.Random) -> bytes:
 
 
 FORMATS = (
-    Format("law.json", "law.json", laws, _json_rewritten, lm.load_law),
-    Format("law.json of a stepper", "law.json", steppers, _json_rewritten, lm.load_law),
+    Format("law.json", "law.json", laws, _law_rewritten, lm.load_law),
+    Format("law.json of a stepper", "law.json", steppers, _law_rewritten, lm.load_law),
     Format("recording .npz", "rig.npz", recordings, fuzz_tables.changed_npz, files.read_recording),
     Format("CSV", "rig.csv", csv_tables, fuzz_tables.changed_csv, _read_csv),
     Format("MAT", "rig.mat", mat_files, fuzz_tables.changed_mat, _read_mat),
