@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import lostmotion as lm
+from lostmotion.io.storage.written_files import MANIFEST
 
 GOOD = """
 [nameplate]
@@ -62,7 +63,7 @@ def test_simulate_names_both_files(tmp_path: Path) -> None:
     done = call("simulate", "plant.toml", "--duration", "0.1", "--out", "a.csv", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "written: a.csv, a.png" in done.stdout
-    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml", "a.csv", "a.png"}
+    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml", "a.csv", "a.png", MANIFEST}
 
 
 def test_simulate_variants_writes_a_row_for_each(tmp_path: Path) -> None:
@@ -74,7 +75,12 @@ def test_simulate_variants_writes_a_row_for_each(tmp_path: Path) -> None:
     done = call("simulate", "plant.toml", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "12 of 12 variants" in done.stdout and "written: a.csv, a.png" in done.stdout
-    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml", "a.csv", "a.png"}  # chunks are cleared away
+    assert {p.name for p in tmp_path.iterdir()} == {
+        "plant.toml",
+        "a.csv",
+        "a.png",
+        MANIFEST,
+    }  # chunks are cleared away
     assert len((tmp_path / "a.csv").read_text().splitlines()) == 13
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import lostmotion as lm
 
@@ -13,6 +15,11 @@ HEAVY = ("numba", "scipy", "matplotlib", "pydantic", "jinja2")
 def test_every_public_name_is_there() -> None:
     for name in lm.__all__:
         assert getattr(lm, name) is not None, name
+
+
+def test_the_version_is_that_of_the_project() -> None:
+    project = Path(__file__).resolve().parents[1] / "pyproject.toml"
+    assert lm.__version__ == tomllib.loads(project.read_text())["project"]["version"]
 
 
 def test_import_loads_nothing_heavy() -> None:

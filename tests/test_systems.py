@@ -199,7 +199,7 @@ def test_misuse_of_connect(systems, inputs, outputs, complaint):
 def test_from_dict_says_what_is_missing():
     data = first_order().to_dict()
     del data["A"]
-    with pytest.raises(InvalidInput, match="from_dict"):
+    with pytest.raises(InvalidInput, match="law: got a table without A"):
         DiscreteSystem.from_dict(data)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from .version import VERSION
+
 if TYPE_CHECKING:
     from . import (
         compare,
@@ -45,7 +47,7 @@ if TYPE_CHECKING:
     from .simulation import BatchResult, Sensor, simulate, simulate_batch
     from .systems import DiscreteSystem, Stepper, connect, one_sample_delay
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 # Public names and the module that holds each, loaded when first used: importing the package stays fast.
 _HOME = {

@@ -1,5 +1,14 @@
-"""python -m lostmotion"""
+"""python -m lostmotion, and the command lostmotion."""
 
-from .cli import main
+from .interruption import exit_at_once
 
-main()
+
+def main() -> None:
+    exit_at_once()  # before the imports, which take a third of a second
+    from .cli import main as run_command
+
+    run_command()
+
+
+if __name__ == "__main__":
+    main()

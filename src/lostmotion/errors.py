@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 Severity = Literal["error", "warning"]
+
+#: What is quoted from a file or a name is cut to so many characters (chosen: half a screen).
+LONGEST = 1000
 
 
 @dataclass(frozen=True)
@@ -31,11 +35,24 @@ class Problem:
     expected: str
     remedy: str
 
+    def __post_init__(self) -> None:
+        for part in ("where", "got"):
+            object.__setattr__(self, part, _presentable(getattr(self, part)))
+
     def __str__(self) -> str:
         return f"{self.where}: got {self.got}, expected {self.expected}. {self.remedy}"
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)
+
+
+def _presentable(text: str) -> str:
+    """At most `LONGEST` characters, all of which a terminal can show: what a file holds may be anything."""
+    if len(text) > LONGEST:
+        text = f"{text[: LONGEST // 2]} … {text[-LONGEST // 2 :]}"
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
 
 
 class LostMotionError(Exception):
@@ -70,3 +87,13 @@ class InputProblems(LostMotionError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.problems,)
+
+
+@contextmanager
+def within(place: str) -> Iterator[None]:
+    """Puts the place, a file, before that of an ``InvalidInput`` that its content raises."""
+    try:
+        yield
+    except InvalidInput as error:
+        p = error.problem
+        raise InvalidInput(f"{place}, {p.where}", p.got, p.expected, p.remedy) from None

@@ -75,7 +75,7 @@ def run(
         with _stage("validate", timing, progress):
             validation = validate(material, found, laws)
         with _stage("export", timing, progress):
-            code, code_problems = write_code(laws, folder)
+            code, code_problems = write_code(laws, folder, found.drivetrain)
         results = _results(material, found, laws, validation, code)
         results["problems"] += [p.as_dict() for p in code_problems]
         true_parameters = None if truth is None else truth.parameters

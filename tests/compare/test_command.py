@@ -34,7 +34,7 @@ def test_files_and_that_it_goes_on(tmp_path: Path) -> None:
     assert "compare …" in done.stderr and "compare done in" in done.stderr
     folder = tmp_path / "leaderboard-part"
     assert [p.name for p in tmp_path.iterdir()] == [folder.name]
-    assert {p.name for p in folder.iterdir()} == {*FILES, "scores"}
+    assert {p.name for p in folder.iterdir()} == {*FILES, "scores", ".lostmotion-files.json"}
     assert all(f"leaderboard-part/{name}" in done.stdout for name in FILES)
     assert done.stdout.startswith((folder / "leaderboard.md").read_text())
     board = json.loads((folder / "leaderboard.json").read_text())

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import shutil
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 
+import lostmotion as lm
 from lostmotion import export
 from lostmotion.controllers import pi, pole_placement
-from lostmotion.curves import saturation
-from lostmotion.drivetrain import Drivetrain
+from lostmotion.curves import dead_zone, saturation
+from lostmotion.drivetrain import Drivetrain, Shaft
 from lostmotion.errors import InvalidInput
+from lostmotion.export.facts import output_limits
+from lostmotion.io.storage.written_files import MANIFEST
 from lostmotion.observers import extended_kalman, kalman
 from lostmotion.systems import DiscreteSystem, connect
 
@@ -37,7 +41,7 @@ def test_double_precision_compiles_without_warning_and_repeats_its_vectors_exact
     check = export.compile_and_check(tmp_path, "drive_law")
     assert check.passed, check.message
     assert check.max_difference == 0.0
-    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(p.name for p in written)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted([MANIFEST, *(p.name for p in written)])
 
 
 @needs_compiler
@@ -124,6 +128,65 @@ def test_the_same_law_gives_the_same_bytes(law, tmp_path):
         export.c(law, tmp_path / folder)
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+
+
+def test_the_date_is_that_of_the_environment_else_of_today(law, tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    export.c(law, tmp_path)
+    for name in ("README.md", "law.h"):
+        assert f"lostmotion {lm.__version__} on 2023-11-14" in (tmp_path / name).read_text()
+    monkeypatch.delenv("SOURCE_DATE_EPOCH")
+    export.c(law, tmp_path)
+    assert f"on {datetime.now(UTC).date()}" in (tmp_path / "law.h").read_text()
+    for bad in ("today", "9" * 400, "1e9"):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", bad)
+        with pytest.raises(InvalidInput, match="SOURCE_DATE_EPOCH"):
+            export.c(law, tmp_path)
+
+
+def test_readme_and_header_say_limits_inputs_and_drivetrain(law, tmp_path):
+    plant = Drivetrain.two_mass(inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, backlash=0.012)
+    export.c(law, tmp_path, drivetrain=plant)
+    readme, header = (tmp_path / "README.md").read_text(), (tmp_path / "law.h").read_text()
+    assert (
+        "`torque_motor` stays within -73.5 … 73.5 Nm" in readme and "| `backlash` | 0.012 | rad |" in readme
+    )
+    assert "torque_motor stays within -73.5 ... 73.5 Nm" in header and "backlash = 0.012 rad" in header
+    assert "inputs: speed_reference (rad/s), speed_motor (rad/s)" in header
+    chain = Drivetrain((0.1, 0.2, 0.3), (Shaft(1e3, 0.1), Shaft(2e3, 0.1)))
+    export.c(law, tmp_path, drivetrain=chain)
+    assert "stiffness_2 = 2000.0 Nm/rad" in (tmp_path / "law.h").read_text()
+
+
+def test_only_what_saturations_bound_is_called_limited():
+    numbers = dict(inputs=("u",), dt=1.0, curves=(saturation(3.0), dead_zone(1.0)), G=[[1.0], [1.0]])
+    law = DiscreteSystem(
+        **numbers, outputs=("a", "b", "c", "d"), J=[[2.0, 0.0], [1.0, 1.0], [-1.0, 0.0], [0.0, 0.0]],
+        D=[[0.0], [0.0], [1.0], [0.0]],
+    )  # fmt: skip
+    assert output_limits(law) == {"a": (-6.0, 6.0)}
+    assert output_limits(pi(dt=1e-3, torque_limit=5.0)) == {"torque_motor": (-5.0, 5.0)}
+    assert output_limits(pi(dt=1e-3)) == {}
+
+
+def test_nobody_elses_file_is_replaced_and_no_changed_one(law, tmp_path):
+    (tmp_path / "README.md").write_text("my notes")
+    with pytest.raises(InvalidInput, match=r"1 file that lostmotion has not written.*README\.md"):
+        export.c(law, tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["README.md"]
+    export.c(law, tmp_path, force=True)
+    export.c(law, tmp_path)  # its own by now
+    (tmp_path / "law.c").write_text("/* tuned on the rig */")
+    with pytest.raises(InvalidInput, match=r"changed since: law\.c"):
+        export.c(law, tmp_path)
+    assert (tmp_path / "law.c").read_text() == "/* tuned on the rig */"
+
+
+@pytest.mark.parametrize("place", ["file/c", "n" * 300])
+def test_a_place_that_cannot_be_written_is_said(law, tmp_path, place):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InvalidInput, match="a folder to write into"):
+        export.c(law, tmp_path / place)
 
 
 def test_readme_says_signals_units_and_sample_time(law, tmp_path):

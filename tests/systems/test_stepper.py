@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lostmotion.errors import InvalidInput
-from lostmotion.io.storage.laws_and_recordings import load_law, save_law
+from lostmotion.io.storage.law_files import load_law, save_law
+from lostmotion.kernels.estimators import SIZES
 from lostmotion.recording import Recording
 from lostmotion.systems import Stepper
 
@@ -104,23 +104,56 @@ def test_a_state_of_another_law_is_refused(counting):
         counting.step(counting.init(), [0.0])
 
 
-def test_a_stored_stepper_is_read_again_and_a_foreign_one_is_not(counting, tmp_path):
-    stored = replace(counting, estimator="sliding_mode")
-    save_law(stored, tmp_path / "law.json")
+@pytest.fixture
+def sliding() -> Stepper:
+    """A stepper with as many numbers as its estimator has."""
+    count, outputs = SIZES["sliding_mode"]
+    return Stepper(
+        name="sliding",
+        inputs=("torque_motor", "speed_motor"),
+        outputs=tuple(f"y{i}" for i in range(outputs)),
+        dt=0.5,
+        parameters=np.linspace(0.1, 1.0, count),
+        estimator="sliding_mode",
+        state_names={"sum": 3},
+    )
+
+
+def test_a_stored_stepper_is_read_again_and_a_foreign_one_is_not(counting, sliding, tmp_path):
+    save_law(sliding, tmp_path / "law.json")
     again = load_law(tmp_path / "law.json")
-    assert isinstance(again, Stepper) and again.to_dict() == stored.to_dict()
-    assert np.array_equal(again.parameters, stored.parameters)
+    assert isinstance(again, Stepper) and again.to_dict() == sliding.to_dict()
+    assert np.array_equal(again.parameters, sliding.parameters)
     with pytest.raises(InvalidInput, match="sliding_mode"):
         Stepper.from_dict(counting.to_dict())
-    with pytest.raises(InvalidInput, match="to_dict"):
-        Stepper.from_dict({"estimator": stored.estimator})
+    with pytest.raises(InvalidInput, match="without dt"):
+        Stepper.from_dict({"estimator": sliding.estimator})
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [("extended_kalman", "extended_kalman"), ("radial_basis", "neural_network")]
+    ("change", "message"),
+    [
+        ({"parameters": [1.0]}, r"parameters: got shape \(1,\), expected numbers of shape \(130,\)"),
+        ({"outputs": ["y"]}, "outputs: got 1 names, expected the 6"),
+        ({"parameters": "x" * 130}, "parameters: got"),
+        ({"state_names": ["a"]}, "state_names"),
+        ({"exportable": "no"}, "exportable: got 'no', expected true or false"),
+        ({"dt": "0.1"}, "dt: got '0.1'"),
+        ({"estimator": ["sliding_mode"]}, "estimator"),
+    ],
 )
-def test_a_file_of_schema_version_1_names_a_module(counting, tmp_path, old, new):
-    data = counting.to_dict()
+def test_a_stepper_whose_arrays_its_step_would_overrun_is_refused(sliding, change, message):
+    with pytest.raises(InvalidInput, match=message):
+        Stepper.from_dict({**sliding.to_dict(), **change})
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("sliding_mode", "sliding_mode"), ("radial_basis", "neural_network")]
+)
+def test_a_file_of_schema_version_1_names_a_module(sliding, tmp_path, old, new):
+    data = sliding.to_dict()
+    count, outputs = SIZES[new]
+    data |= {"parameters": [0.5] * count, "outputs": [f"y{i}" for i in range(outputs)]}
     del data["estimator"]
     stored = {"kind": "law", "schema_version": 1, **data, "kernel": f"lostmotion.kernels.steppers_{old}"}
     (tmp_path / "law.json").write_text(json.dumps(stored))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Annotated
 
@@ -27,7 +28,24 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
+def _limit_memory(size: str | None) -> None:
+    """For this process and those that it starts."""
+    if size is not None:
+        from ..io.memory import VARIABLE, parse_size
+
+        parse_size(size, "--memory-limit")
+        os.environ[VARIABLE] = size
+
+
 def _options(
+    memory_limit: Annotated[
+        str | None,
+        typer.Option(
+            callback=_limit_memory,
+            metavar="SIZE",
+            help='Memory for a file or a simulation, such as "4GB"; default: 1GB, or LOSTMOTION_MEMORY_LIMIT.',
+        ),
+    ] = None,
     version: Annotated[
         bool,
         typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and stop."),

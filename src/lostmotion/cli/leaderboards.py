@@ -42,7 +42,11 @@ def observers(
         list[str] | None, typer.Option(help="An observer by its name (see --list); repeat it for more.")
     ] = None,
     force: Annotated[
-        bool, typer.Option("--force", help="Replace a larger table in the folder; its scores are kept.")
+        bool,
+        typer.Option(
+            "--force",
+            help="Replace a larger table in the folder, or one that was changed; its scores are kept.",
+        ),
     ] = False,
     names: Annotated[
         bool,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ..errors import InputProblems, InvalidInput, Problem
+from ..errors import InvalidInput
 from .messages import INPUT_ERROR, interruptible, show
 
 #: What ``init --schema`` writes beside the TOML.
@@ -50,14 +51,9 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print the problems as JSON.")] = False,
 ) -> None:
     """Read a TOML and its recordings and show every problem; nothing is written."""
-    from ..io import load_recordings, read_configuration
+    from ..io import find_problems
 
-    problems: list[Problem] = []
-    try:
-        loaded = load_recordings(read_configuration(file))
-        problems += [p for _, recording in loaded for p in recording.meta.get("problems", ())]
-    except InputProblems as error:
-        problems += error.problems
+    problems = list(find_problems(file))
     failed = any(p.severity == "error" for p in problems)
     if as_json:
         typer.echo(json.dumps([p.as_dict() for p in problems], indent=1))
@@ -77,6 +73,7 @@ def init(
 ) -> None:
     """Write a commented TOML to fill in."""
     from ..io import configuration_schema, template
+    from ..io.storage.whole_files import write_bytes
 
     texts = {file: template()}
     if schema:
@@ -86,15 +83,11 @@ def init(
             file: f"#:schema ./{SCHEMA_FILE}\n{template()}",
         }
     for path in texts:
-        if path.exists() and not force:
+        if os.path.lexists(path) and not force:
             raise InvalidInput(
                 str(path), "an existing file", "a new name", "Choose another name, or --force."
             )
-    for path, text in texts.items():
-        try:
-            path.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise InvalidInput(
-                str(path), error.strerror or "an error", "a place to write", "Choose another."
-            ) from None
+    with interruptible():
+        for path, text in texts.items():
+            write_bytes(path, text.encode("utf-8"))
     typer.echo(f"{file} written: fill it in, then: lostmotion check {file}")

@@ -9,8 +9,14 @@ from pathlib import Path
 import typer
 
 from ..errors import Problem
+from ..interruption import INTERRUPTED, as_exceptions
 
-INPUT_ERROR, INTERRUPTED = 1, 130
+INPUT_ERROR = 1
+
+
+def announce(sentence: str) -> None:
+    """What a command will cost, on standard error."""
+    typer.secho(f"  {sentence}", fg="yellow", err=True)
 
 
 def finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
@@ -21,12 +27,13 @@ def finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
 
 @contextmanager
 def interruptible(parts: str = "", folder: Path | None = None, files: str = "*") -> Iterator[None]:
-    """Ctrl-C becomes a message and an exit code (typer itself would end without a word).
+    """Around what writes: Ctrl-C becomes a message and an exit code, SIGTERM an exit code, and nothing hidden stays.
 
     ``parts`` are what the command goes on from: ``files`` in the folder, where there are any by then.
     """
     try:
-        yield
+        with as_exceptions():
+            yield
     except KeyboardInterrupt:
         kept = "an earlier output is as it was"
         if folder is not None and any(folder.rglob(files)):

@@ -43,6 +43,12 @@ def spread_below_one(value: float) -> float:
     return value
 
 
+ForceOption = Annotated[
+    bool,
+    typer.Option(
+        "--force", help="Replace files that lostmotion has not written, or that were changed since."
+    ),
+]
 SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed; default: the TOML's, else 1.")]
 
 

@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from .messages import finished, interruptible
+from .messages import announce, finished, interruptible
 from .options import (
     KINDS,
     METHODS,
+    ForceOption,
     SeedOption,
     completing,
     finite_positive,
@@ -29,13 +30,16 @@ def identify(
         "identified"
     ),
     seed: SeedOption = None,
+    force: ForceOption = False,
 ) -> None:
     """Identify the drivetrain alone."""
     from ..commands.identify import identify_file
     from ..terminal import StageLines, parameters
 
     with interruptible(), StageLines() as lines:
-        result = identify_file(file, out, seed, lambda fraction, text: lines("identify", fraction, text))
+        result = identify_file(
+            file, out, seed, lambda fraction, text: lines("identify", fraction, text), force
+        )
     parameters(result["parameters"])
     finished(result["problems"], out, ".json", ".png")
 
@@ -54,13 +58,14 @@ def frf(
     low: Annotated[float, typer.Option(help="Lowest frequency, Hz.")] = 1.0,
     high: Annotated[float, typer.Option(help="Highest frequency, Hz.")] = 200.0,
     seed: SeedOption = None,
+    force: ForceOption = False,
 ) -> None:
     """Frequency response with coherence and the two masses that fit it."""
     from ..commands.frf import frequency_response_file
 
     with interruptible():
         result = frequency_response_file(
-            file, out, seed, signal_in, signal_out, known_method(method), reference, (low, high)
+            file, out, seed, signal_in, signal_out, known_method(method), reference, (low, high), force
         )
     fit = result["two_mass_fit"]
     if fit is not None:
@@ -93,6 +98,7 @@ def excite(
     angle_limit: Annotated[float, typer.Option(callback=positive, help="rad")] = float("inf"),
     encoder_bits: Annotated[int, typer.Option(min=1, max=40, help="Motor encoder, bit per turn.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the signal.")] = 1,
+    force: ForceOption = False,
 ) -> None:
     """Design the torque of a test within limits, and say beforehand how well it will tell each parameter."""
     from ..commands.excite import excitation_file
@@ -100,7 +106,7 @@ def excite(
     with interruptible():
         result = excitation_file(
             file, out, kind=kind, duration=duration, dt=dt, torque_limit=torque_limit, speed_limit=speed_limit,
-            angle_limit=angle_limit, encoder_bits=encoder_bits, seed=seed,
+            angle_limit=angle_limit, encoder_bits=encoder_bits, seed=seed, force=force, announce=announce,
         )  # fmt: skip
     for name, unit in (("torque", "Nm"), ("speed", "rad/s"), ("angle", "rad")):
         peak, limit = result["peaks"][name], result["limits"][name]
@@ -139,15 +145,16 @@ def simulate(
             callback=spread_below_one, help="With variants: how far each number may be off, 0.2 for 20 %."
         ),
     ] = 0.2,
+    force: ForceOption = False,
 ) -> None:
     """Simulate a drivetrain exactly, from event to event; or variants of it, going on after an interruption."""
     if variants is not None:
-        _simulate_variants(drivetrain, out, variants, spread, torque, duration, dt, seed)
+        _simulate_variants(drivetrain, out, variants, spread, torque, duration, dt, seed, force)
         return
     from ..commands.simulate import simulate_file
 
     with interruptible():
-        recording = simulate_file(drivetrain, out, torque, duration, dt, seed)
+        recording = simulate_file(drivetrain, out, torque, duration, dt, seed, force, announce)
     typer.echo(f"  {len(recording)} samples, {len(recording.events)} events")
     finished([], out.with_suffix(""), out.suffix, ".png")
 
@@ -161,12 +168,15 @@ def _simulate_variants(
     duration: float,
     dt: float,
     seed: int,
+    force: bool,
 ) -> None:
     from ..commands.simulate_variants import chunk_folder, simulate_variants
     from ..terminal import Countdown
 
     with interruptible("finished chunks", chunk_folder(out), "*.npz"), Countdown("variants") as bar:
-        made = simulate_variants(drivetrain, out, count, spread, torque, duration, dt, seed, bar)
+        made = simulate_variants(
+            drivetrain, out, count, spread, torque, duration, dt, seed, bar, force, announce
+        )
     for index, message in made.failures.items():
         typer.secho(f"variant {index} failed: {message}", fg="yellow", err=True)
     typer.echo(f"  {int(made.done.sum())} of {count} variants")

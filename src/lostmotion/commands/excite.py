@@ -13,10 +13,15 @@ from ..io import read_configuration, save_json
 from ..io.storage.whole_files import read_bytes
 from ..stages.material import RIG_NAMEPLATE
 from ..stages.parameters import two_mass
-from .recordings import drivetrain_of, outputs, save_picture
+from .cost import Announce, Cost, silent
+from .outputs import outputs, save_picture
+from .recordings import drivetrain_of
+from .simulate import check_times
 
 #: Largest torque of a test where neither the user nor the TOML says one, Nm (chosen for the virtual rig).
 TORQUE_LIMIT = 40.0
+#: Bytes of memory and seconds that a sample takes: three plants are recorded and identified (measured).
+MEMORY, SECONDS = 1500.0, 1e-4
 
 
 def excitation_file(
@@ -31,36 +36,41 @@ def excitation_file(
     angle_limit: float = np.inf,
     encoder_bits: int = 20,
     seed: int = 1,
+    force: bool = False,
+    announce: Announce = silent,
 ) -> dict[str, Any]:
     """Design and write OUT.csv, OUT.json and OUT.png; returns what the JSON holds.
 
-    Without a ``torque_limit`` (Nm) the TOML's own holds, else ``TORQUE_LIMIT``.
+    Without a ``torque_limit`` (Nm) the TOML's own holds, else ``TORQUE_LIMIT``. ``announce`` is told what a long test
+    will cost.
     """
-    csv_file, json_file, picture = outputs(out, ".csv", ".json", ".png", source=file)
-    design = design_excitation(
-        two_mass(RIG_NAMEPLATE) if file is None else drivetrain_of(file),
-        kind=kind,
-        duration=duration,
-        dt=dt,
-        torque_limit=_torque_limit(file) if torque_limit is None else torque_limit,
-        speed_limit=speed_limit,
-        angle_limit=angle_limit,
-        encoder_bits=encoder_bits,
-        seed=seed,
-    )
-    result: dict[str, Any] = {
-        "kind": kind,
-        "seed": seed,
-        "limits": dict(design.limits),
-        "peaks": dict(design.peaks),
-        "half_widths": dict(design.half_widths),
-        "not_excited": list(design.not_excited),
-        "problems": [p.as_dict() for p in design.problems],
-    }
-    design.save_csv(csv_file)
-    save_json(json_file, "excitation", result)
-    figure = plot.recording_overview(design.predicted, title=f"Excitation: {kind} (response simulated)")
-    save_picture(figure, picture)
+    with outputs(out, ".csv", ".json", ".png", sources=(file,), force=force) as (table, json_file, picture):
+        check_times(duration, dt)
+        Cost(duration / dt, MEMORY, SECONDS).check(f"{duration:g} s at {dt:g} s", announce)
+        design = design_excitation(
+            two_mass(RIG_NAMEPLATE) if file is None else drivetrain_of(file),
+            kind=kind,
+            duration=duration,
+            dt=dt,
+            torque_limit=_torque_limit(file) if torque_limit is None else torque_limit,
+            speed_limit=speed_limit,
+            angle_limit=angle_limit,
+            encoder_bits=encoder_bits,
+            seed=seed,
+        )
+        result: dict[str, Any] = {
+            "kind": kind,
+            "seed": seed,
+            "limits": dict(design.limits),
+            "peaks": dict(design.peaks),
+            "half_widths": dict(design.half_widths),
+            "not_excited": list(design.not_excited),
+            "problems": [p.as_dict() for p in design.problems],
+        }
+        design.save_csv(table)
+        save_json(json_file, "excitation", result)
+        title = f"Excitation: {kind} (response simulated)"
+        save_picture(plot.recording_overview(design.predicted, title=title), picture)
     return result
 
 

@@ -10,7 +10,8 @@ from ..identification.frequency.response import Method
 from ..io import save_json
 from ..plot import bode, source_of
 from ..recording import unit_of
-from .recordings import outputs, recording_of, save_picture
+from .outputs import outputs, save_picture
+from .recordings import recording_of
 
 
 def frequency_response_file(
@@ -22,26 +23,27 @@ def frequency_response_file(
     method: Method = "H1",
     reference: str | None = None,
     band: tuple[float, float] = (1.0, 200.0),
+    force: bool = False,
 ) -> dict[str, Any]:
     """Analyse the band (Hz) and write OUT.json and OUT.png; returns what the JSON holds."""
-    json_file, picture = outputs(out, ".json", ".png", source=file)
-    recording, warnings = recording_of(file, seed)
-    analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
-    response, fit = analysis.response, analysis.fit
-    result = analysis.as_dict() | {"problems": [p.as_dict() for p in (*warnings, *analysis.problems)]}
-    save_json(json_file, "frequency_response", result)
-    source = source_of(recording)
-    curves: dict[str, Any] = {source: (response.frequency, response.response, response.margin)}
-    marks = {}
-    if fit is not None:
-        curves["two masses, fitted"] = (fit.frequency, fit.fitted)
-        marks = {name: value for name in ("zero", "pole") if (value := fit.values[name]) is not None}
-    figure = bode(
-        curves,
-        unit=f"{unit_of(output)}/({unit_of(input)})",
-        title=f"{output.replace('_', ' ')} / {input.replace('_', ' ')}",
-        marks=marks,
-        coherences={source: (response.frequency, response.coherence)},
-    )
-    save_picture(figure, picture)
+    with outputs(out, ".json", ".png", sources=(file,), force=force) as (json_file, picture):
+        recording, warnings = recording_of(file, seed)
+        analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
+        response, fit = analysis.response, analysis.fit
+        result = analysis.as_dict() | {"problems": [p.as_dict() for p in (*warnings, *analysis.problems)]}
+        save_json(json_file, "frequency_response", result)
+        source = source_of(recording)
+        curves: dict[str, Any] = {source: (response.frequency, response.response, response.margin)}
+        marks = {}
+        if fit is not None:
+            curves["two masses, fitted"] = (fit.frequency, fit.fitted)
+            marks = {name: value for name in ("zero", "pole") if (value := fit.values[name]) is not None}
+        figure = bode(
+            curves,
+            unit=f"{unit_of(output)}/({unit_of(input)})",
+            title=f"{output.replace('_', ' ')} / {input.replace('_', ' ')}",
+            marks=marks,
+            coherences={source: (response.frequency, response.coherence)},
+        )
+        save_picture(figure, picture)
     return result

@@ -9,7 +9,8 @@ from typing import Any
 from .. import plot
 from ..io import save_json
 from ..stages.parameters import find_parameters
-from .recordings import material_of, outputs, save_picture
+from .outputs import outputs, save_picture
+from .recordings import material_of
 
 
 def identify_file(
@@ -17,20 +18,20 @@ def identify_file(
     out: Path,
     seed: int | None = None,
     progress: Callable[[float, str], None] | None = None,
+    force: bool = False,
 ) -> dict[str, Any]:
     """Identify and write OUT.json and OUT.png; returns what the JSON holds."""
-    json_file, picture = outputs(out, ".json", ".png", source=file)
-    material = material_of(file, seed)
-    found = find_parameters(material, progress)
-    problems = (*material.problems, *found.problems)
-    result: dict[str, Any] = {
-        "parameters": {name: dict(entry) for name, entry in found.table.items()},
-        "fits": dict(found.fits)
-        | ({"prediction error": {"skipped": found.skipped}} if found.skipped else {}),
-        "problems": [p.as_dict() for p in problems],
-        "inputs": dict(material.inputs),
-    }
-    save_json(json_file, "identification", result)
-    figure = plot.identified_parameters(found.table)
-    save_picture(figure, picture)
+    with outputs(out, ".json", ".png", sources=(file,), force=force) as (json_file, picture):
+        material = material_of(file, seed)
+        found = find_parameters(material, progress)
+        problems = (*material.problems, *found.problems)
+        result: dict[str, Any] = {
+            "parameters": {name: dict(entry) for name, entry in found.table.items()},
+            "fits": dict(found.fits)
+            | ({"prediction error": {"skipped": found.skipped}} if found.skipped else {}),
+            "problems": [p.as_dict() for p in problems],
+            "inputs": dict(material.inputs),
+        }
+        save_json(json_file, "identification", result)
+        save_picture(plot.identified_parameters(found.table), picture)
     return result

@@ -13,7 +13,13 @@ from ..errors import InvalidInput
 from ..io import read_recording, write_csv
 from ..recording import Recording
 from ..simulation import simulate
-from .recordings import check_writable, drivetrain_of, save_picture
+from .cost import Announce, Cost, silent
+from .outputs import outputs, save_picture
+from .recordings import drivetrain_of
+
+#: Bytes of memory and seconds that a sample takes, with its row of the CSV: a constant, and for each inertia (measured
+#: on one and two inertias; contact states, of which long chains have thousands, come on top).
+MEMORY, SECONDS = (100.0, 100.0), (6e-6, 3e-6)
 
 
 def simulate_file(
@@ -23,37 +29,55 @@ def simulate_file(
     duration: float = 10.0,
     dt: float = 1e-4,
     seed: int = 1,
+    force: bool = False,
+    announce: Announce = silent,
 ) -> Recording:
     """Simulate and write OUT, which ends in .csv, and a picture beside it that ends in .png instead.
 
     Without a torque: ``signals.excitation`` for the drivetrain's inertia and friction. With one, its sample time is
-    the simulation's.
+    the simulation's. ``announce`` is told what a long one will cost.
     """
-    check_ending(out)
-    check_writable(out, out.with_suffix(".png"), source=drivetrain)
-    plant = drivetrain_of(drivetrain)
-    given, dt = torque_of(plant, torque, duration, dt, seed)
-    recording = simulate(plant, torque_motor=given, dt=dt)
-    write_csv(out, recording)
-    figure = plot.recording_overview(recording, title=f"{drivetrain.name} (simulated)")
-    save_picture(figure, out.with_suffix(".png"))
+    name = checked_name(out)
+    with outputs(name, ".csv", ".png", sources=(drivetrain, torque), force=force) as (table, picture):
+        plant = drivetrain_of(drivetrain)
+        count = len(plant.inertias)
+        memory, seconds = (constant + each * count for constant, each in (MEMORY, SECONDS))
+        given, dt = torque_of(plant, torque, duration, dt, seed, Cost(1.0, memory, seconds), announce)
+        recording = simulate(plant, torque_motor=given, dt=dt)
+        write_csv(table, recording)
+        save_picture(plot.recording_overview(recording, title=f"{drivetrain.name} (simulated)"), picture)
     return recording
 
 
-def check_ending(out: Path) -> None:
+def checked_name(out: Path) -> Path:
+    """The files' name without its ending, which must be .csv."""
     if out.suffix != ".csv":
         raise InvalidInput(
             str(out), f"the ending {out.suffix!r}", "'.csv'", "The picture's name follows from it."
         )
+    return out.with_suffix("")
 
 
 def torque_of(
-    plant: Drivetrain, torque: Path | None, duration: float, dt: float, seed: int
+    plant: Drivetrain,
+    torque: Path | None,
+    duration: float,
+    dt: float,
+    seed: int,
+    each: Cost,
+    announce: Announce,
 ) -> tuple[NDArray[np.float64], float]:
-    """The torque on the motor, Nm, and its sample time, s: from a file, or an excitation for this drivetrain."""
+    """The torque on the motor, Nm, and its sample time, s: from a file, or an excitation for this drivetrain.
+
+    ``each`` is the cost for each sample of the torque; that of all is checked before anything is made.
+    """
     if torque is not None:
         played = read_recording(torque)
+        Cost(each.samples * len(played), each.memory, each.seconds).check(str(torque), announce)
         return played["torque_motor"], played.dt
+    check_times(duration, dt)
+    samples = each.samples * duration / dt
+    Cost(samples, each.memory, each.seconds).check(f"{duration:g} s at {dt:g} s", announce)
     friction = plant.frictions[-1]
     given = signals.excitation(
         duration,
@@ -64,3 +88,10 @@ def torque_of(
         viscous=friction.viscous,
     )
     return given, dt
+
+
+def check_times(duration: float, dt: float) -> None:
+    """Raises ``InvalidInput`` where they are no positive numbers."""
+    for name, value in (("duration", duration), ("dt", dt)):
+        if not (np.isfinite(value) and value > 0.0):
+            raise InvalidInput(name, f"{value} s", "a positive number", "Check it.")

@@ -5,21 +5,34 @@ from __future__ import annotations
 import contextlib
 import csv
 import io
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .. import plot
 from ..drivetrain import Drivetrain
+from ..io.memory import check_memory
 from ..io.storage.whole_files import write_bytes
-from ..recording import unit_of
+from ..recording import Recording, unit_of
 from ..simulation import BatchResult, simulate, simulate_batch, variants
-from .recordings import check_writable, drivetrain_of, save_picture
-from .simulate import check_ending, torque_of
+from .cost import Announce, Cost, silent
+from .outputs import outputs, save_picture
+from .recordings import drivetrain_of
+from .simulate import MEMORY as MEMORY_OF_ONE
+from .simulate import checked_name, torque_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Shown as bands, and summed up.
 _SIGNALS = ("speed_motor", "speed_load", "twist", "torque_shaft")
+#: Bytes of memory that a variant takes, and seconds of one core for each of its samples and inertias (measured).
+MEMORY, SECONDS = 20e3, 2e-8
+#: Names that ``simulation.batch.store`` gives to chunks.
+_CHUNK = re.compile(r"variants-\d{6,}(\.summary)?\.npz", re.ASCII)
 _LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
@@ -38,42 +51,63 @@ def simulate_variants(
     dt: float = 1e-4,
     seed: int = 1,
     progress: Callable[[int, int, float], None] | None = None,
+    force: bool = False,
+    announce: Announce = silent,
 ) -> BatchResult:
     """Simulate `count` variants and write OUT (.csv), a row for each, and a picture (.png) of the signals' quantiles.
 
     Torque as for ``simulate_file``. Finished chunks stand in ``chunk_folder(out)`` until all are done, so that the same
     call goes on where an interrupted one stopped.
     """
-    check_ending(out)
-    check_writable(out, out.with_suffix(".png"), source=drivetrain)
-    plant = drivetrain_of(drivetrain)
-    given, dt = torque_of(plant, torque, duration, dt, seed)
-    plants = variants(plant, count, spread=spread, seed=seed)
-    signals = _SIGNALS if len(plant.inertias) > 1 else _SIGNALS[:1]
-    made = simulate_batch(
-        plants,
-        dt=dt,
-        signals=signals,
-        quantiles=signals,
-        torque_motor=given,
-        folder=chunk_folder(out),
-        progress=progress,
-    )
-    write_bytes(out, _table(plants, made).encode("utf-8"))
-    if made.done.any():
-        alone = simulate(plant, torque_motor=given, dt=dt)
-        figure = plot.quantile_bands(
-            made.quantile_time,
-            {name: made.quantiles(name, _LEVELS) for name in signals},
-            single={name: alone[name][:: -(-len(alone) // made.quantile_time.size)] for name in signals},
-            title=f"{drivetrain.name}: {count} variants, ± {100.0 * spread:g} %",
+    name = checked_name(out)
+    with outputs(name, ".csv", ".png", sources=(drivetrain, torque), force=force) as (table, picture):
+        plant = drivetrain_of(drivetrain)
+        check_memory("variants", f"{count} variants", count * MEMORY, "Take fewer.")
+        given, dt = torque_of(plant, torque, duration, dt, seed, _cost(plant, count), announce)
+        plants = variants(plant, count, spread=spread, seed=seed)
+        signals = _SIGNALS if len(plant.inertias) > 1 else _SIGNALS[:1]
+        made = simulate_batch(
+            plants,
+            dt=dt,
+            signals=signals,
+            quantiles=signals,
+            torque_motor=given,
+            folder=chunk_folder(out),
+            progress=progress,
         )
-        save_picture(figure, out.with_suffix(".png"))
-    for chunk in chunk_folder(out).glob("variants-*.npz"):
-        chunk.unlink(missing_ok=True)
-    with contextlib.suppress(OSError):
-        chunk_folder(out).rmdir()  # not if it holds anything else
+        write_bytes(table, _table(plants, made).encode("utf-8"))
+        if made.done.any():
+            alone = simulate(plant, torque_motor=given, dt=dt)
+            title = f"{drivetrain.name}: {count} variants, ± {100.0 * spread:g} %"
+            save_picture(_picture(made, alone, signals, title), picture)
+    _clear(chunk_folder(out))
     return made
+
+
+def _cost(plant: Drivetrain, count: int) -> Cost:
+    """Of each sample of the torque: all variants take their time, one after the other their memory."""
+    constant, each = MEMORY_OF_ONE
+    memory = constant + each * len(plant.inertias)
+    return Cost(1.0, memory, count * SECONDS * len(plant.inertias))
+
+
+def _picture(made: BatchResult, alone: Recording, signals: Sequence[str], title: str) -> Figure:
+    step = -(-len(alone) // made.quantile_time.size)
+    return plot.quantile_bands(
+        made.quantile_time,
+        {name: made.quantiles(name, _LEVELS) for name in signals},
+        single={name: alone[name][::step] for name in signals},
+        title=title,
+    )
+
+
+def _clear(folder: Path) -> None:
+    """Remove the chunks, and the folder if it holds nothing else."""
+    for chunk in folder.glob("variants-*.npz"):
+        if _CHUNK.fullmatch(chunk.name):
+            chunk.unlink(missing_ok=True)
+    with contextlib.suppress(OSError):
+        folder.rmdir()
 
 
 def _table(plants: Sequence[Drivetrain], made: BatchResult) -> str:

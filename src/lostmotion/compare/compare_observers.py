@@ -11,6 +11,7 @@ from numbers import Integral, Real
 from pathlib import Path
 
 from ..errors import InvalidInput
+from ..io.storage.written_files import check_own, replacing
 from .cases import CASES, Case
 from .contestants import CONTESTANTS, REFERENCE, Contestant
 from .jobs import Job, run_jobs
@@ -69,7 +70,7 @@ def compare_observers(
     ------
     InvalidInput
         For unknown names, seeds or workers that are no whole numbers, a duration that is too short, a folder that
-        cannot be written, and one that contains a larger table.
+        cannot be written, and one that contains a larger table, or one that was changed since.
     """
     count, default = QUICK if quick else FULL
     length = _duration(default if duration is None else duration)
@@ -83,6 +84,8 @@ def compare_observers(
     board = Leaderboard(names, chosen_cases, chosen_seeds, {}, settings)
     if folder is not None and not force:
         keep_whole_table(folder, board)
+    if folder is not None:
+        check_own(*_files(folder), force=force)
     cache = ScoreCache(folder, length)
     jobs = list(_jobs(chosen_cases, chosen_seeds, entries, cache, length))
     report = progress or (lambda fraction, text: None)
@@ -96,9 +99,15 @@ def compare_observers(
     }
     board = replace(board, scores=scores)
     if folder is not None:
-        board.write(folder)
-        _draw(board, folder)
+        with replacing(*_files(folder), force=force):
+            board.write(folder)
+            _draw(board, folder)
     return board
+
+
+def _files(folder: Path) -> list[Path]:
+    """What is written beside the scores."""
+    return [folder / f"leaderboard.{ending}" for ending in ("md", "json", "csv", "svg")]
 
 
 def _draw(board: Leaderboard, folder: Path) -> None:

@@ -14,7 +14,9 @@ from .scores import Score
 Scores = dict[str, Score]
 
 #: Sources that no score depends on: the layers above, and the modules that make tables of scores.
-ABOVE = ("cli", "run", "commands", "terminal", "stages", "experiment", "report", "plot", "export", "io")
+ABOVE = (
+    "cli", "run", "commands", "terminal", "interruption", "stages", "experiment", "report", "plot", "export", "io",
+)  # fmt: skip
 TABLES = tuple(
     f"compare/{name}"
     for name in ("compare_observers", "leaderboard", "names", "score_cache", "statistics", "whole_table")

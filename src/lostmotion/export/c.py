@@ -15,9 +15,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
+from ..io.storage.whole_files import make_folder, write_bytes
+from ..io.storage.written_files import replacing
 from ..recording import unit_of
 from ..systems import DiscreteSystem
+from .facts import facts
 
 #: Options under which the code compiles without a warning, and gives the same bits as the Python law.
 C_FLAGS = (
@@ -73,6 +77,8 @@ def c(
     *,
     vectors: int = 400,
     seed: int = 1,
+    drivetrain: Drivetrain | None = None,
+    force: bool = False,
 ) -> tuple[Path, ...]:
     """Write a law as C99: no heap, no library, one typedef for the number type.
 
@@ -81,7 +87,7 @@ def c(
     law : DiscreteSystem
         Its input and output names must be C identifiers.
     folder : path
-        Made if it is missing; files of the same names are replaced.
+        Made if it is missing; files of the same names are replaced if this function has written them.
     name : str
         C identifier: the files are NAME.h, NAME.c, NAME_test.c and README.md, the functions NAME_init and
         NAME_step.
@@ -91,6 +97,10 @@ def c(
         Samples in the test: random inputs, with drop-outs (NaN, infinity, absurd values) among them.
     seed : int
         Seed of the test inputs.
+    drivetrain : Drivetrain, optional
+        What the law was made for: its parameters go into README and header.
+    force : bool
+        Replace files that this function has not written, or that were changed since.
 
     Returns
     -------
@@ -100,23 +110,28 @@ def c(
     Raises
     ------
     InvalidInput
-        If a name is no C identifier, ``real`` is unknown, or vectors < 2.
+        If a name is no C identifier, ``real`` is unknown, vectors < 2, a file would replace one that was not written
+        here or was changed since, or cannot be written.
+
+    Notes
+    -----
+    README and header bear the date; the environment variable SOURCE_DATE_EPOCH sets it.
     """
     _check(law, name, real, vectors)
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    context = _context(law, name, real)
+    context = _context(law, name, real) | facts(law, drivetrain)
     inputs, outputs, faults = _vectors(law, vectors, seed)
     context["vector_inputs"] = [[_vector(v) for v in row] for row in inputs]
     context["vector_outputs"] = [[_vector(v) for v in row] for row in outputs]
     context["vector_faults"] = faults.tolist()
     targets = {template: f"{name}{ending}" for template, ending in _FILES.items()}
-    written = []
-    for template, file_name in {**targets, "README.md.jinja": "README.md"}.items():
-        path = folder / file_name
-        path.write_text(_environment().get_template(template).render(context), encoding="utf-8")
-        written.append(path)
-    return tuple(written)
+    files = {folder / file_name: template for template, file_name in targets.items()}
+    files[folder / "README.md"] = "README.md.jinja"
+    with replacing(*files, force=force):
+        make_folder(folder)
+        for path, template in files.items():
+            write_bytes(path, _environment().get_template(template).render(context).encode("utf-8"))
+    return tuple(files)
 
 
 def compile_and_check(folder: str | os.PathLike[str], name: str = "law") -> ExportCheck:

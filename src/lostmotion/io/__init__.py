@@ -9,6 +9,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .configuration.problems import find_problems
     from .configuration.read import (
         Configuration,
         RecordingSource,
@@ -21,14 +22,9 @@ if TYPE_CHECKING:
     from .recordings.read import read_recording
     from .storage.drivetrain_files import load_drivetrain, save_drivetrain
     from .storage.folders import foreign_files, output_folder
-    from .storage.laws_and_recordings import (
-        load_json,
-        load_law,
-        load_recording,
-        save_json,
-        save_law,
-        save_recording,
-    )
+    from .storage.json_files import load_json, save_json
+    from .storage.law_files import load_law, save_law
+    from .storage.recording_files import load_recording, save_recording
     from .tables.channels import Channel
     from .tables.csv_writing import write_csv
     from .tables.matrices import read_torsional_model
@@ -40,11 +36,12 @@ _HOME = {
     "RecordingSource": "configuration.read",
     "check_recording": "recordings.checks",
     "configuration_schema": "configuration.schema",
+    "find_problems": "configuration.problems",
     "foreign_files": "storage.folders",
     "load_drivetrain": "storage.drivetrain_files",
-    "load_json": "storage.laws_and_recordings",
-    "load_law": "storage.laws_and_recordings",
-    "load_recording": "storage.laws_and_recordings",
+    "load_json": "storage.json_files",
+    "load_law": "storage.law_files",
+    "load_recording": "storage.recording_files",
     "load_recordings": "configuration.read",
     "output_folder": "storage.folders",
     "parse_quantity": "tables.units",
@@ -52,9 +49,9 @@ _HOME = {
     "read_recording": "recordings.read",
     "read_torsional_model": "tables.matrices",
     "save_drivetrain": "storage.drivetrain_files",
-    "save_json": "storage.laws_and_recordings",
-    "save_law": "storage.laws_and_recordings",
-    "save_recording": "storage.laws_and_recordings",
+    "save_json": "storage.json_files",
+    "save_law": "storage.law_files",
+    "save_recording": "storage.recording_files",
     "template": "configuration.read",
     "write_csv": "tables.csv_writing",
 }
@@ -65,6 +62,7 @@ __all__ = [
     "RecordingSource",
     "check_recording",
     "configuration_schema",
+    "find_problems",
     "foreign_files",
     "load_drivetrain",
     "load_json",

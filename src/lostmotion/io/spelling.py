@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Iterable
 
-_BRACKETED = re.compile(r"\s*(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]\s*")
+#: Longest name that is compared with others, characters (chosen): the time of it grows with the square.
+_LONGEST = 200
 
 
 def split_unit(text: str) -> tuple[str, str]:
     """``"Speed [rpm]"`` → ``("Speed", "rpm")``; round brackets count too; without brackets the unit is ""."""
-    match = _BRACKETED.fullmatch(text)
-    return (match[1], match[2]) if match else (text.strip(), "")
+    text = text.strip()
+    if text.endswith(("]", ")")):
+        opening = max(text.rfind("["), text.rfind("("))
+        inside = text[opening + 1 : -1]
+        if opening >= 0 and not set(inside) & set("])"):
+            return text[:opening].strip(), inside.strip()
+    return text, ""
 
 
 def suggestion(key: str, known: Iterable[str]) -> str:
     """The remedy for a misspelt name: the names closest to it."""
     by_lower_case: dict[str, str] = {}
+    if len(key) > _LONGEST:
+        return "Check the name against the list."
     for name in known:
         by_lower_case.setdefault(name.lower(), name)
         by_lower_case.setdefault(split_unit(name)[0].lower(), name)
@@ -30,6 +37,6 @@ def suggestion(key: str, known: Iterable[str]) -> str:
 
 def short_list(items: Iterable[object], limit: int = 12) -> str:
     """Items separated by commas, cut after a dozen."""
-    texts = [str(item) for item in items]
+    texts = [text if len(text) <= _LONGEST else text[:_LONGEST] + "…" for text in map(str, items)]
     more = f", … ({len(texts)} in all)" if len(texts) > limit else ""
     return ", ".join(texts[:limit]) + more

@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
+from ..plain_data import whole
 from ..recording import Recording
 from ..systems import DiscreteSystem, Stepper
 from .inputs import (
     check_lengths,
     check_sample_time,
     check_signal,
+    check_state,
     last_set_point,
     plant_inputs,
     possible_inputs,
@@ -83,12 +85,14 @@ def simulate(
     Raises
     ------
     InvalidInput
-        For NaN, wrong lengths, a sample time that is not positive, signals that nobody reads or makes, a signal that
-        depends on itself within one sample.
+        For NaN, text, sizes beyond 1e30, wrong lengths, a sample time that is not positive or above 100 s, signals
+        that nobody reads or makes, a signal that depends on itself within one sample.
     """
     given = {"torque_motor": torque_motor, "torque_load": torque_load, **signals}
     values = {name: check_signal(name, array) for name, array in given.items() if array is not None}
     check_sample_time(dt)
+    check_state(state)
+    whole("simulate.seed", seed)
     moved = moved_end(drivetrain, dt, values)
     if moved is not None:
         for kind in ("speed", "angle"):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import export
+from ..drivetrain import Drivetrain
 from ..errors import Problem
 from ..io import save_law
 from .design import Design
@@ -13,12 +14,14 @@ from .design import Design
 NAME = "drive_law"
 
 
-def write_code(laws: Design, folder: Path) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-    """Write law.json and c/; returns the part of ``results.json`` and warnings."""
+def write_code(
+    laws: Design, folder: Path, drivetrain: Drivetrain | None
+) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+    """Write law.json and c/ for a drivetrain; returns the part of ``results.json`` and warnings."""
     if laws.law is None:
         return {"skipped": laws.skipped}, ()
     save_law(laws.law, folder / "law.json")
-    export.c(laws.law, folder / "c", name=NAME)
+    export.c(laws.law, folder / "c", name=NAME, drivetrain=drivetrain)
     check = export.compile_and_check(folder / "c", name=NAME)
     result = {"max_difference": check.max_difference, "compiler": check.compiler}
     if check.passed:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InvalidInput
+from ..plain_data import number, shown
 from .inputs import Matrix
 
 #: The law reports replaced inputs as bits of one number, also on a 32-bit target.
@@ -15,24 +14,27 @@ MAX_INPUTS = 31
 
 
 def check_names(where: str, names: tuple[str, ...]) -> None:
+    if not all(isinstance(n, str) and n for n in names):
+        raise InvalidInput(where, shown(names), "non-empty names", "Name them all.")
     twice = sorted({n for n in names if names.count(n) > 1})
-    if twice or not all(isinstance(n, str) and n for n in names):
-        raise InvalidInput(
-            where, f"{names!r}", "non-empty names without doubles", f"Rename {twice or 'them'}."
-        )
+    if twice:
+        raise InvalidInput(where, shown(names), "names without doubles", f"Rename {shown(twice)}.")
 
 
 def sample_time(where: str, value: float) -> float:
     """A positive sample time, s."""
-    dt = float(value)
-    if not (math.isfinite(dt) and dt > 0.0):
+    dt = number(where, value)
+    if not dt > 0.0:
         raise InvalidInput(where, repr(value), "a positive sample time in s", "Check the unit.")
     return dt
 
 
 def matrix_of(where: str, values: ArrayLike, shape: tuple[int, ...]) -> Matrix:
     """A read-only copy of the given shape; an empty array gives zeros."""
-    array = np.array(values, dtype=float)
+    try:
+        array = np.array(values, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInput(where, shown(values), f"numbers of shape {shape}", "Give an array.") from None
     if array.size == 0:
         array = np.zeros(shape)
     if array.shape != shape:

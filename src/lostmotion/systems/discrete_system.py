@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..curves import PiecewiseLinear
 from ..errors import InvalidInput
+from ..plain_data import entries, numbers, table, text, texts
 from ..recording import Recording
 from .checks import MAX_INPUTS, check_names, matrix_of, sample_time
 from .input_check import InputCheck
@@ -41,8 +42,7 @@ _SHAPES = {
     "R": ("checks", "curves"),
 }
 
-#: What a file written before there were checks leaves out.
-_OF_CHECKS = frozenset({"checks", "P", "Q", "R"})
+_KEYS = ("name", "dt", "inputs", "outputs", "states", "initial_state", "curves", "checks", *_SHAPES)
 
 
 def _empty() -> NDArray[np.float64]:
@@ -249,33 +249,32 @@ class DiscreteSystem:
             "states": list(self.states),
             "initial_state": self.initial_state.tolist(),
             **{key: getattr(self, key).tolist() for key in _SHAPES},
-            "curves": [
-                {
-                    "points": [list(p) for p in c.points],
-                    "slope_left": c.slope_left,
-                    "slope_right": c.slope_right,
-                }
-                for c in self.curves
-            ],
+            "curves": [curve.to_dict() for curve in self.curves],
             "checks": [check.to_dict() for check in self.checks],
         }
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> DiscreteSystem:
-        """The law that ``to_dict`` wrote."""
-        expected = {
-            "name", "dt", "inputs", "outputs", "states", "initial_state", "curves", "checks", *_SHAPES
-        }  # fmt: skip
-        if not expected - _OF_CHECKS <= set(data) <= expected:
-            raise InvalidInput(
-                "DiscreteSystem.from_dict",
-                f"keys {sorted(data)}",
-                f"{sorted(expected)}",
-                "Write it with to_dict.",
-            )
-        curves = tuple(
-            PiecewiseLinear(tuple((p[0], p[1]) for p in c["points"]), c["slope_left"], c["slope_right"])
-            for c in data["curves"]
-        )
-        checks = tuple(InputCheck(**check) for check in data.get("checks", ()))
-        return cls(**{**data, "curves": curves, "checks": checks})
+        """The law that ``to_dict`` wrote.
+
+        Raises
+        ------
+        InvalidInput
+            If a key is missing or unknown, or a value is not what ``to_dict`` writes: nothing is filled in.
+        """
+        content = table("law", data, _KEYS)
+        parts: dict[str, Any] = {
+            **{kind: texts(kind, content[kind]) for kind in ("inputs", "outputs", "states")},
+            "curves": tuple(
+                PiecewiseLinear.from_dict(curve, f"curves[{i}]")
+                for i, curve in enumerate(entries("curves", content["curves"]))
+            ),
+            "checks": tuple(
+                InputCheck.from_dict(check, f"checks[{i}]")
+                for i, check in enumerate(entries("checks", content["checks"]))
+            ),
+        }
+        shapes = {key: (len(parts[rows]), len(parts[columns])) for key, (rows, columns) in _SHAPES.items()}
+        parts |= {key: numbers(key, content[key], shape) for key, shape in shapes.items()}
+        parts["initial_state"] = numbers("initial_state", content["initial_state"], (len(parts["states"]),))
+        return cls(name=text("name", content["name"]), dt=content["dt"], **parts)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from ..errors import InvalidInput
+from ..plain_data import flag, number, shown, table, text, whole
 
 #: After this time of rejected samples the signal is accepted again, s (chosen).
 HOLD = 0.03
@@ -64,15 +65,14 @@ class InputCheck:
     missing_only: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "limit", float(self.limit))
-        object.__setattr__(self, "forget", float(self.forget))
-        if not (math.isfinite(self.limit) and self.limit > 0.0):
-            raise InvalidInput(
-                f"check of {self.input!r}: limit", repr(self.limit), "a positive number", "Check the unit."
-            )
+        where = f"check of {shown(self.input)}"
+        object.__setattr__(self, "limit", number(f"{where}: limit", self.limit))
+        object.__setattr__(self, "forget", number(f"{where}: forget", self.forget))
+        if not self.limit > 0.0:
+            raise InvalidInput(f"{where}: limit", repr(self.limit), "a positive number", "Check the unit.")
         if not (isinstance(self.hold, int) and self.hold >= 1 and 0.0 <= self.forget <= 1.0):
             raise InvalidInput(
-                f"check of {self.input!r}", f"hold {self.hold!r}, forget {self.forget!r}",
+                where, f"hold {self.hold!r}, forget {self.forget!r}",
                 "a whole number of samples, a factor between 0 and 1", "Use InputCheck.over_time.",
             )  # fmt: skip
 
@@ -103,3 +103,11 @@ class InputCheck:
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: object, where: str = "InputCheck.from_dict") -> InputCheck:
+        """The check that ``to_dict`` wrote; raises ``InvalidInput`` for anything else."""
+        content = table(where, data, {field.name for field in fields(cls)})
+        flags = {name: flag(f"{where}, {name}", content[name]) for name in ("keep", "alone", "missing_only")}
+        name, hold = text(f"{where}, input", content["input"]), whole(f"{where}, hold", content["hold"])
+        return cls(name, content["limit"], hold, content["forget"], **flags)

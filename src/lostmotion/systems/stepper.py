@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidInput
+from ..plain_data import flag, mapping, numbers, shown, table, text, texts, whole
 from ..recording import Recording
-from .checks import MAX_INPUTS, check_names, sample_time
+from .checks import MAX_INPUTS, check_names, matrix_of, sample_time
 from .inputs import check_renames, input_columns, input_row
 from .recorded_run import recorded_run
 
@@ -74,13 +75,7 @@ class Stepper:
                 f"{self.name}.inputs", f"{len(self.inputs)} inputs", f"1 to {MAX_INPUTS}", "Split the law."
             )
         object.__setattr__(self, "dt", sample_time(f"{self.name}.dt", self.dt))
-        parameters = np.array(self.parameters, dtype=np.float64)
-        if parameters.ndim != 1 or not np.all(np.isfinite(parameters)):
-            raise InvalidInput(
-                f"{self.name}.parameters", f"shape {parameters.shape}, or not finite", "a row of finite numbers",
-                "Check what it was computed from.",
-            )  # fmt: skip
-        parameters.setflags(write=False)
+        parameters = matrix_of(f"{self.name}.parameters", self.parameters, (np.size(self.parameters),))
         object.__setattr__(self, "parameters", parameters)
 
     @property
@@ -160,18 +155,46 @@ class Stepper:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Stepper:
-        """The law that ``to_dict`` wrote, of this package's own functions; InvalidInput for any other."""
-        from ..kernels.estimators import MODULES
+        """The law that ``to_dict`` wrote, of this package's own functions.
 
-        expected = {field.name for field in fields(cls)}
-        data = _of_this_version(data)
-        kind = data.get("estimator")
-        if set(data) != expected or kind not in MODULES:
+        Raises
+        ------
+        InvalidInput
+            If a key is missing or unknown, a value is not what ``to_dict`` writes, the estimator is none of this
+            package, or has another number of parameters or outputs.
+        """
+        from ..kernels.estimators import SIZES
+
+        content = table("law", _of_this_version(data), {field.name for field in fields(cls)})
+        estimator = text("estimator", content["estimator"])
+        if estimator not in SIZES:
             raise InvalidInput(
-                "Stepper.from_dict", f"keys {sorted(data)}, estimator {kind!r}",
-                f"{sorted(expected)}, estimator one of {', '.join(MODULES)}", "Write it with to_dict.",
-            )  # fmt: skip
-        return cls(**data)
+                "estimator",
+                shown(estimator),
+                f"one of {', '.join(SIZES)}",
+                "Make it with lostmotion.observers.",
+            )
+        count, outputs = SIZES[estimator]
+        names = {kind: texts(kind, content[kind]) for kind in ("inputs", "outputs")}
+        if len(names["outputs"]) != outputs:
+            raise InvalidInput(
+                "outputs",
+                f"{len(names['outputs'])} names",
+                f"the {outputs} of {estimator}",
+                "Write it again.",
+            )
+        return cls(
+            name=text("name", content["name"]),
+            **names,
+            dt=content["dt"],
+            parameters=numbers("parameters", content["parameters"], (count,)),
+            estimator=estimator,
+            state_names={
+                name: whole(f"state_names, {name}", place)
+                for name, place in mapping("state_names", content["state_names"]).items()
+            },
+            exportable=flag("exportable", content["exportable"]),
+        )
 
     def _state(self, state: ArrayLike) -> Array:
         copy = np.array(state, dtype=np.float64)
@@ -186,7 +209,7 @@ class Stepper:
 
 def _of_this_version(data: Mapping[str, Any]) -> dict[str, Any]:
     """What schema version 1 wrote, with the kind of estimator instead of a module's name."""
-    own = dict(data)
+    own = mapping("law", data)
     if "estimator" not in own and str(own.get("kernel")).startswith(_OLD_MODULES):
         kind = own.pop("kernel").removeprefix(_OLD_MODULES)
         own["estimator"] = _RENAMED.get(kind, kind)

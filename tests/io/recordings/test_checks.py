@@ -136,8 +136,43 @@ def test_the_limits_are_those_of_the_identification() -> None:
     [(2000, 1e-3, False), (1999, 1e-3, True), (4000, 1e-4, True), (5001, 1e-4, False)],
 )
 def test_too_short_to_identify_from(rows: int, dt: float, short: bool) -> None:
-    found = check_identifiable(Recording(dt * np.arange(rows), {"speed_motor": np.zeros(rows)}))
+    moving = np.sin(np.arange(rows))
+    found = check_identifiable(
+        Recording(dt * np.arange(rows), {"speed_motor": moving, "torque_motor": moving})
+    )
     assert [p.got for p in found] == ([f"{rows} rows, {rows * dt:g} s"] if short else [])
+
+
+@pytest.mark.parametrize(
+    ("missing", "words"),
+    [
+        ("torque_motor", "no torque_motor|no observer, no controller|the motor's current will do"),
+        ("speed_motor", "no speed_motor|an angle will do"),
+    ],
+)
+def test_a_recording_that_cannot_be_identified_from_is_told(missing: str, words: str) -> None:
+    torque = excitation()
+    whole = recording(torque, drive(torque))
+    assert check_identifiable(whole) == ()
+    (warning,) = check_identifiable(whole.only(*(name for name in whole if name != missing)))
+    assert warning.severity == "warning" and all(part in str(warning) for part in words.split("|"))
+
+
+@pytest.mark.parametrize(
+    ("value", "share", "refused"), [(7.5, 0.3, True), (0.0, 0.6, False), (7.5, 0.2, False)]
+)
+def test_a_motor_speed_that_hangs_in_a_large_part_is_refused(
+    value: float, share: float, refused: bool
+) -> None:
+    torque = excitation()
+    speed = drive(torque)
+    speed[: int(share * speed.size)] = value
+    found = [p for p in check_identifiable(recording(torque, speed)) if p.severity == "error"]
+    assert len(found) == refused
+    if refused:
+        assert "7.5 in 2400 of 8000 rows" in found[0].got and "window" in found[0].remedy
+    (constant,) = check_identifiable(recording(torque, np.zeros(8000)))
+    assert constant.severity == "error" and constant.got.startswith("0 in 8000 of 8000 rows")
 
 
 @pytest.mark.parametrize(("use", "warned"), [("identify", True), ("validate", False)])
@@ -145,7 +180,7 @@ def test_check_warns_of_short_recordings_and_constant_channels(
     tmp_path: Path, use: str, warned: bool
 ) -> None:
     time = 1e-3 * np.arange(500)
-    table = np.column_stack([time, np.sin(40 * time), np.zeros(500)])
+    table = np.column_stack([time, np.zeros(500), np.sin(40 * time)])
     np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="t,torque_motor,speed_motor", comments="")
     (tmp_path / "rig.toml").write_text(f'[[recording]]\nfile = "a.csv"\nuse = "{use}"\n')
     done = CliRunner().invoke(app, ["check", str(tmp_path / "rig.toml"), "--json"])

@@ -12,7 +12,7 @@ import pytest
 
 from lostmotion.errors import InputProblems, InvalidInput, Problem
 from lostmotion.io.recordings.read import read_recording
-from lostmotion.io.storage.laws_and_recordings import save_recording
+from lostmotion.io.storage.recording_files import save_recording
 from lostmotion.recording import Recording
 
 ROWS = 200
@@ -49,7 +49,7 @@ def check(recording: Recording, sign: int = 1) -> None:
 
 
 @pytest.mark.parametrize(
-    ("header", "channel", "warned"),
+    ("header", "channel", "contradicts"),
     [
         ("Speed [rpm]", {"unit": "rad/s"}, True),
         ("Speed [rpm]", {"unit": "U/min"}, False),
@@ -57,19 +57,19 @@ def check(recording: Recording, sign: int = 1) -> None:
         ("Speed [raw]", {"unit": "rad/s"}, False),
         ("Speed [counts/s]", {"unit": "rad/s"}, True),
         ("Speed [V]", {"unit": "rad/s", "scale": 10.0}, False),  # the scale says how
+        ("Speed [rpm]", {"unit": "rad/s", "scale": 1}, False),
     ],
 )
-def test_a_header_that_says_another_unit_is_told(
-    tmp_path: Path, header: str, channel: dict[str, object], warned: bool
+def test_a_header_that_says_another_unit_is_refused(
+    tmp_path: Path, header: str, channel: dict[str, object], contradicts: bool
 ) -> None:
     path = write(tmp_path, [f"Time [s],{header},Torque [Nm]", *lines()])
-    read = read_recording(
-        path, channels={"speed_motor": {"column": 1, **channel}, "torque_motor": {"column": 2, "unit": "Nm"}}
-    )
-    told = [p for p in read.meta["problems"] if "header" in p.got]
-    assert len(told) == warned
-    if warned:
-        assert told[0].severity == "warning" and "'rad/s'" in told[0].remedy
+    channels = {"speed_motor": {"column": 1, **channel}, "torque_motor": {"column": 2, "unit": "Nm"}}
+    if not contradicts:
+        assert np.ptp(read_recording(path, channels=channels)["speed_motor"]) > 0.0
+        return
+    with pytest.raises(InputProblems, match=r"unit 'rad/s' for a column whose header says.*scale = 1"):
+        read_recording(path, channels=channels)
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,13 @@ def test_text_is_readable_and_has_units(tmp_path: Path) -> None:
         ("inertia = 0.0182", "coulomb = 0.0182", "broken TOML"),
         ("inertia = 0.0182", "", r"inertia\[0\]: got no 'inertia'"),
         ("6285.896", "-1", r"Shaft\.stiffness: got -1"),
-        ("6285.896", '"stiff"', "wrong type"),
+        ("6285.896", '"stiff"', r"shaft\[0\]\.stiffness: got 'stiff', expected a finite number"),
+        ("6285.896", "true", r"shaft\[0\]\.stiffness: got True"),
+        ("6285.896", "9" * 400, r"shaft\[0\]\.stiffness: got 9+\.\.\.9+, expected a finite"),
+        ("torque_limit = inf", "torque_limit = nan", r"actuator\.torque_limit: got nan"),
+        ("coulomb = 2.0", "coulomb = [2.0]", r"inertia\[1\]\.coulomb: got shape \(1,\)"),
+        ("coulomb = 2.0", "stribeck = [[0.0, 1.0], [1.0]]", r"inertia\[1\]\.stribeck"),
+        ("[actuator]", "locked = 3\n[actuator]", "locked: got 3, expected a text"),
         ('"viscoelastic"', '"elastic"', r"Shaft\.contact"),
         ('kind = "drivetrain"', 'kind = "law"', "kind 'law'"),
         ("schema_version = 2", "schema_version = 3", "schema_version 3"),
@@ -114,14 +120,16 @@ def test_no_part_of_a_file_passes_as_a_whole_one(tmp_path: Path) -> None:
         with pytest.raises(InvalidInput):
             load_drivetrain(path)
     path.write_text(text[: text.index("[[inertia]]  # 2")], encoding="utf-8")
-    with pytest.raises(InvalidInput, match="cut off"):
+    with pytest.raises(InvalidInput, match=r"no last line '# end'.*half of one"):
         load_drivetrain(path)
 
 
-def test_a_file_without_the_first_line_needs_no_last_one(tmp_path: Path) -> None:
-    """As a user writes it, or an older version wrote it."""
+def test_a_file_written_by_hand_needs_the_last_line_alone(tmp_path: Path) -> None:
     path = tmp_path / "drivetrain.toml"
     save_drivetrain(TABLE_I, path)
-    lines = path.read_text(encoding="utf-8").splitlines()
-    path.write_text("\n".join(lines[1:-1]), encoding="utf-8")
+    lines = [line.split("#")[0] for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(InvalidInput, match="by hand"):
+        load_drivetrain(path)
+    path.write_text("\r\n".join([*lines, "# end"]), encoding="utf-8")
     assert load_drivetrain(path) == TABLE_I

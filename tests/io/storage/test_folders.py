@@ -13,7 +13,7 @@ import pytest
 
 from lostmotion.errors import InvalidInput
 from lostmotion.io.storage.folders import MARKER, foreign_files, output_folder
-from lostmotion.io.storage.laws_and_recordings import save_json
+from lostmotion.io.storage.json_files import save_json
 
 
 def run(path: Path, force: bool = False, **files: str) -> None:

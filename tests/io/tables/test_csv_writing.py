@@ -24,8 +24,27 @@ def test_written_and_read_back(tmp_path: Path) -> None:
         tmp_path / "test.csv", channels={"time": "time [s]", "torque_motor": "torque_motor [Nm]"}
     )
     assert back.names == ("torque_motor",)
-    assert np.allclose(back.time, recording.time, atol=1e-12)
-    assert np.allclose(back["torque_motor"], recording["torque_motor"], rtol=1e-8)
+    assert np.array_equal(back.time, recording.time)
+    assert np.array_equal(back["torque_motor"], recording["torque_motor"])
+
+
+def test_a_chain_is_read_back_equal_by_its_numbered_names(tmp_path: Path) -> None:
+    rng = np.random.default_rng(2)
+    names = (
+        "torque_motor",
+        "speed_motor",
+        "twist_1",
+        "twist_2",
+        "speed_2",
+        "torque_shaft_1",
+        "speed_load_estimated",
+    )
+    signals = {name: rng.standard_normal(300) * 10.0 ** rng.integers(-9, 9) for name in names}
+    original = lm.Recording(np.cumsum(rng.uniform(0.98e-5, 1.02e-5, 300)) + 7777.0, signals)
+    write_csv(tmp_path / "a.csv", original)
+    back = lm.read_recording(tmp_path / "a.csv")
+    assert back.names == names and np.array_equal(back.time, original.time)
+    assert all(np.array_equal(back[name], original[name]) for name in names)
 
 
 def test_nothing_is_written_for_a_bad_value(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from ...controllers.pole_placement import DEFAULT_POLES
 from ...drivetrain import PARAMETER_UNITS
 from ...errors import InputProblems, InvalidInput, Problem
+from ...plain_data import shown
 from ..spelling import suggestion
 from ..tables.channels import Channel
 from . import values as value
@@ -64,7 +65,8 @@ class RecordingModel(_Model):
         Field(description="signal = column, or a table with unit and scale"),
     ] = {}
     window: Annotated[
-        tuple[Annotated[float, value.EDGE], Annotated[float, value.EDGE]] | None,
+        tuple[float, float] | None,
+        value.WINDOW,
         Field(description="[start, stop], s: only this part is read"),
     ] = None
     resample: Annotated[
@@ -75,14 +77,6 @@ class RecordingModel(_Model):
     speed_from_counts: Annotated[
         bool | None, Field(strict=True, description="whether the motor speed is a mean over the last sample")
     ] = None
-
-    @model_validator(mode="after")
-    def _window_in_order(self) -> RecordingModel:
-        if self.window is not None and not self.window[0] < self.window[1]:
-            raise InvalidInput(
-                "", f"window {list(self.window)}", "[start, stop] with start < stop, s", "Swap them."
-            )
-        return self
 
 
 class LawModel(_Model):
@@ -114,7 +108,9 @@ class LawModel(_Model):
 class RunModel(_Model):
     """How to run."""
 
-    seed: Annotated[int, Field(strict=True, ge=0, description="of everything random in the run")] = 1
+    seed: Annotated[
+        int, Field(strict=True, ge=0, lt=2**63, description="of everything random in the run")
+    ] = 1
 
 
 class ConfigurationModel(_Model):
@@ -168,16 +164,23 @@ def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
         known = _known_keys(location[:-1])
         remedy = suggestion(str(location[-1]), known)
         return [
-            Problem("error", where, f"unknown key {location[-1]!r}", "one of " + ", ".join(known), remedy)
+            Problem(
+                "error", where, f"unknown key {shown(location[-1])}", "one of " + ", ".join(known), remedy
+            )
         ]
     if error["type"] == "missing":
         remedy = "Add a [[recording]]." if location == ("recording",) else "Add it."
         return [Problem("error", where, "nothing", "this key", remedy)]
+    if error["type"] == "model_type":
+        name = location[-1]
+        return [
+            Problem("error", where, shown(error["input"]), f"a table [{name}]", "Write its keys below it.")
+        ]
     return [
         Problem(
             "error",
             where,
-            repr(error["input"]),
+            shown(error["input"]),
             error["msg"].removeprefix("Input should be "),
             "Correct the value.",
         )

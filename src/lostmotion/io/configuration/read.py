@@ -12,6 +12,7 @@ from typing import Any
 
 from ...controllers.pole_placement import DEFAULT_POLES
 from ...errors import InputProblems, InvalidInput, Problem
+from ...plain_data import shown
 from ...recording import Recording
 from ..recordings.checks import check_identifiable
 from ..recordings.read import read_recording
@@ -119,7 +120,7 @@ def read_configuration(path: str | Path) -> Configuration:
     recordings, problems = [], []
     for i, source in enumerate(sources):
         try:
-            file = path.parent / _expanded(source["file"], _place(path, ("recording", i, "file"), lines))
+            file = file_of(path, source["file"], _place(path, ("recording", i, "file"), lines))
             recordings.append(RecordingSource(**{**source, "file": file}))
         except InvalidInput as error:
             problems.append(error.problem)
@@ -160,8 +161,11 @@ def template() -> str:
     return (Path(__file__).parent / "template.toml").read_text(encoding="utf-8")
 
 
-def _expanded(file: str, where: str) -> str:
-    """``${NAME}`` and ``${NAME:-default}`` replaced from the environment; ~ by the home folder."""
+def file_of(toml: Path, file: str, where: str) -> Path:
+    """The file that a TOML names, relative to it.
+
+    ``${NAME}`` and ``${NAME:-default}`` are replaced from the environment, ~ by the home folder.
+    """
 
     def value(match: re.Match[str]) -> str:
         found = os.environ.get(match[1]) or match[2]
@@ -174,7 +178,15 @@ def _expanded(file: str, where: str) -> str:
             )
         return found
 
-    return str(Path(_VARIABLE.sub(value, file)).expanduser())
+    try:
+        return toml.parent / Path(_VARIABLE.sub(value, file)).expanduser()
+    except RuntimeError:
+        raise InvalidInput(
+            where,
+            f"the home folder of {shown(file.split('/')[0])}",
+            "a user of this machine",
+            "Write the path out.",
+        ) from None
 
 
 def _place(path: Path, location: tuple[str | int, ...], lines: dict[tuple[str | int, ...], int]) -> str:

@@ -12,6 +12,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from ...drivetrain import PARAMETER_UNITS
 from ...errors import InvalidInput, Problem
+from ...plain_data import number as finite_number
+from ...plain_data import shown
 from ...recording import SIGNAL_UNITS
 from ..spelling import suggestion
 from ..tables.channels import Channel
@@ -33,6 +35,8 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "lag": (1e-9, 10.0),
     }
 )
+#: The fastest pole, 1/s: a law at 1 MHz cannot have a faster one.
+FASTEST_POLE = 1e6
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,7 @@ def positive(dimension: str, meaning: str) -> Key:
     def convert(value: object) -> float:
         number = parse_quantity(value, dimension)
         if number <= 0.0:
-            raise InvalidInput("", repr(value), "a positive number", "Check the sign.")
+            raise InvalidInput("", shown(value), "a positive number", "Check the sign.")
         return number
 
     return Key(convert, {**_quantity(exclusiveMinimum=0), "description": f"{dimension}, {meaning}"})
@@ -88,57 +92,80 @@ def parameter(name: str, meaning: str, *, positive: bool = False) -> Key:
                 if number < 0.0
                 else f"Check the unit and the power of ten: it is in {unit}."
             )
-            raise InvalidInput("", repr(value), f"{zero}{low:g} to {high:g} {unit}", remedy)
+            raise InvalidInput("", shown(value), f"{zero}{low:g} to {high:g} {unit}", remedy)
         return number
 
     shapes = _quantity(minimum=low, maximum=high)["anyOf"] + ([] if positive else [{"const": 0}])
     return Key(convert, {"anyOf": shapes, "description": f"{unit}, {meaning}"})
 
 
-def _edge(value: object) -> float:
-    return parse_quantity(value, "s")
-
-
-def _gain(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < float("inf"):
-        raise InvalidInput("", repr(value), "zero or a positive number in SI units", "Check it.")
-    return float(value)
-
-
-def _proportional_gain(value: object) -> float:
-    if (number := _gain(value)) == 0.0:
+def _window(value: object) -> tuple[float, float]:
+    """Start and stop, s."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        count = f", a list of {len(value)}" if isinstance(value, list | tuple) else ""
         raise InvalidInput(
-            "",
-            repr(value),
-            "a positive number in SI units",
-            "Leave kp and ki out for the package's own gains.",
+            "", f"{shown(value)}{count}", "[start, stop], s", "Give both: window = [2.0, 9.0]."
         )
-    return number
+    start, stop = (parse_quantity(edge, "s") for edge in value)
+    if not start < stop:
+        raise InvalidInput("", f"[{start}, {stop}]", "[start, stop] with start < stop, s", "Swap them.")
+    return start, stop
+
+
+def _gain(unit: str, zero: bool = True) -> Callable[[object], float]:
+    """How a gain of the PI controller is read."""
+
+    def convert(value: object) -> float:
+        number = finite_number("", value)
+        if number < 0.0:
+            raise InvalidInput(
+                "", shown(value), f"{'zero or ' if zero else ''}a positive number in {unit}",
+                "A negative gain drives the speed away from its set-point; if torque and speed have opposite signs, "
+                "set sign = -1 in their channels.",
+            )  # fmt: skip
+        if number == 0.0 and not zero:
+            raise InvalidInput(
+                "",
+                shown(value),
+                f"a positive number in {unit}",
+                "Leave kp and ki out for the package's own gains.",
+            )
+        return number
+
+    return convert
 
 
 def _poles(value: object) -> tuple[float, ...]:
     """Three poles: as many as a two-mass drivetrain has states."""
-    good = isinstance(value, list | tuple) and len(value) == 3
-    numbers = value if isinstance(value, list | tuple) else ()
-    if not good or any(
-        isinstance(p, bool) or not isinstance(p, int | float) or not -1e9 < p < 0 for p in numbers
-    ):
+    example = "[-400, -400, -400]"
+    expected = f"three numbers in 1/s from {-FASTEST_POLE:g} to below 0, such as {example}"
+    if not isinstance(value, list | tuple):
+        raise InvalidInput("", f"{shown(value)}, which is no list", expected, f"Write poles = {example}.")
+    if len(value) != 3:
         raise InvalidInput(
             "",
-            repr(value),
-            "three negative numbers in 1/s",
-            "A stable pole lies left of zero: [-400, -400, -400].",
+            f"{shown(value)}, {len(value)} of them",
+            expected,
+            "A two-mass drivetrain has three states: give one pole for each.",
         )
-    return tuple(map(float, numbers))
+    numbers = tuple(finite_number("", pole) for pole in value)
+    if max(numbers) >= 0.0:
+        raise InvalidInput("", shown(value), expected, "A stable pole lies left of zero: check the signs.")
+    if min(numbers) < -FASTEST_POLE:
+        raise InvalidInput("", shown(value), expected, "No drive is so fast: check the power of ten.")
+    return numbers
 
 
 def tables(value: object) -> object:
+    expected = "[[recording]], once for each file"
     if isinstance(value, dict):
-        raise InvalidInput(
-            "", "a table [recording]", "[[recording]], once for each file", "Double the brackets."
-        )
+        raise InvalidInput("", "a table [recording]", expected, "Double the brackets.")
     if value == []:
         raise InvalidInput("", "none", "at least one [[recording]]", "Add one.")
+    if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value):
+        raise InvalidInput(
+            "", shown(value), expected, 'Write [[recording]] in a line of its own and file = "…" below it.'
+        )
     return value
 
 
@@ -146,7 +173,7 @@ def _channels(value: object) -> dict[str, Channel]:
     """Channels by signal name; a name that no stage knows is an error here, where it is a slip of the pen."""
     if not isinstance(value, dict):
         raise InvalidInput(
-            "", repr(value), "channels.NAME = { column = ... }", "Give one entry for each signal."
+            "", shown(value), "channels.NAME = { column = ... }", "Give one entry for each signal."
         )
     problems: list[Problem] = []
     found: dict[str, Channel] = {}
@@ -154,7 +181,10 @@ def _channels(value: object) -> dict[str, Channel]:
         try:
             if name not in SIGNAL_UNITS:
                 raise InvalidInput(
-                    name, f"unknown signal {name!r}", ", ".join(SIGNAL_UNITS), suggestion(name, SIGNAL_UNITS)
+                    name,
+                    f"unknown signal {shown(name)}",
+                    ", ".join(SIGNAL_UNITS),
+                    suggestion(name, SIGNAL_UNITS),
                 )
             found[name] = Channel.of(spec, name)
         except InvalidInput as error:
@@ -176,11 +206,11 @@ def _time(value: object) -> object:
     if isinstance(value, dict) and "sample_time" in value:
         if set(value) != {"sample_time"}:
             raise InvalidInput(
-                "", f"keys {', '.join(map(repr, value))}", "sample_time alone, or a column", "Leave one out."
+                "", f"keys {', '.join(map(shown, value))}", "sample_time alone, or a column", "Leave one out."
             )
         step = parse_quantity(value["sample_time"], "s")
         if step <= 0.0:
-            raise InvalidInput("", repr(value["sample_time"]), "more than 0 s", "Check the sign.")
+            raise InvalidInput("", shown(value["sample_time"]), "more than 0 s", "Check the sign.")
         return {"sample_time": step}
     return Channel.of(value, "")
 
@@ -190,7 +220,7 @@ def _resample(value: object) -> float | bool:
         return value
     step = parse_quantity(value, "s")
     if step <= 0.0:
-        raise InvalidInput("", repr(value), 'true, or a sample time such as "0.1 ms"', "Check the sign.")
+        raise InvalidInput("", shown(value), 'true, or a sample time such as "0.1 ms"', "Check the sign.")
     return step
 
 
@@ -221,9 +251,9 @@ _SAMPLE_TIME = {
     "additionalProperties": False,
 }
 
-EDGE = Key(_edge, _quantity())
-GAIN = Key(_gain, {"type": "number", "minimum": 0})
-PROPORTIONAL_GAIN = Key(_proportional_gain, {"type": "number", "exclusiveMinimum": 0})
+WINDOW = Key(_window, {"type": "array", "items": _quantity(), "minItems": 2, "maxItems": 2})
+GAIN = Key(_gain("Nm/rad"), {"type": "number", "minimum": 0})
+PROPORTIONAL_GAIN = Key(_gain("Nm s/rad", zero=False), {"type": "number", "exclusiveMinimum": 0})
 POLES = Key(
     _poles,
     {"type": "array", "items": {"type": "number", "exclusiveMaximum": 0}, "minItems": 3, "maxItems": 3},

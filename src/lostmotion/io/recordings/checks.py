@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputProblems, Problem
 from ...recording import Recording
 from ..spelling import short_list
+from .signal_faults import LARGEST, STUCK_SHARE, Place, dead, longest_run, spikes, stuck
 from .torque_and_speed import column_order, torque_agreement
 
 #: Fewest samples of a recording. Chosen: less than a few periods of any shaft at any sensible sample time.
@@ -24,18 +23,12 @@ _NOISE_SHARE = 1e-3
 #: Torque on the rare side counts as reversed from this fraction of the peak on. Chosen.
 _REVERSAL = 0.01
 
-#: A signal sticks where one value lasts so many times longer than 99 % of all do, and so long (s); said only of signals
-#: that change often. All chosen.
-STUCK_RUNS, USUAL_RUNS, STUCK_TIME, FEWEST_RUNS = 10.0, 0.99, 0.01, 200
-
 #: Longest sample time without a warning, s. Chosen: up to 50 kHz a raster in ms is seen; it tells nothing above 25 Hz.
 SLOW = 0.02
 
 #: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Chosen likewise: the
 #: other correlation was -0.24 to 0 in all of these.
 SWAPPED, SWAPPED_MARGIN = 0.4, 0.2
-
-Place = Callable[[int], str]
 
 
 def check_finite(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
@@ -143,7 +136,9 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
                     "The backlash cannot be told from it: record with reversals of the torque.",
                 )
             )
-        found += _stuck(name, values, recording, where)
+        found += stuck(name, values, recording, where)
+        found += spikes(name, values, recording, where)
+    found += dead(recording.signals, recording.time, where)
     follows, followed = column_order(recording)
     agreement = torque_agreement(recording)
     if followed > max(SWAPPED, abs(follows) + SWAPPED_MARGIN):
@@ -184,32 +179,6 @@ def _slow(recording: Recording, where: str) -> list[Problem]:
     ]
 
 
-def _stuck(name: str, values: NDArray[np.float64], recording: Recording, where: str) -> list[Problem]:
-    """A measured speed or torque that holds one value, and not zero, far longer than it usually does."""
-    if not name.startswith(("speed_", "torque_shaft")) or name == "speed_reference":
-        return []
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1])
-    lengths = np.diff(np.append(starts, values.size))
-    moving = values[starts] != 0.0
-    if np.count_nonzero(moving) < FEWEST_RUNS:
-        return []
-    starts, lengths = starts[moving], lengths[moving]
-    longest = int(np.argmax(lengths))
-    usual = float(np.quantile(lengths, USUAL_RUNS))
-    if lengths[longest] < STUCK_RUNS * usual or lengths[longest] * recording.dt < STUCK_TIME:
-        return []
-    first = int(starts[longest])
-    return [
-        Problem(
-            "warning",
-            f"{where}, {name}",
-            f"{values[first]:.6g} in {lengths[longest]} rows on end, from {recording.time[first]:.6g} s on",
-            f"a value that changes (others last {usual:.0f} row{'s' if usual > 1.0 else ''} at most)",
-            "Check whether the sensor or the logger hung there: leave that part out by window = [...].",
-        )
-    ]
-
-
 def rounded_to_decimals(values: NDArray[np.float64]) -> bool:
     """Whether the smallest step of numbers as written is 0.1, 0.01 …, and all are multiples of it.
 
@@ -219,27 +188,72 @@ def rounded_to_decimals(values: NDArray[np.float64]) -> bool:
     if levels.size < 3:
         return False
     smallest = float(np.min(np.diff(levels)))
+    if not 1e-300 < smallest < 0.5 or np.max(np.abs(levels)) > LARGEST:
+        return False
     step = 10.0 ** round(float(np.log10(smallest)))
     multiples = levels / step
-    return step < 0.5 and bool(
-        abs(smallest / step - 1.0) < 1e-3 and np.max(np.abs(multiples - np.round(multiples))) < 1e-3
-    )
+    return bool(abs(smallest / step - 1.0) < 1e-3 and np.max(np.abs(multiples - np.round(multiples))) < 1e-3)
 
 
 def check_identifiable(recording: Recording) -> tuple[Problem, ...]:
-    """The warning that a recording is too short to identify from, if it is."""
+    """What forbids to identify from a recording: errors where its speed tells nothing, else warnings."""
+    where = str(recording.meta.get("file", "recording"))
+    return (*_too_short(recording, where), *_missing(recording, where), *_standing(recording, where))
+
+
+def _too_short(recording: Recording, where: str) -> list[Problem]:
     rows, duration = len(recording), len(recording) * recording.dt
     if rows >= IDENTIFIABLE_ROWS and duration >= IDENTIFIABLE_TIME:
-        return ()
-    return (
+        return []
+    return [
         Problem(
             "warning",
-            str(recording.meta.get("file", "recording")),
+            where,
             f"{rows} rows, {duration:g} s",
             f"at least {IDENTIFIABLE_ROWS} rows and {IDENTIFIABLE_TIME:g} s to identify from",
             'Record longer, widen the window, or set use = "validate". 10 s at 10 kHz are good.',
-        ),
+        )
+    ]
+
+
+def _missing(recording: Recording, where: str) -> list[Problem]:
+    missing = [name for name in ("torque_motor", "speed_motor") if name not in recording]
+    if not missing:
+        return []
+    example = (
+        "the motor's current will do: channels.torque_motor = "
+        '{ column = ..., unit = "A", scale = its torque constant }'
     )
+    return [
+        Problem(
+            "warning",
+            where,
+            f"no {' and no '.join(missing)}",
+            "torque and speed of the motor: without them the inertias, friction and backlash stay unknown, and no "
+            "observer, no controller and no code is made",
+            f"Add the channel{'s' if len(missing) > 1 else ''}"
+            + (f"; {example}." if "torque_motor" in missing else "; an angle will do: channels.angle_motor."),
+        )
+    ]
+
+
+def _standing(recording: Recording, where: str) -> list[Problem]:
+    """The error that the motor's speed holds one value in a large part of the recording."""
+    if "speed_motor" not in recording:
+        return []
+    speed = recording["speed_motor"]
+    first, length = (0, speed.size) if np.ptp(speed) == 0.0 else longest_run(speed)
+    if length < STUCK_SHARE * speed.size:
+        return []
+    return [
+        Problem(
+            "error",
+            f"{where}, speed_motor",
+            f"{speed[first]:.6g} in {length} of {speed.size} rows on end, from {recording.time[first]:.6g} s on",
+            "a speed that changes: nothing can be identified from one that hangs",
+            'Check the encoder and its channel; leave that part out by window = [...], or set use = "validate".',
+        )
+    ]
 
 
 def _reverses(torque: NDArray[np.float64]) -> bool:

@@ -15,6 +15,7 @@ from ..tables.channels import Channel
 from ..tables.columns import Column, Table
 from ..tables.units import COUNT_UNITS, parse_quantity
 from .checks import Place, rounded_to_decimals, stop_at_errors
+from .contradictions import one_column_for_two, two_sample_times
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +47,11 @@ def signals_of_table(table: Table, where: str, time: Any, channels: Mapping[str,
         else:
             disagreement = specs[name].disagreement(column, f"{where}, {name} ({column.label})")
             problems += [] if disagreement is None else [disagreement]
+    problems += one_column_for_two(columns, where)
     stop_at_errors(problems)
     if isinstance(time, Mapping) and "sample_time" in time:
         step = _sample_time(time, where)
+        stop_at_errors(two_sample_times(table, step, next(iter(specs.values())).column, where))
         signals["time"] = step * np.arange(next(iter(signals.values())).size)
     place = next(iter(columns.values())).place
     sources = {name: column.label for name, column in columns.items() if name != "time"}

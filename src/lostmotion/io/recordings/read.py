@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import InputProblems, InvalidInput, Problem
+from ...errors import InputProblems, InvalidInput
 from ...recording import Recording
-from ..spelling import short_list
+from ..storage.whole_files import read_bytes
 from ..tables.columns import Table
 from .checks import check_recording
 from .raw_signals import RawSignals, signals_of_table
@@ -63,11 +63,11 @@ def read_recording(
         All errors of the file together; the warnings that were found with them follow.
     """
     path, where = Path(path), str(path)
-    data = _read_bytes(path)
     meta: dict[str, Any] = {}
     try:
+        data = read_bytes(path)
         if data.startswith(b"PK\x03\x04"):
-            saved = _saved(path, channels)
+            saved = _saved(data, where, channels)
             raw = RawSignals(saved.time, dict(saved.signals), lambda row: f"row {row}", {})
             origin, meta = dict(saved.origin), dict(saved.meta)
         else:
@@ -86,37 +86,34 @@ def read_recording(
     return replace(recording, meta={**recording.meta, **said, "problems": problems})
 
 
-def _read_bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        if path.is_dir():
-            got, remedy = "a folder", "Name the file in it."
-        elif not path.exists():
-            near = [p.name for p in path.parent.glob("*" + path.suffix)] if path.parent.is_dir() else []
-            got = "no such file"
-            remedy = f"In that folder: {short_list(sorted(near))}." if near else "Check the path."
-        else:
-            got, remedy = f"{error.strerror}", "Check the permissions."
-        raise InputProblems([Problem("error", str(path), got, "a readable file", remedy)]) from None
-
-
 def _table(path: Path, raw: bytes) -> Table:
-    from ..tables.csv_files import read_csv
-    from ..tables.matlab_files import read_mat
+    suffix = ".mat" if raw.startswith((b"MATLAB", b"\x89HDF")) else path.suffix.lower()
+    return READERS.get(suffix, _csv)(path, raw)
 
-    if path.suffix.lower() == ".mat" or raw.startswith((b"MATLAB", b"\x89HDF")):
-        return read_mat(path, raw)
+
+def _csv(path: Path, raw: bytes) -> Table:
+    from ..tables.csv_files import read_csv
+
     return read_csv(path, raw)
 
 
-def _saved(path: Path, channels: Mapping[str, Any] | None) -> Recording:
-    from ..storage.laws_and_recordings import load_recording
+def _mat(path: Path, raw: bytes) -> Table:
+    from ..tables.matlab_files import read_mat
 
-    recording = load_recording(path)
+    return read_mat(path, raw)
+
+
+#: Suffix → what makes a table of a file's path and bytes; files of other suffixes are taken for CSV.
+READERS: dict[str, Callable[[Path, bytes], Table]] = {".csv": _csv, ".mat": _mat}
+
+
+def _saved(data: bytes, where: str, channels: Mapping[str, Any] | None) -> Recording:
+    from ..storage.recording_files import recording_in
+
+    recording = recording_in(data, where)
     if channels:
         raise InvalidInput(
-            str(path),
+            where,
             "channels for a saved recording",
             "none",
             "Leave them out: names and units are stored in it.",

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputProblems, InvalidInput, Problem
+from ..memory import check_memory
 from ..tables.units import parse_quantity
 from .checks import (
     MINIMUM_SAMPLES,
@@ -18,6 +19,10 @@ from .checks import (
     stop_at_errors,
 )
 from .raw_signals import RawSignals
+from .signal_faults import check_sizes
+
+#: Memory that a number of a new raster takes: as it is made, and in the recording.
+_BYTES = 24.0
 
 
 def checked(
@@ -42,6 +47,7 @@ def checked(
     problems = check_length(time.size, where)
     for name, values in raw.signals.items():
         problems += check_finite(name, values[rows], where, place)
+        problems += check_sizes(name, values[rows], where, place)
     warnings: list[Problem] = []
     if resample is None or resample is False:
         problems += check_raster(time, where, place) if time.size > 2 else []
@@ -90,7 +96,14 @@ def _resampled(raw: RawSignals, where: str, resample: str | float | bool) -> tup
             f"a positive step that leaves at least {MINIMUM_SAMPLES} samples",
             "Choose a shorter one.",
         )
-    count = int((raw.time[-1] - raw.time[0]) / step * (1.0 + 1e-12)) + 1
+    rows = (raw.time[-1] - raw.time[0]) / step * (1.0 + 1e-12)
+    check_memory(
+        f"{where}, resample",
+        f"{step:g} s, {rows:.3g} rows",
+        _BYTES * rows * (1 + len(raw.signals)),
+        f"Choose a longer step: the file's own is {old:g} s.",
+    )
+    count = int(rows) + 1
     time = raw.time[0] + step * np.arange(count)
     signals = {name: np.interp(time, raw.time, values) for name, values in raw.signals.items()}
     alias = " Nothing was filtered before: faster content is folded back." if step > 1.5 * old else ""

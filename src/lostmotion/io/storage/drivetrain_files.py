@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ...drivetrain import Actuator, Drivetrain, Friction, Shaft
-from ...errors import InvalidInput
+from ...errors import InvalidInput, within
+from ...plain_data import entries, mapping, number, numbers, shown, text
 from ..spelling import suggestion
-from .laws_and_recordings import SCHEMA_VERSION, unwrapped
+from .json_files import SCHEMA_VERSION, unwrapped
 from .toml_files import read_toml
 from .whole_files import write_bytes
 
-#: Half a file can be valid TOML of another drivetrain: the first line says how the last one reads.
+#: Half a file can be valid TOML of another drivetrain: this line is the last one of a whole file.
 _END = "# end"
 _HEAD = (
     f"# A chain of inertias joined by shafts, motor first, load last. SI units. The last line is {_END!r}."
@@ -38,7 +40,7 @@ def save_drivetrain(drivetrain: Drivetrain, path: str | Path) -> None:
         lines += [_entry("inertia", inertia, "kg m2"), *_entries(friction, _FRICTION_UNITS)]
     for i, shaft in enumerate(drivetrain.shafts):
         lines += ["", f"[[shaft]]  # between inertia {i + 1} and {i + 2}", *_entries(shaft, _SHAFT_UNITS)]
-    write_bytes(Path(path), ("\n".join([*lines, "", _END]) + "\n").encode())
+    write_bytes(path, ("\n".join([*lines, "", _END]) + "\n").encode())
 
 
 def load_drivetrain(path: str | Path) -> Drivetrain:
@@ -47,36 +49,66 @@ def load_drivetrain(path: str | Path) -> Drivetrain:
     Raises
     ------
     InvalidInput
-        If the file cannot be read, a key is missing or unknown, or a value is out of range.
+        If the file cannot be read, its last line is missing, a key is missing or unknown, or a value is of the wrong
+        type or out of range.
     """
     where = str(path)
-    content, text = read_toml(Path(path), "a drivetrain as TOML")
-    if _HEAD in text and _END not in text.splitlines():
+    content, source = read_toml(Path(path), "a drivetrain as TOML")
+    content = unwrapped(content, "drivetrain", where)
+    if not source.rstrip().endswith(f"\n{_END}"):
         raise InvalidInput(
             where,
-            f"no line {_END!r}, which its first line speaks of",
-            "a whole drivetrain: this one is cut off",
-            "Copy or write it again. If you took the line out yourself, put it back at the end.",
+            f"no last line {_END!r}",
+            "a whole drivetrain: half of one may be another one",
+            f"Copy or write it again. If you wrote it by hand and it is whole, add the line {_END!r}.",
         )
-    content = unwrapped(content, "drivetrain", where)
-    _known(content, ("actuator", "inertia", "locked", "shaft"), where)
-    inertias = _tables(content, "inertia", {"inertia", *_FRICTION_UNITS}, {"inertia"}, where)
-    shafts = _tables(content, "shaft", set(_SHAFT_UNITS), {"stiffness"}, where)
-    actuator = content.get("actuator", {})
-    _known(actuator, tuple(_ACTUATOR_UNITS), f"{where}, actuator")
-    try:
-        return Drivetrain(
-            tuple(entry.pop("inertia") for entry in inertias),
-            tuple(Shaft(**entry) for entry in shafts),
-            tuple(Friction(**entry) for entry in inertias),
-            Actuator(**actuator),
-            locked=content.get("locked"),
-        )
-    except (TypeError, ValueError) as error:
-        if isinstance(error, InvalidInput):
-            p = error.problem
-            raise InvalidInput(f"{where}, {p.where}", p.got, p.expected, p.remedy) from None
-        raise InvalidInput(where, f"a value of the wrong type ({error})", "numbers", "Correct it.") from None
+    with within(where):
+        return _drivetrain(content)
+
+
+def _drivetrain(content: dict[str, Any]) -> Drivetrain:
+    _known(content, ("actuator", "inertia", "locked", "shaft"), "drivetrain")
+    inertias = _tables(content, "inertia", {"inertia", *_FRICTION_UNITS}, {"inertia"})
+    shafts = _tables(content, "shaft", set(_SHAFT_UNITS), {"stiffness"})
+    actuator = mapping("actuator", content.get("actuator", {}))
+    _known(actuator, tuple(_ACTUATOR_UNITS), "actuator")
+    locked = content.get("locked")
+    return Drivetrain(
+        tuple(number(f"inertia[{i}].inertia", entry["inertia"]) for i, entry in enumerate(inertias)),
+        tuple(_shaft(entry, f"shaft[{i}]") for i, entry in enumerate(shafts)),
+        tuple(_friction(entry, f"inertia[{i}]") for i, entry in enumerate(inertias)),
+        Actuator(**{name: _limit(f"actuator.{name}", value) for name, value in actuator.items()}),
+        locked=None if locked is None else text("locked", locked),
+    )
+
+
+def _shaft(entry: dict[str, Any], where: str) -> Shaft:
+    values: dict[str, Any] = {
+        name: (text if name == "contact" else number)(f"{where}.{name}", value)
+        for name, value in entry.items()
+    }
+    with within(where):
+        return Shaft(**values)
+
+
+def _friction(entry: dict[str, Any], where: str) -> Friction:
+    values: dict[str, Any] = {name: value for name, value in entry.items() if name != "inertia"}
+    for name, value in values.items():
+        place = f"{where}.{name}"
+        if name == "stribeck":
+            points = numbers(place, value, (len(entries(place, value)), 2))
+            values[name] = tuple(map(tuple, points.tolist()))
+        elif name == "coulomb" and isinstance(value, list):
+            values[name] = tuple(numbers(place, value, (2,)).tolist())
+        else:
+            values[name] = number(place, value)
+    with within(where):
+        return Friction(**values)
+
+
+def _limit(where: str, value: object) -> float:
+    """A number, which may be inf for none."""
+    return math.inf if value == math.inf else number(where, value)
 
 
 _ACTUATOR_UNITS = {"lag": "s, first-order torque lag", "torque_limit": "Nm", "rate_limit": "Nm/s"}
@@ -104,8 +136,7 @@ def _entries(thing: object, units: Mapping[str, str]) -> list[str]:
 
 
 def _entry(name: str, value: Any, unit: str) -> str:
-    text = f"{name} = {_toml(value)}"
-    return f"{text:<34} # {unit}"
+    return f"{f'{name} = {_toml(value)}':<34} # {unit}"
 
 
 def _toml(value: Any) -> str:
@@ -114,22 +145,20 @@ def _toml(value: Any) -> str:
     return json.dumps(value) if isinstance(value, str) else repr(float(value))
 
 
-def _tables(
-    content: dict[str, Any], name: str, known: set[str], needed: set[str], where: str
-) -> list[dict[str, Any]]:
+def _tables(content: dict[str, Any], name: str, known: set[str], needed: set[str]) -> list[dict[str, Any]]:
     tables = content.get(name, [])
     if not isinstance(tables, list) or not all(isinstance(entry, dict) for entry in tables):
-        raise InvalidInput(f"{where}, {name}", "one table", f"[[{name}]] for each", "Double the brackets.")
+        raise InvalidInput(name, shown(tables), f"[[{name}]] for each", "Double the brackets.")
     for i, entry in enumerate(tables):
-        _known(entry, sorted(known), f"{where}, {name}[{i}]")
+        _known(entry, sorted(known), f"{name}[{i}]")
         if missing := sorted(needed - set(entry)):
-            raise InvalidInput(f"{where}, {name}[{i}]", f"no {missing[0]!r}", "this key", "Add it.")
-    return [dict(entry) for entry in tables]
+            raise InvalidInput(f"{name}[{i}]", f"no {missing[0]!r}", "this key", "Add it.")
+    return tables
 
 
 def _known(table: Mapping[str, Any], known: tuple[str, ...] | list[str], where: str) -> None:
     for key in table:
         if key not in known:
             raise InvalidInput(
-                where, f"unknown key {key!r}", "one of " + ", ".join(known), suggestion(key, known)
+                where, f"unknown key {shown(key)}", "one of " + ", ".join(known), suggestion(key, known)
             )

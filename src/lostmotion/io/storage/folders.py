@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import hashlib
 import os
 import re
 import secrets
@@ -15,7 +14,8 @@ from pathlib import Path
 
 from ...errors import InvalidInput
 from ..spelling import short_list
-from .laws_and_recordings import load_json, save_json
+from .json_files import save_json
+from .written_files import content_hash, known_files
 
 #: File in every output folder that lists what the run wrote, with hashes: whatever else lies there, or was changed, is
 #: somebody else's.
@@ -63,7 +63,7 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
         raise _cannot_write(path, error) from None
     try:
         yield new
-        save_json(new / MARKER, _KIND, {"files": {name: _hash(new / name) for name in _files(new)}})
+        save_json(new / MARKER, _KIND, {"files": {name: content_hash(new / name) for name in _files(new)}})
         _keep_foreign(path, new)
         _swap(path, new)
     except OSError as error:
@@ -86,20 +86,11 @@ def foreign_files(path: str | Path) -> list[str]:
     path = Path(path)
     if not path.is_dir():
         return []
-    try:
-        files = load_json(path / MARKER, _KIND)["files"]
-        # An older version listed names alone.
-        own = {**(files if isinstance(files, dict) else dict.fromkeys(files)), MARKER: None}
-    except (InvalidInput, KeyError, TypeError):
-        own = {}
-    return [name for name in _files(path) if name not in own or own[name] not in (None, _hash(path / name))]
-
-
-def _hash(file: Path) -> str:
-    """Of the content; a link or an empty folder is known by its being one."""
-    if file.is_symlink() or not file.is_file():
-        return "no file"
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    known = known_files(path / MARKER, _KIND)
+    own = {} if known is None else {**known, MARKER: None}
+    return [
+        name for name in _files(path) if name not in own or own[name] not in (None, content_hash(path / name))
+    ]
 
 
 def _files(folder: Path) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -9,16 +10,29 @@ from typing import Any
 from ...errors import InvalidInput
 from .whole_files import read_bytes
 
+#: Memory that a TOML takes once it is read, as a multiple of its text (chosen: as JSON does, with room).
+_TAKES = 20.0
+_MARKS = {
+    codecs.BOM_UTF32_LE: "UTF-32",
+    codecs.BOM_UTF32_BE: "UTF-32",
+    codecs.BOM_UTF16_LE: "UTF-16",
+    codecs.BOM_UTF16_BE: "UTF-16",
+}
+
 
 def read_toml(path: Path, expected: str) -> tuple[dict[str, Any], str]:
     """Content and text of a TOML; raises ``InvalidInput`` where it cannot be read or is none."""
-    raw = read_bytes(path)
+    raw = read_bytes(path, takes=_TAKES)
     try:
         text = raw.decode("utf-8-sig")
         return tomllib.loads(text), text
     except UnicodeDecodeError:
-        got, remedy = "text that is not UTF-8", "Save it as UTF-8."
-    except tomllib.TOMLDecodeError as error:
+        coding = next((name for mark, name in _MARKS.items() if raw.startswith(mark)), "")
+        got = f"text in {coding}" if coding else "text that is not UTF-8"
+        remedy = "Save it as UTF-8."
+    except RecursionError:
+        got, remedy = "broken TOML: hundreds of brackets in each other", "Close the brackets."
+    except ValueError as error:  # whole numbers of more than 4300 digits, too
         got, remedy = f"broken TOML: {error}", "Put texts in quotes; see toml.io."
     if path.suffix.lower() != ".toml":
         got = f"a file with the ending {path.suffix!r} that is no TOML"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Problem
+from ...plain_data import number, shown
 from ...recording import unit_of
 from ..spelling import suggestion
 from .columns import Column
@@ -19,6 +19,9 @@ from .units import is_unit, unit_factor
 #: Dimensions that a stated scale turns into that of the signal: a current into a torque by Nm/A, a share into
 #: a torque by the rated one, a path into an angle by rad/m.
 SCALABLE = ("A", "V", "N", "m", "m/s", "1")
+
+#: Sizes that a scale, or counts per revolution, can have (chosen: counts of 64 bit and their inverse).
+SMALLEST, LARGEST = 1e-20, 1e20
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,7 @@ class Channel:
             If a key is unknown or a value has the wrong type.
         """
         if isinstance(spec, Channel):
+            spec._check(where)
             return spec
         if isinstance(spec, str | int) and not isinstance(spec, bool):
             return cls(spec)
@@ -63,14 +67,14 @@ class Channel:
         if not isinstance(spec, Mapping) or "column" not in spec:
             raise InvalidInput(
                 where,
-                repr(spec),
+                shown(spec),
                 "a column, or a table of " + ", ".join(names),
                 "Give at least the column.",
             )
         for key in spec:
             if key not in names:
                 raise InvalidInput(
-                    where, f"unknown key {key!r}", "one of " + ", ".join(names), suggestion(key, names)
+                    where, f"unknown key {shown(key)}", "one of " + ", ".join(names), suggestion(key, names)
                 )
         channel = cls(**{k: v for k, v in spec.items() if v is not None})
         channel._check(where)
@@ -83,20 +87,27 @@ class Channel:
             "counts_per_rev": self.counts_per_rev,
         }
         for name, value in numbers.items():
-            number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-            if value is not None and not (number and (value != 0.0 or name == "offset")):
-                raise InvalidInput(where, f"{name} {value!r}", "a finite number other than 0", "Check it.")
+            if value is None:
+                continue
+            size = abs(number(f"{where}, {name}", value))
+            if not SMALLEST <= size <= LARGEST and not (name == "offset" and size < LARGEST):
+                raise InvalidInput(
+                    f"{where}, {name}",
+                    shown(value),
+                    f"a size from {SMALLEST:g} to {LARGEST:g}",
+                    "Check the power of ten.",
+                )
         if self.sign not in (1, -1) or isinstance(self.sign, bool):
-            raise InvalidInput(where, f"sign {self.sign!r}", "1 or -1", "Put the size into scale.")
+            raise InvalidInput(where, f"sign {shown(self.sign)}", "1 or -1", "Put the size into scale.")
         if not isinstance(self.column, str | int) or isinstance(self.column, bool):
             raise InvalidInput(
-                where, f"column {self.column!r}", "a header name, a number or a path", "Check it."
+                where, f"column {shown(self.column)}", "a header name, a number or a path", "Check it."
             )
         if not isinstance(self.unit, str):
-            raise InvalidInput(where, f"unit {self.unit!r}", 'text such as "rpm"', "Check it.")
+            raise InvalidInput(where, f"unit {shown(self.unit)}", 'text such as "rpm"', "Check it.")
 
     def disagreement(self, column: Column, where: str) -> Problem | None:
-        """The warning that the file's own unit is another one than the stated one, which counts."""
+        """The error that the file's own unit is another one than the stated one; a scale says how both can be right."""
         said, own = self.unit, column.unit
         if self.scale is not None or not (is_unit(said) and is_unit(own)):
             return None
@@ -104,8 +115,8 @@ class Channel:
         if unit_factor(said, where, "", counts) == unit_factor(own, where, "", counts):
             return None
         return Problem(
-            "warning", where, f"unit {said!r} for a column whose header says {own!r}", "one and the same unit",
-            f"It is read as {said!r}. Leave the unit out if the header is right.",
+            "error", where, f"unit {said!r} for a column whose header says {own!r}", "one and the same unit",
+            "Leave unit out if the header is right; if it is wrong, add scale = 1, which says that you know.",
         )  # fmt: skip
 
     def to_si(self, column: Column, signal: str, where: str) -> NDArray[np.float64]:
@@ -119,13 +130,12 @@ class Channel:
         dimension = "s" if signal == "time" else unit_of(signal)
         unit = self.unit or column.unit
         scale = 1.0 if self.scale is None else float(self.scale)
-        if not unit:
-            return self.sign * (scale * column.values + self.offset)
-        factor, found = unit_factor(unit, where, dimension, self.counts_per_rev)
-        if dimension in ("", found):
-            return self.sign * factor * (scale * column.values + self.offset)
-        if found in SCALABLE and self.scale is not None:
-            return self.sign * (scale * factor * column.values + self.offset)
+        factor, found = unit_factor(unit, where, dimension, self.counts_per_rev) if unit else (1.0, dimension)
+        with np.errstate(over="ignore", invalid="ignore"):  # sizes are checked with all else
+            if dimension in ("", found):
+                return self.sign * factor * (scale * column.values + self.offset)
+            if found in SCALABLE and self.scale is not None:
+                return self.sign * (scale * factor * column.values + self.offset)
         raise InvalidInput(
             where,
             f"unit {unit!r}",

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
-import csv
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,77 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Problem
-from ...recording import SIGNAL_UNITS
+from ...plain_data import shown
+from ...recording import unit_of
+from ..memory import check_memory
 from ..spelling import short_list, split_unit, suggestion
 from .columns import Column
+from .dialects import LONGEST, Dialect, check_decimal_commas, decode, find_dialect
 from .units import is_unit
 
+#: Bytes of memory that reading takes for each byte and for each line (measured on lines of 4 to 50 bytes).
+PER_BYTE, PER_LINE = 4.0, 150.0
 COMMENT_MARKS = ("#", "%", "//")
-_DECIMAL_COMMA = re.compile(r"(?<!\d)[-+]?\d+,\d+(?:[eE][-+]?\d+)?(?![\d,])")
 _TIME_NAMES = ("time", "t")
-
-
-def decode(raw: bytes, where: str) -> str:
-    """Text of a file: UTF-8 or UTF-16 by its byte order mark, else UTF-8, else Windows-1252 (µ, °, ²)."""
-    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return raw.decode("utf-16", errors="replace")
-    if b"\0" in raw[:8192]:
-        raise InvalidInput(
-            where,
-            "a binary file",
-            "a text table (CSV), a MATLAB .mat or an .npz file",
-            "Check the file's ending.",
-        )
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return raw.decode("cp1252", errors="replace")
-
-
-@dataclass(frozen=True)
-class Dialect:
-    """Separator (None: blanks) and whether the decimal sign is a comma."""
-
-    separator: str | None
-    decimal_comma: bool
-
-    def split(self, line: str) -> list[str]:
-        """Fields of one line, quotes removed, trailing separator dropped."""
-        if self.separator is None:
-            return line.split()
-        fields = [field.strip() for field in next(csv.reader([line], delimiter=self.separator))]
-        return fields[:-1] if fields and fields[-1] == "" else fields
-
-    def number(self, text: str) -> float | None:
-        """The number that a field holds, None if it holds none."""
-        try:
-            return float(text.replace(",", ".") if self.decimal_comma else text)
-        except ValueError:
-            return None
-
-    def is_data(self, line: str) -> bool:
-        """Whether more than half of the fields that are not empty are numbers."""
-        fields = [field for field in self.split(line) if field]
-        return 2 * sum(self.number(field) is not None for field in fields) > len(fields)
-
-
-def find_dialect(lines: Sequence[str]) -> Dialect:
-    """The separator that splits the sampled lines into most columns of numbers; in a tie ``,`` comes last.
-
-    Where ``;``, tab or blanks separate, a comma inside numbers is the decimal sign.
-    """
-    sample = lines[-200:]
-    best, best_score = Dialect(",", False), 0.0
-    for separator in (";", "\t", None, ","):
-        for comma in (False, True) if separator != "," else (False,):
-            if comma and not any(_DECIMAL_COMMA.search(line) for line in sample):
-                continue
-            dialect = Dialect(separator, comma)
-            counts = [sum(dialect.number(f) is not None for f in dialect.split(line)) for line in sample]
-            score = float(np.median(counts)) if counts else 0.0
-            if score > best_score:
-                best, best_score = dialect, score
-    return best
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +82,7 @@ class CsvTable:
             name: Column(
                 data[:, wanted.index(i)],
                 self.units[i] if self.units else "",
-                f"column {self.header[i]!r}" if self.header else f"column {i}",
+                f"column {shown(self.header[i])}" if self.header else f"column {i}",
                 self.line_numbers,
             )
             for name, i in places.items()
@@ -154,7 +92,7 @@ class CsvTable:
 
     def known_signals(self) -> dict[str, str | int]:
         names = [split_unit(name)[0] for name in self.header]
-        found: dict[str, str | int] = {name: i for i, name in enumerate(names) if name in SIGNAL_UNITS}
+        found: dict[str, str | int] = {name: name for name in names if unit_of(name)}
         times: list[str | int] = [i for i, name in enumerate(names) if name.lower() in _TIME_NAMES]
         return {**found, "time": times[0]} if times else found
 
@@ -192,6 +130,8 @@ class CsvTable:
 
     def _numbers(self, wanted: list[int]) -> tuple[NDArray[np.float64], list[Problem]]:
         lines = self.lines
+        if max(map(len, lines)) > LONGEST * self.width:
+            return self._one_by_one(wanted)
         if self.dialect.decimal_comma:
             lines = "\n".join(lines).replace(",", ".").split("\n")
         try:
@@ -199,26 +139,31 @@ class CsvTable:
             data = np.loadtxt(
                 lines, delimiter=separator, usecols=wanted, comments=None, quotechar='"', ndmin=2
             )
-            return data, []
         except ValueError:
-            return np.empty((0, len(wanted))), self._texts(wanted)
+            return self._one_by_one(wanted)
+        # A quote that is not closed goes on in the next line.
+        return (data, []) if len(data) == len(lines) else self._one_by_one(wanted)
 
-    def _texts(self, wanted: list[int]) -> list[Problem]:
-        """The fields that are no numbers: only looked for after the fast reading has failed."""
+    def _one_by_one(self, wanted: list[int]) -> tuple[NDArray[np.float64], list[Problem]]:
+        """The numbers, or all fields that are none: slow, and only after the fast reading has failed."""
+        data = np.empty((len(self.lines), len(wanted)))
         bad: dict[int, list[tuple[int, str]]] = {}
-        for line, number in zip(self.lines, self.line_numbers, strict=True):
+        for row, (line, number) in enumerate(zip(self.lines, self.line_numbers, strict=True)):
             fields = self.dialect.split(line)
-            for i in wanted:
+            for column, i in enumerate(wanted):
                 text = fields[i] if i < len(fields) else ""
-                if self.dialect.number(text) is None:
+                value = self.dialect.number(text)
+                if value is None:
                     bad.setdefault(i, []).append((int(number), text))
-        return [
+                else:
+                    data[row, column] = value
+        return (np.empty((0, len(wanted))) if bad else data), [
             Problem(
                 "error",
-                f"{self.where}, {f'column {self.header[i]!r}' if self.header else f'column {i}'}",
-                (f"text {places[0][1]!r}" if places[0][1] else "an empty field")
+                f"{self.where}, {f'column {shown(self.header[i])}' if self.header else f'column {i}'}",
+                (f"text {shown(places[0][1])}" if places[0][1] else "an empty field")
                 + f" in line {short_list((n for n, _ in places), 5)}",
-                "a number in every line",
+                "a number in every line: digits, a decimal sign, perhaps an exponent",
                 "Fill or delete these lines.",
             )
             for i, places in bad.items()
@@ -257,6 +202,9 @@ def read_csv(path: Path, raw: bytes) -> CsvTable:
         If the file is binary, empty, or holds no numbers.
     """
     where = str(path)
+    count = raw.count(b"\n") + 1
+    needed = PER_BYTE * len(raw) + PER_LINE * count
+    check_memory(where, f"a text of {count} lines", needed, "Cut the recording, or leave columns out.")
     lines = decode(raw, where).splitlines()
     stripped = [line.strip(" \r\n\f\v") for line in lines]
     keep = [i for i, line in enumerate(stripped) if line.strip() and not line.startswith(COMMENT_MARKS)]
@@ -274,5 +222,7 @@ def read_csv(path: Path, raw: bytes) -> CsvTable:
         )
     body = texts[start:]
     width = int(np.median([len(dialect.split(line)) for line in body[:200]]))
+    if dialect.separator == ",":
+        check_decimal_commas(body, len(dialect.split(texts[start - 1])) if start else 0, where)
     header, units = _header(texts[:start], dialect, width, where)
     return CsvTable(where, dialect, header, units, body, np.array(keep[start:]) + 1, width)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,11 +12,15 @@ import numpy as np
 
 from ...errors import InvalidInput, Problem
 from ...recording import SIGNAL_UNITS
+from ..isolation.parent import read_isolated
 from ..spelling import short_list, split_unit, suggestion
 from .columns import Column
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-_STEP = re.compile(r"\.?(?P<name>[A-Za-z_]\w*)|[\[{]\s*(?P<index>[-\d:,\s]+?)\s*[\]}]")
+_STEP = re.compile(r"\.?(?P<name>[A-Za-z_]\w*)|[\[{](?P<index>[-\d:, ]+)[\]}]", re.ASCII)
+#: Structs in structs are listed so deep in messages (chosen).
+_DEEPEST = 10
+_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _TIME_NAMES = ("t", "time", "Time")
 
 
@@ -77,18 +80,18 @@ class MatTable:
             self._walk(name, value, found)
         return found
 
-    def _walk(self, path: str, value: Any, found: list[str]) -> None:
+    def _walk(self, path: str, value: Any, found: list[str], depth: int = 0) -> None:
         value = _plain(value)
-        names = _fields(value)
+        names = _fields(value) if depth < _DEEPEST else ()
         labelled = [label for label, _ in _with_time(value) if label]
         if labelled:
             found += [f"{path}.{label}" for label in labelled]
         elif names and isinstance(value, np.void):
             for name in names:
-                self._walk(f"{path}.{name}", value[name], found)
-        elif isinstance(value, np.ndarray) and (value.dtype == object or names):
-            for i, entry in enumerate(value.ravel()[:20]):
-                self._walk(f"{path}[{i}]", entry, found)
+                self._walk(f"{path}.{name}", value[name], found, depth + 1)
+        elif isinstance(value, np.ndarray) and (value.dtype == object or value.dtype.names):
+            for i, entry in enumerate(value.ravel()[:20] if depth < _DEEPEST else ()):
+                self._walk(f"{path}[{i}]", entry, found, depth + 1)
         elif isinstance(value, np.ndarray) and value.dtype.kind in "fiub" and value.size > 1:
             flat = max(value.shape) == value.size
             found.append(
@@ -103,7 +106,7 @@ class MatTable:
         InvalidInput
             If the path leads nowhere.
         """
-        root = re.match(r"[A-Za-z_]\w*", path)
+        root = _NAME.match(path)
         value, label, at = (self.variables.get(root[0]) if root else None), "", root.end() if root else 0
         while value is not None and at < len(path):
             labels = dict(_with_time(value))
@@ -134,7 +137,7 @@ class MatTable:
             return value[step["name"]] if step["name"] in _fields(value) else None
         try:
             return _pick(value, step["index"])
-        except (IndexError, ValueError):
+        except (IndexError, ValueError, OverflowError):
             shape = np.shape(_plain(value))
             raise InvalidInput(
                 where,
@@ -198,7 +201,7 @@ class MatTable:
 
     def time_of(self, key: str | int) -> str | int | None:
         """Path of the time that belongs to a column: that of its "structure with time"."""
-        root = re.match(r"[A-Za-z_]\w*", str(key))
+        root = _NAME.match(str(key))
         value = _plain(self.variables.get(root[0])) if root else None
         return (
             f"{root[0]}.time" if root and "time" in _fields(value) and "signals" in _fields(value) else None
@@ -228,8 +231,6 @@ def read_mat(path: Path, raw: bytes) -> MatTable:
     InvalidInput
         If it is of version 7.3 (HDF5), or no MATLAB file, or cut off.
     """
-    from scipy.io import loadmat
-
     where = str(path)
     if raw.startswith(_HDF5) or raw[512:520] == _HDF5 or raw.startswith(b"MATLAB 7.3"):
         raise InvalidInput(
@@ -238,16 +239,11 @@ def read_mat(path: Path, raw: bytes) -> MatTable:
             "a MATLAB file of version 7 or older",
             f"In MATLAB: load('{path.name}'), then save('{path.name}', '-v7').",
         )
-    stream: Any = io.BytesIO(raw)
-    try:
-        variables = loadmat(stream, struct_as_record=True, squeeze_me=False)
-    except Exception as error:  # scipy raises many kinds on a damaged file
-        raise InvalidInput(
-            where,
-            f"what is no readable MATLAB file ({type(error).__name__}: {error})",
-            "a complete MATLAB file of version 4 to 7",
-            "Copy it again, or save it in MATLAB with '-v7'.",
-        ) from None
-    return MatTable(
-        where, {k: v for k, v in variables.items() if isinstance(k, str) and not k.startswith("__")}
+    variables = read_isolated(
+        "mat",
+        raw,
+        where,
+        "a complete MATLAB file of version 4 to 7",
+        "Copy it again, or save it in MATLAB with '-v7'.",
     )
+    return MatTable(where, variables)

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from ...errors import InvalidInput
+from ...plain_data import shown
 
 _DEG = math.pi / 180.0
 _REV = 2.0 * math.pi
@@ -62,7 +63,9 @@ UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 #: Units of an encoder: their factor is 2π / counts per revolution.
 COUNT_UNITS: Mapping[str, str] = MappingProxyType({"counts": "rad", "counts/s": "rad/s"})
 
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+_NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)", re.ASCII | re.DOTALL)
+#: Longest unit that is compared with the known ones, characters.
+_LONGEST = 40
 _SPELLINGS = str.maketrans(
     {"²": "2", "µ": "u", "μ": "u", "°": "deg", "^": "", "*": "", "·": "", " ": "", "⁻": "-", "¹": "1"}
 )
@@ -123,9 +126,9 @@ def unit_factor(
         return _BY_SPELLING[spelt]
     known = known_units(dimension) or known_units()
     by_lower_case = {_spelling(u).lower(): u for u in known_units()}
-    close = difflib.get_close_matches(spelt.lower(), by_lower_case, n=1)
+    close = difflib.get_close_matches(spelt.lower()[:_LONGEST], by_lower_case, n=1)
     hint = f"Did you mean {by_lower_case[close[0]]!r}?" if close else "Use a known unit and a scale."
-    raise InvalidInput(where, f"unknown unit {unit!r}", "one of " + ", ".join(known), hint)
+    raise InvalidInput(where, f"unknown unit {shown(unit)}", "one of " + ", ".join(known), hint)
 
 
 def parse_quantity(value: object, dimension: str, where: str = "quantity") -> float:
@@ -146,24 +149,23 @@ def parse_quantity(value: object, dimension: str, where: str = "quantity") -> fl
         If it is no finite number, or the unit is unknown or of another dimension.
     """
     example = f'a number in {dimension}, or text such as "1.5 {next(iter(UNITS[dimension]))}"'
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        number, unit = float(value), ""
-    else:
-        match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
-        if match is None:
-            raise InvalidInput(
-                where, repr(value), example, "Write the number with a decimal point, then the unit."
-            )
-        number, unit = float(match[1]), match[2]
-    if not math.isfinite(number):
+    match = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
+    if match is None and (isinstance(value, bool) or not isinstance(value, int | float)):
         raise InvalidInput(
-            where, repr(value), f"a finite {example.removeprefix('a ')}", "Replace it or leave it out."
+            where, shown(value), example, "Write the number with a decimal point, then the unit."
         )
-    if not unit:
-        return number
-    factor, found = unit_factor(unit, where, dimension)
+    try:
+        number = float(match[1] if match else value)  # type: ignore[arg-type]
+    except OverflowError:  # a whole number beyond 1e308
+        number = math.inf
+    unit = match[2] if match else ""
+    factor, found = unit_factor(unit, where, dimension) if unit else (1.0, dimension)
     if found != dimension:
         raise InvalidInput(
-            where, repr(value), f"a unit of {dimension}: {', '.join(UNITS[dimension])}", "Check the unit."
+            where, shown(value), f"a unit of {dimension}: {', '.join(UNITS[dimension])}", "Check the unit."
+        )
+    if not math.isfinite(number * factor):
+        raise InvalidInput(
+            where, shown(value), f"a finite {example.removeprefix('a ')}", "Replace it or leave it out."
         )
     return number * factor

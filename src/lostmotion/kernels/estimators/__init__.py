@@ -10,3 +10,14 @@ MODULES = {
     "super_twisting": "motor_speed.super_twisting",
     "unscented_kalman": "unscented_kalman",
 }
+
+#: Numbers of parameters and outputs: a step reads and writes its arrays at fixed places, whatever their lengths are.
+SIZES = {
+    "extended_kalman": (119, 22),
+    "interacting_models": (123, 17),
+    "moving_horizon": (121, 22),
+    "neural_network": (150, 7),
+    "sliding_mode": (130, 6),
+    "super_twisting": (133, 7),
+    "unscented_kalman": (119, 22),
+}

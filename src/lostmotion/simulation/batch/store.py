@@ -22,8 +22,8 @@ _COLUMNS = ("final_state", "peak", "rms", "events", "samples", "time")
 
 #: What a batch runs through: this layer and all below it.
 SOURCES = (
-    "simulation", "systems", "metrics", "drivetrain", "recording", "signals", "curves", "events", "kernels", "errors",
-    "display",
+    "simulation", "systems", "metrics", "drivetrain", "recording", "signals", "curves", "events", "plain_data",
+    "kernels", "errors", "display", "version",
 )  # fmt: skip
 
 

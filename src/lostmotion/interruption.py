@@ -1,0 +1,75 @@
+"""Ctrl-C and SIGTERM: the command ends at once while it has begun nothing, else it puts away what it has begun."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import Any
+
+#: Exit codes: 128 + the signal's number, as shells have it.
+INTERRUPTED = 128 + signal.SIGINT
+#: Signals that ask a program to end; Windows knows no hang-up of the terminal.
+_ENDS = (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else []))
+
+Handler = Callable[[int, FrameType | None], Any]
+
+
+def _of_a_worker() -> None:
+    """A forked worker has nothing to put away: it ends at once when its pool ends it."""
+    for number in _ENDS:
+        if signal.getsignal(number) is _ended:
+            signal.signal(number, signal.SIG_DFL)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_of_a_worker)
+
+
+def exit_at_once() -> None:
+    """From now on Ctrl-C ends the process without a word of Python's: for what only imports and reads.
+
+    An exception would have to find its way through other packages' imports, some of which swallow any.
+    """
+    if (
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    ):  # not where the shell lets it be ignored
+        signal.signal(signal.SIGINT, _exit)
+
+
+def _exit(number: int, frame: FrameType | None) -> None:
+    with contextlib.suppress(OSError):
+        os.write(2, b"Interrupted; nothing was written.\n")
+    os._exit(INTERRUPTED)
+
+
+@contextlib.contextmanager
+def as_exceptions() -> Iterator[None]:
+    """In the block Ctrl-C is a KeyboardInterrupt, and SIGTERM a SystemExit: what was begun is put away."""
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(_handled(signal.SIGINT, signal.default_int_handler))
+        for number in _ENDS:
+            stack.enter_context(_handled(number, _ended))
+        yield
+
+
+def _ended(number: int, frame: FrameType | None) -> None:
+    signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the tidying up
+    raise SystemExit(128 + number)
+
+
+@contextlib.contextmanager
+def _handled(number: int, handler: Handler) -> Iterator[None]:
+    """A signal handler for the block; what the caller lets be ignored stays ignored."""
+    before = signal.getsignal(number)
+    if threading.current_thread() is not threading.main_thread() or before in (None, signal.SIG_IGN):
+        yield
+        return
+    signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)

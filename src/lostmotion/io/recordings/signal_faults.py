@@ -1,0 +1,129 @@
+"""What a sensor or a logger does wrong: a signal that stands still, one sample far off, sizes that nothing has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import Problem
+from ...recording import Recording
+from ..spelling import short_list
+
+#: Largest size of a signal, SI (chosen: a day at a million rad/s turns 1e11 rad; no torque or speed comes near).
+LARGEST = 1e12
+
+#: A signal sticks where one value lasts so many times longer than 99 % of all do, and so long (s); said only of signals
+#: that change often. All chosen.
+STUCK_RUNS, USUAL_RUNS, STUCK_TIME, FEWEST_RUNS = 10.0, 0.99, 0.01, 200
+#: Part of a recording to identify from in which the motor's speed may hold one value other than zero (chosen).
+STUCK_SHARE = 0.25
+#: A speed of zero is that of a dead sensor where it lasts for this part of the recording, at a median torque of this
+#: part of that while the motor turns (chosen: a motor that stands needs less than one that breaks away).
+DEAD_SHARE, DEAD_TORQUE = 0.1, 0.7
+#: A sample is far off where it jumps there and back by so many times what 99.9 % of the changes are below (chosen).
+SPIKE, USUAL_CHANGES = 300.0, 0.999
+
+Place = Callable[[int], str]
+
+
+def check_sizes(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
+    """Numbers that are finite, and larger than any drive's."""
+    bad = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST))
+    if not bad.size:
+        return []
+    rows = short_list((place(int(i)) for i in bad[:6]), 5)
+    return [
+        Problem(
+            "error",
+            f"{where}, {name}",
+            f"{values[bad[0]]:.4g} in SI units in {rows} ({bad.size} values)",
+            f"at most {LARGEST:g}",
+            "If it is every row, check unit, scale and offset; else give a window without these rows.",
+        )
+    ]
+
+
+def longest_run(values: NDArray[np.float64]) -> tuple[int, int]:
+    """First row and length of the longest run of one value other than zero."""
+    starts, lengths = _runs(values)
+    lengths = np.where(values[starts] != 0.0, lengths, 0)
+    longest = int(np.argmax(lengths))
+    return int(starts[longest]), int(lengths[longest])
+
+
+def stuck(name: str, values: NDArray[np.float64], recording: Recording, where: str) -> list[Problem]:
+    """The warning that a measured speed or torque holds one value, and not zero, far longer than it usually does."""
+    if not name.startswith(("speed_", "torque_shaft")) or name == "speed_reference":
+        return []
+    starts, lengths = _runs(values)
+    moving = values[starts] != 0.0
+    if np.count_nonzero(moving) < FEWEST_RUNS:
+        return []
+    usual = float(np.quantile(lengths[moving], USUAL_RUNS))
+    first, length = longest_run(values)
+    if length < STUCK_RUNS * usual or length * recording.dt < STUCK_TIME:
+        return []
+    return [
+        Problem(
+            "warning",
+            f"{where}, {name}",
+            f"{values[first]:.6g} in {length} rows on end, from {recording.time[first]:.6g} s on",
+            f"a value that changes (others last {usual:.0f} row{'s' if usual > 1.0 else ''} at most)",
+            "Check whether the sensor or the logger hung there: leave that part out by window = [...].",
+        )
+    ]
+
+
+def dead(signals: Mapping[str, NDArray[np.float64]], time: NDArray[np.float64], where: str) -> list[Problem]:
+    """The warning that the motor's speed is exactly zero for long, under torques at which it turns elsewhere."""
+    if not {"torque_motor", "speed_motor"} <= set(signals):
+        return []
+    torque, speed = np.abs(signals["torque_motor"]), signals["speed_motor"]
+    starts, lengths = _runs(speed)
+    lengths = np.where(speed[starts] == 0.0, lengths, 0)
+    longest = int(np.argmax(lengths))
+    first, length = int(starts[longest]), int(lengths[longest])
+    turning = torque[speed != 0.0]
+    if length < DEAD_SHARE * speed.size or not turning.size:
+        return []
+    held = float(np.median(torque[first : first + length]))
+    if held < DEAD_TORQUE * float(np.median(turning)):
+        return []
+    return [
+        Problem(
+            "warning",
+            f"{where}, speed_motor",
+            f"exactly 0 in {length} rows on end, from {time[first]:.6g} s on, at torques as large as while it turns",
+            "a motor that turns under such torques",
+            "Check the encoder there: leave that part out by window = [...], unless the motor was held.",
+        )
+    ]
+
+
+def spikes(name: str, values: NDArray[np.float64], recording: Recording, where: str) -> list[Problem]:
+    """The warning that single samples jump far off and back."""
+    change = np.diff(values)
+    usual = float(np.quantile(np.abs(change), USUAL_CHANGES))
+    there, back = change[:-1], change[1:]
+    far = np.minimum(np.abs(there), np.abs(back)) > SPIKE * usual
+    found = np.flatnonzero(far & (there * back < 0.0)) + 1
+    if usual == 0.0 or not found.size:
+        return []
+    times = short_list((f"{recording.time[i]:.6g} s" for i in found), 5)
+    return [
+        Problem(
+            "warning",
+            f"{where}, {name}",
+            f"{values[found[0]]:.4g} in one sample, and back in the next, at {times}",
+            f"changes near {usual:.3g} from sample to sample, as elsewhere",
+            "A lost bit of the logger? Leave these samples out by window = [...], or repair them in the file.",
+        )
+    ]
+
+
+def _runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First rows and lengths of the runs of one value."""
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1])
+    return starts, np.diff(np.append(starts, values.size))
