@@ -19,19 +19,22 @@ if TYPE_CHECKING:
     )
     from .configuration.schema import configuration_schema
     from .recordings.checks import check_recording
-    from .recordings.read import read_recording
+    from .recordings.read import READERS, read_recording
     from .storage.drivetrain_files import load_drivetrain, save_drivetrain
     from .storage.folders import foreign_files, output_folder
     from .storage.json_files import load_json, save_json
     from .storage.law_files import load_law, save_law
     from .storage.recording_files import load_recording, save_recording
     from .tables.channels import Channel
+    from .tables.columns import Column
     from .tables.csv_writing import write_csv
     from .tables.matrices import read_torsional_model
     from .tables.units import parse_quantity
 
 _HOME = {
+    "READERS": "recordings.read",
     "Channel": "tables.channels",
+    "Column": "tables.columns",
     "Configuration": "configuration.read",
     "RecordingSource": "configuration.read",
     "check_recording": "recordings.checks",
@@ -57,7 +60,9 @@ _HOME = {
 }
 
 __all__ = [
+    "READERS",
     "Channel",
+    "Column",
     "Configuration",
     "RecordingSource",
     "check_recording",

@@ -19,7 +19,7 @@ from lostmotion.identification.prediction_error.gain_schedule import (
 )
 from lostmotion.identification.prediction_error.identifiability import half_widths, without_unexcited
 from lostmotion.identification.prediction_error.innovations import NAMES, Predictor, from_theta, to_theta
-from lostmotion.identification.prediction_error.levenberg_marquardt import Fit
+from lostmotion.identification.statistics.levenberg_marquardt import Fit
 
 DT = 1e-4
 PLANT = lm.Drivetrain.two_mass(

@@ -7,12 +7,12 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.initial_values import rigid_body
-from lostmotion.identification.prediction_error.levenberg_marquardt import minimise
 from lostmotion.identification.prediction_error.model_error import (
     model_allowance,
     unmodelled_mode,
 )
 from lostmotion.identification.prediction_error.warnings import count_step
+from lostmotion.identification.statistics.levenberg_marquardt import minimise
 
 DT = 1e-4
 

@@ -12,9 +12,9 @@ from lostmotion.errors import Problem
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.initial_values import rival
 from lostmotion.identification.prediction_error.innovations import NAMES, to_theta
-from lostmotion.identification.prediction_error.levenberg_marquardt import Fit
 from lostmotion.identification.prediction_error.problems import second_minimum
 from lostmotion.identification.prediction_error.warnings import low_frequency_excess
+from lostmotion.identification.statistics.levenberg_marquardt import Fit
 
 DT = 1e-4
 PLANT = lm.Drivetrain.two_mass(

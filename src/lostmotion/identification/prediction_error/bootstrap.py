@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from ...errors import InvalidInput
 from ...simulation import simulate
+from ..statistics.levenberg_marquardt import Fit
 from .gain_schedule import Box, Stage, fit
 from .innovations import Predictor
-from .levenberg_marquardt import Fit
 from .warnings import count_step
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
+from ..statistics.levenberg_marquardt import Fit, minimise
 from .innovations import NAMES, Bandwidth, Predictor
-from .levenberg_marquardt import Fit, minimise
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
 from ..statistics.block_covariance import Blocks, covariance, excess, growth, shift, student_factor
+from ..statistics.levenberg_marquardt import sum_of_squares
 from .bootstrap import Replica, replicas
 from .gain_schedule import Box, Stage, fit
 from .innovations import NAMES, Bandwidth, Predictor, to_theta
-from .levenberg_marquardt import sum_of_squares
 from .model_error import model_allowance, unmodelled_mode
 from .warnings import too_coarse
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
+from ..statistics.levenberg_marquardt import Fit, minimise, sum_of_squares
 from .innovations import NAMES, Bandwidth, Predictor, to_theta
-from .levenberg_marquardt import Fit, minimise, sum_of_squares
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..statistics.levenberg_marquardt import minimise
 from .gain_schedule import ITERATIONS, Box, Stage
 from .innovations import Bandwidth, Predictor
-from .levenberg_marquardt import minimise
 
 Array = NDArray[np.float64]
 

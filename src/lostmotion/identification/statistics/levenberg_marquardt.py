@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..statistics.block_covariance import normal_equations
+from .block_covariance import normal_equations
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from lostmotion.identification.shaft.ring_down import ring_down
 from lostmotion.identification.shaft.stiffness import shaft_stiffness
 from lostmotion.io.configuration.read import load_recordings, read_configuration
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "aalto.toml"
 DATA = Path(os.environ.get("LOSTMOTION_DATA", ROOT / ".." / "shared" / "data")).resolve()
 

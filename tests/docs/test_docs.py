@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 #: Pages for users: a benchmark's own page may be as long and wide as its tables, and a reference of keys is looked up.
 SHORT_PAGES = [p for p in PAGES if p.parent.name != "benchmarks" and p.name != "configuration.md"]
