@@ -7,6 +7,7 @@ passed on as one number and, unlike a NamedTuple, can be written to.
 from __future__ import annotations
 
 import hashlib
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ class _RecordModel(models.RecordModel):
     pass
 
 
+@cache
 def record_type(dtype: np.dtype[Any]) -> RecordType:
     """numba's type of a structured dtype; its fields are numbers, records, and arrays of both."""
     assert dtype.fields is not None
