@@ -23,8 +23,8 @@ from ..numerics.vectors import intrinsic
 class RecordType(types.Record):
     """numba's type of a record, named by what is in it.
 
-    numba names its own by the order in which a process comes across them. Compiled functions are told apart by the
-    names of their arguments, so that one from the cache, of another process, could be taken for another record's.
+    numba names its own by the order in which a process comes across them. Compiled functions are linked by the names
+    of their arguments, so one from the cache, of another process, could be taken for another record's.
     """
 
     @property
