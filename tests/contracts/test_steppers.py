@@ -28,7 +28,6 @@ MAKERS = (
     observers.super_twisting,
     observers.neural_network,
 )
-ESTIMATES = ("twist", "twist_elastic", "speed_motor", "speed_load", "torque_shaft", "friction_load")
 
 TORQUE = excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
 RECORDING, TRUTH = rig.record(1, torque_motor=TORQUE)
@@ -56,7 +55,10 @@ def _load_error(result):
 @EVERY
 def test_gives_the_six_estimates_and_says_what_it_is(make):
     stepper = make(DRIVETRAIN, dt=DT)
-    assert stepper.outputs[:6] == tuple(f"{name}_estimated" for name in ESTIMATES)
+    assert stepper.outputs[:6] == (
+        "twist_estimated", "twist_elastic_estimated", "speed_motor_estimated", "speed_load_estimated",
+        "torque_shaft_estimated", "friction_load_estimated",
+    )  # fmt: skip
     assert stepper.name == make.__name__
     assert stepper.inputs == ("torque_motor", "speed_motor")
     assert stepper.exportable is False

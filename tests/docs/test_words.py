@@ -32,8 +32,10 @@ REPLACED = {
 }
 ROOMS = (
     "compare", "controllers", "experiment", "identification/backlash", "identification/frequency",
-    "identification/friction", "identification/shaft", "identification/statistics", "observers/analysis",
-    "observers/fixed_gain", "plot", "report", "rig", "stages", "structure", "systems",
+    "identification/friction", "identification/shaft", "identification/statistics", "kernels/estimators",
+    "kernels/estimators/interacting_models", "kernels/estimators/motor_speed", "kernels/estimators/moving_horizon",
+    "kernels/estimators/tracking", "observers/analysis", "observers/filters", "observers/fixed_gain",
+    "observers/motor_speed", "plot", "report", "rig", "stages", "structure", "systems",
 )  # fmt: skip
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SOURCES = [

@@ -9,6 +9,7 @@ from ..controllers import pi, pole_placement
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, Problem
 from ..observers import kalman
+from ..observers.estimates import ESTIMATES
 from ..recording import Recording
 from ..systems import DiscreteSystem, connect, one_sample_delay
 from .material import Material, Settings
@@ -16,15 +17,6 @@ from .parameters import Found
 
 #: Signals that each observer measures (Fietzek & Rinderknecht, section III).
 OBSERVERS = {"observer_1": ("speed_motor",), "observer_2": ("torque_shaft", "speed_motor")}
-
-ESTIMATES = (
-    "twist_estimated",
-    "twist_elastic_estimated",
-    "speed_motor_estimated",
-    "speed_load_estimated",
-    "torque_shaft_estimated",
-    "friction_load_estimated",
-)
 
 
 @dataclass(frozen=True, eq=False)

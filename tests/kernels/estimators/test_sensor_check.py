@@ -13,7 +13,8 @@ from lostmotion.kernels.estimators.sensor_check import check_sample
 from lostmotion.kernels.estimators.sensors import sensor_variance
 from lostmotion.kernels.estimators.verdicts import FROZEN, JUMP, MISSING, START_AGAIN, USE
 from lostmotion.observers import extended_kalman
-from lostmotion.observers.filters.two_mass_parameters import FROZEN_HOLD, HOLD
+from lostmotion.observers.filters.two_mass_parameters import FROZEN_HOLD
+from lostmotion.systems.input_check import HOLD
 
 DT = 1e-3
 NOISE = 0.03

@@ -64,10 +64,9 @@ def predict_covariance(F, P, Q, FP):
 
 @njit(cache=True)
 def inflate(P, states, factor, largest):
-    """Standard deviations of the first states grow by a factor, while that of the motor speed is below ``largest``.
+    """Covariance inflation: deviations of the first states grow by a factor, that of the motor speed up to ``largest``.
 
-    So an estimate that was surer than it should be, after a drop-out say, believes its sensor again within
-    milliseconds.
+    So an estimate whose covariance is too small, after a drop-out say, accepts its sensor again within milliseconds.
     """
     if P[SPEED_MOTOR, SPEED_MOTOR] > largest * largest:
         return

@@ -19,7 +19,7 @@ SENSORS = 4
 
 # States of the two-mass model. ``ANGLE_COUNTED`` is the angle that the motor has turned since its encoder last counted.
 TWIST, SPEED_MOTOR, SPEED_LOAD, TORQUE_ACTUATOR, ANGLE_COUNTED = 0, 1, 2, 3, 4
-#: These states move; what a filter adds to them are constants that wander.
+#: These states move; what a filter adds to them are parameters that drift (random walks).
 MOVING = 5
 #: Inputs of the model: columns of ``transition`` beside those of the first four states.
 TORQUE, GAP, FRICTION_MOTOR, FRICTION_LOAD = 4, 5, 6, 7
@@ -96,7 +96,7 @@ PARAMETERS = record(
     # that the model's own error may make, change of the predicted value below which it may stand still.
     ("kind", (SENSORS,)), ("scale", (SENSORS,)), ("R", (SENSORS,)), ("mismatch", (SENSORS,)), ("still", (SENSORS,)),
     "sensors",  # how many there are
-    "coulomb_bound",  # largest Coulomb level that is believed
+    "coulomb_bound",  # largest Coulomb level that is accepted
     "frozen_hold",  # samples
     "inertia_motor", "inertia_load",
     "eigenmode_share", "eigenmode_rate",  # see ``two_mass_model.eigenmode_variance``
@@ -108,7 +108,7 @@ PARAMETERS = record(
 #: refused in a row, and the smallest step that the value ever made (0 if none): its resolution.
 SENSOR_MEMORY = record("value", "repeats", "moved", "refused", "resolution")
 
-#: Mean and variance of the estimated shaft torque of late.
+#: Recent mean and variance of the estimated shaft torque.
 TORQUE_MOMENTS = record("mean", "variance")
 
 #: A contact that is predicted but may be none, see ``contact``: torque that it should make, variances of the twist

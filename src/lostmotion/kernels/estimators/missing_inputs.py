@@ -1,4 +1,4 @@
-"""What an estimator does not know while its motor torque, or every sensor, is missing."""
+"""Missing inputs: the torque to use instead, and what is uncertain while it, or every sensor, is missing."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def blind_samples(p, blind, faults):
 
 @njit(cache=True, inline="always")
 def add_missing_torque(p, P, missing, blind):
-    """What a motor torque that is missing may do within a sample, added to the covariance.
+    """Process noise of a missing motor torque within a sample, added to the covariance.
 
-    The motor's speed then follows its sensor. While there is none either, the torque stays as wrong as it is: what
-    that does grows with time, not with its root. After a time without sensors nobody knows on which side of the gap
-    the joint is, and a filter that linearises the gap once takes each place for it too soon: so the twist wanders for
-    as long again.
+    The motor's speed then follows its sensor. While there is none either, the unknown torque is a constant: the
+    deviation grows with time, not with its root. After a time without sensors the joint may be on either side of the
+    gap, and a filter that linearises the gap once settles on one of them too soon: so the twist drifts for as long
+    again.
     """
     if missing:
         P[SPEED_MOTOR, SPEED_MOTOR] += (p.torque_missing * p.dt) ** 2 * max(blind, 1.0)

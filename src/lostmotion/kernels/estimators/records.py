@@ -7,6 +7,7 @@ passed on as one number and, unlike a NamedTuple, can be written to.
 from __future__ import annotations
 
 import hashlib
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,8 @@ from ..numerics.vectors import intrinsic
 class RecordType(types.Record):
     """numba's type of a record, named by what is in it.
 
-    numba names its own by the order in which a process comes across them. Compiled functions are told apart by the
-    names of their arguments, so that one from the cache, of another process, could be taken for another record's.
+    numba names its own by the order in which a process comes across them. Compiled functions are linked by the names
+    of their arguments, so one from the cache, of another process, could be taken for another record's.
     """
 
     @property
@@ -39,6 +40,7 @@ class _RecordModel(models.RecordModel):
     pass
 
 
+@cache
 def record_type(dtype: np.dtype[Any]) -> RecordType:
     """numba's type of a structured dtype; its fields are numbers, records, and arrays of both."""
     assert dtype.fields is not None

@@ -34,7 +34,7 @@ def clip(value, low, high):
 
 @njit(cache=True, inline="always")
 def gap_argument(x, lead):
-    """z, whose place against the edges of the gap says whether the shaft touches."""
+    """z: the shaft is in contact where it lies beyond an edge of the gap."""
     return x[TWIST] + lead * (x[SPEED_MOTOR] - x[SPEED_LOAD])
 
 
@@ -122,7 +122,7 @@ def write_estimates(p, x, half, coulomb_torque, outputs):
 
 @njit(cache=True, inline="always")
 def eigenmode_variance(share, rate, moments, torque):
-    """Variance that eigenmodes beyond the model add to the shaft torque: its own variance of late, the share squared.
+    """Variance that eigenmodes beyond the model add to the shaft torque: its own recent variance, the share squared.
 
     What makes them swing is what the torque itself does. Its mean and variance forget by ``rate`` with each sample.
     """

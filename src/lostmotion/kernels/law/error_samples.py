@@ -45,7 +45,7 @@ def output_spread(arguments, faults, of_state, of_input, of_curve, curves, check
     arguments : (n, n_curves) array
         ẑ of the curves, as the law ran.
     faults : (n,) int64 array
-        Bits of the inputs that were not believed.
+        Bits of the inputs that were rejected.
     of_state, of_input, of_curve : tuples of arrays
         F, A, C, P over states; G, B, D over inputs; H, E, J, R over curves.
     curves : tuple of arrays

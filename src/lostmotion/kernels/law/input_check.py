@@ -13,24 +13,24 @@ from ..estimators.records import reads
 from ..estimators.verdicts import FROZEN, INPUT_BOUND, JUMP, MISSING, START_AGAIN, USE
 from ..jit import cfunc, njit
 
-#: A jump is an error beyond the limit and LEARNED times the largest of late, or a change of the error, away from the
-#: prediction, beyond SUDDEN times the limit and LARGER times the largest of late. Calibration: virtual rigs 1 to 4.
+#: A jump is an error beyond the limit and LEARNED times the largest recent one, or a change of the error, away from the
+#: prediction, beyond SUDDEN times the limit and LARGER times the largest recent one. Calibration: virtual rigs 1 to 4.
 LEARNED, SUDDEN, LARGER = 1.5, 0.25, 3.0
-#: The largest of late grow by no more than WIDEN times their bounds at once, and by RAISE of the first of a jump. After
-#: a jump, a sample is good within CLOSER times the limit. Calibration: virtual rigs 1 to 4.
+#: The largest recent ones grow by no more than WIDEN times their bounds at once, and by RAISE of the first of a jump.
+#: After a jump, a sample is good within CLOSER times the limit. Calibration: virtual rigs 1 to 4.
 WIDEN, RAISE, CLOSER = 8.0, 0.125, 0.5
-#: Frozen is what came SAME times or more, while its error changed by MOVED times the largest change of late; by EARLY
-#: times that if it did not come more often than the longest run of late, or USUAL times; and by less the longer it
-#: lasts, down to 1/LONG. Alone: what came more often than SAME times, and RUNS times the longest run. Calibration:
-#: virtual rigs 1 to 4.
+#: Frozen: unchanged for SAME samples or more, while the error changed by MOVED times the largest recent change; by
+#: EARLY times that while the run is no longer than the longest recent one, or USUAL; and by less the longer it lasts,
+#: down to 1/LONG. Alone: more than SAME samples, and RUNS times the longest recent run. Calibration: virtual rigs 1 to
+#: 4.
 SAME, MOVED, EARLY, USUAL, LONG, RUNS = 5.0, 0.75, 3.0, 8.0, 10.0, 3.0
-#: Option: a frozen sample is refused for so many times the hold time longer (120 ms in all; estimators do for 100).
+#: Option: a frozen sample is rejected for so many times the hold time longer (120 ms in all; estimators do for 100).
 LASTS = 3.0
 
 #: What a check carries from sample to sample: the value before, how often it came in a row (negative if it was bad, 0
 #: if there is none), the error before it came first, the error of the sample before, bad samples in a row (negative: of
-#: a frozen signal, beyond the hold time; from ``hold`` on every sample is used), and of late the largest error, the
-#: largest change of it, and the longest run of one value.
+#: a frozen signal, beyond the hold time; from ``hold`` on every sample is used), and the recent largest error, largest
+#: change of it, and longest run of one value.
 CHECK_MEMORY = record(
     "value", "repeats", "error_before", "error", "refused", "largest_error", "largest_change", "longest_run"
 )

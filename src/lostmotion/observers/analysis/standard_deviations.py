@@ -14,6 +14,7 @@ from ...recording import Recording
 from ...systems import DiscreteSystem
 from ...systems.inputs import input_columns
 from ..arguments import mapping, number
+from ..estimates import deviations
 from ..filters.tuning import EIGENMODE_SHARE, eigenmode_numbers
 
 Array = NDArray[np.float64]
@@ -113,7 +114,7 @@ def standard_deviations(
         i = observer.outputs.index("torque_shaft_estimated")
         estimate, _ = law_run(observer.tables(), observer.init(), inputs)
         spread[:, i] = np.sqrt(spread[:, i] ** 2 + eigenmode_variances(*eigenmodes, estimate[:, i]))
-    names = [name.removesuffix("_estimated") + "_deviation" for name in observer.outputs]
+    names = deviations(*(name.removesuffix("_estimated") for name in observer.outputs))
     signals = {name: spread[:, i] for i, name in enumerate(names)}
     return Recording(
         time=time, signals=signals, origin=dict.fromkeys(names, "estimated"), meta={"seed": seed}

@@ -27,13 +27,13 @@ OUTPUTS = (
 )
 
 #: As ``tuning.TRACKING_TORQUE``, Nm·√s, and ``tuning.DRIFT``, Nm in 1 s. Calibration: virtual rigs with even seeds;
-#: with a twist that wanders, the motor's inertia 20 % off and an unknown load torque need these.
+#: with a twist that drifts, the motor's inertia 20 % off and an unknown load torque need these.
 MODELS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.03, "load": 0.01})
 MODELS_DRIFT: Mapping[str, float] = MappingProxyType({"torque_load": 0.7})
 
-#: How far the twist wanders beside the model in contact and in the gap, rad/√s. The gap lies beyond a part of the joint
-#: that swings, and an exact twist is held on to where it is wrong. Calibration: virtual rigs with even seeds.
-CONTACT_WANDER, GAP_WANDER = 5e-4, 2e-3
+#: How far the twist drifts beside the model in contact and in the gap, rad/√s. The gap lies beyond an inertia of the
+#: joint that swings, and an exact twist would never be corrected. Calibration: virtual rigs with even seeds.
+CONTACT_DRIFT, GAP_DRIFT = 5e-4, 2e-3
 
 #: Chance in a second that a model begins anew: what finds the twist again where it was lost. Calibration: virtual rigs
 #: with even seeds.
@@ -88,8 +88,8 @@ def interacting_models(
     p[()] = tracking_parameters(drivetrain, measured, dt, MODELS_TORQUE, tuning, MODELS_DRIFT)
     angle, substep = scale_of(drivetrain).angle, dt / p["substeps"]
     p["P0"][TWIST] = (0.25 * drivetrain.backlash) ** 2 + (START_TWIST * angle) ** 2
-    p["Q"][TWIST] = (CONTACT_WANDER * angle) ** 2 * substep
-    parameters["gap_Q"] = (GAP_WANDER * angle) ** 2 * substep
+    p["Q"][TWIST] = (CONTACT_DRIFT * angle) ** 2 * substep
+    parameters["gap_Q"] = (GAP_DRIFT * angle) ** 2 * substep
     for of_states in (p["x0"], p["P0"], p["Q"]):
         of_states[MODEL_COULOMB] = of_states[COULOMB]  # the backlash is no state here
     parameters["half_gap"], parameters["anew"] = 0.5 * drivetrain.backlash, ANEW * substep

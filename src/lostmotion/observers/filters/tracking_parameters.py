@@ -33,8 +33,8 @@ TRACKING_OUTPUTS = (
 )
 
 #: Standard deviations at the start: of the twist beside the gap, rad, and of both speeds, rad/s (options); and what the
-#: twist wanders in a substep, rad, so that no variance vanishes (numerics).
-START_TWIST, START_SPEED, SMALLEST_WANDER = 1e-4, 0.5, 1e-7
+#: twist drifts in a substep, rad, so that no variance vanishes (numerics).
+START_TWIST, START_SPEED, SMALLEST_DRIFT = 1e-4, 0.5, 1e-7
 
 #: The Coulomb level stays within this many start deviations above its start value (numerics): an estimate that is far
 #: too high would hold the load for ever and never learn otherwise.
@@ -49,7 +49,7 @@ def tracking_parameters(
     tuning: Tuning,
     drift: Mapping[str, float] = DRIFT,
 ) -> Parameters:
-    """The parameters of a filter with wandering parameters.
+    """The record of a filter that tracks parameters.
 
     ``process_torque`` and ``drift`` are its defaults for a drivetrain of the paper's size.
     """
@@ -63,7 +63,7 @@ def tracking_parameters(
     size = scale_of(drivetrain).torque
     default = {name: value * size for name, value in process_torque.items()}
     torque = chosen("process_torque", default, tuning.get("process_torque"), zero=True)
-    wander, known = (
+    drifts, known = (
         chosen(where, {**usual, "torque_load": usual["torque_load"] * size}, given, zero=True)
         for where, usual, given in (
             ("drift", {**DRIFT, **drift}, tuning.get("drift")),
@@ -71,7 +71,7 @@ def tracking_parameters(
         )
     )
     _fill_start(p, drivetrain, known)
-    _fill_process_noise(p, drivetrain, torque, wander)
+    _fill_process_noise(p, drivetrain, torque, drifts)
     return p
 
 
@@ -98,11 +98,11 @@ def _fill_start(p: Parameters, drivetrain: Drivetrain, known: Mapping[str, float
 
 
 def _fill_process_noise(
-    p: Parameters, drivetrain: Drivetrain, torque: Mapping[str, float], wander: Mapping[str, float]
+    p: Parameters, drivetrain: Drivetrain, torque: Mapping[str, float], drifts: Mapping[str, float]
 ) -> None:
-    """Process noise of a substep: unknown torques on both inertias, parameters that wander."""
+    """Process noise of a substep: unknown torques on both inertias, parameters that drift."""
     dt = float(p["dt"]) / float(p["substeps"])
     motor = (torque["motor"] / drivetrain.inertia_motor) ** 2 * dt
     load = (torque["load"] / drivetrain.inertia_load) ** 2 * dt
-    p["Q"][:MOVING] = (SMALLEST_WANDER * scale_of(drivetrain).angle) ** 2, motor, load, 0.0, 0.0
-    p["Q"][MOVING:TRACKED] = (_units(drivetrain) * [wander[name] for name in TRACKED_PARAMETERS]) ** 2 * dt
+    p["Q"][:MOVING] = (SMALLEST_DRIFT * scale_of(drivetrain).angle) ** 2, motor, load, 0.0, 0.0
+    p["Q"][MOVING:TRACKED] = (_units(drivetrain) * [drifts[name] for name in TRACKED_PARAMETERS]) ** 2 * dt

@@ -26,7 +26,7 @@ class Tuning(TypedDict, total=False):
         Torque on ``motor`` and ``load`` that the model leaves out, as the root of its density, Nm·√s: 0.02 is 0.63 Nm
         held for 1 ms each.
     drift, uncertainty : mapping
-        How far a parameter wanders within a second, and how well it is known at the start, as standard deviations:
+        How far a parameter drifts within a second, and how well it is known at the start, as standard deviations:
         ``torque_load`` in Nm, all others as fractions of what the drivetrain says. Zero for both holds a parameter.
     eigenmode_share : float
         Standard deviation that eigenmodes beyond the model give to the shaft torque, as a share of its own standard
@@ -67,7 +67,7 @@ PROCESS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.02, "load": 0
 #: control.
 TRACKING_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.05, "load": 0.02})
 
-#: Option: how far each parameter wanders within a second (standard deviation): ``torque_load`` in Nm, the others as
+#: Option: how far each parameter drifts within a second (standard deviation): ``torque_load`` in Nm, the others as
 #: fractions of what the drivetrain says (0.015 follows a wear of 1 % per second, 0.003 a shaft that grows warm).
 DRIFT: Mapping[str, float] = MappingProxyType(
     {
@@ -95,7 +95,7 @@ UNCERTAINTY: Mapping[str, float] = MappingProxyType(
 
 #: Option: what eigenmodes beyond a two-mass model add to the shaft torque's standard deviation, as a share of the
 #: torque's own over the last EIGENMODE_MEMORY (s): the torque's changes make them swing. Calibration: virtual rigs 1 to
-#: 4, where the 750 Hz mode has 5 Nm on the shaft when the joint opens under hard reversals. (A fixed twist as
+#: 4, where the eigenmode at 750 Hz has 5 Nm on the shaft when the joint opens under hard reversals. (A fixed twist as
 #: ``EIGENMODE_TWIST``, right for those, is six times too large in quiet work.)
 EIGENMODE_SHARE, EIGENMODE_MEMORY = 0.073, 0.02
 

@@ -13,6 +13,7 @@ from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...kernels.estimators.layout import PARAMETERS, flat
 from ...systems import Stepper, zero_order_hold
+from ...systems.input_check import HOLD
 from ..arguments import flag, sample_time, two_masses
 from ..model import observer_model
 from ..scale import mode_rate, scale_of, sized
@@ -27,7 +28,7 @@ Parameters = NDArray[np.void]
 EIGENMODE_TURN = 1e-5
 
 #: The same of the shaft's twist, rad: added to the error of a torque or twist sensor. Calibration: virtual rigs 1 to 4,
-#: where the 750 Hz mode has 2 Nm on the shaft.
+#: where the eigenmode at 750 Hz has 2 Nm on the shaft.
 EIGENMODE_TWIST = 1.6e-4
 
 #: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit. Calibration:
@@ -39,12 +40,13 @@ MISMATCH: Mapping[str, float] = MappingProxyType(
 #: A sensor is frozen if the model has moved by so many of its deviations meanwhile. Numerics: of counts that is two and
 #: a half, which no speed can hide.
 FROZEN_MOVE = 6.0
-#: Option: after this time of refused samples the signal is right and the estimate wrong, s: jumps, the same value.
-HOLD, FROZEN_HOLD = 0.03, 0.1
+#: Option: after this time of one value the signal is right and the estimate wrong, s; after ``HOLD`` of jumps, as in
+#: laws with a fixed gain.
+FROZEN_HOLD = 0.1
 #: Option: what a missing motor torque may do to the motor's speed, rad/s² (20 Nm on the paper's rig): the speed then
 #: follows its sensor.
 TORQUE_MISSING = 1500.0
-#: After all sensors were missing the twist wanders for as long again: its variance grows by the square of this, rad/s,
+#: After all sensors were missing the twist drifts for as long again: its variance grows by the square of this, rad/s,
 #: per time and per time that they were missing. Calibration: virtual rigs 1 to 4 (11 mrad, about the gap, after 20 ms).
 SIDE_UNKNOWN = 0.8
 #: Largest standard deviation of the speed while samples are refused as jumps, rad/s. Calibration: the virtual rig,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...curves import PiecewiseLinear, dead_zone, saturation
 from ...drivetrain import Friction
 from ...systems import DiscreteSystem
+from ..estimates import estimated
 from ..model import ObserverModel
 from .gates import with_gates, with_innovation
 from .input_checks import with_checks, with_torque_check
@@ -190,4 +191,4 @@ class Assembly:
         c[:, : len(model.states)] = [row for row, _ in rows.values()]
         if "coulomb_load" in states:
             c[list(rows).index("friction_load"), states.index("coulomb_load")] = 1.0
-        return tuple(f"{name}_estimated" for name in rows), c, np.array([w for _, w in rows.values()])
+        return estimated(*rows), c, np.array([w for _, w in rows.values()])

@@ -12,6 +12,7 @@ from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...systems import DiscreteSystem, zero_order_hold
 from ..arguments import flag, number, sample_time, two_masses
+from ..estimates import estimated
 from ..scale import scale_of
 from .input_checks import with_checks
 
@@ -21,12 +22,7 @@ Array = NDArray[np.float64]
 #: eigenmode, faster shows the encoder).
 BANDWIDTH = 3000.0
 
-OUTPUTS = (
-    "twist_elastic_estimated",
-    "speed_motor_estimated",
-    "speed_load_estimated",
-    "torque_shaft_estimated",
-)
+OUTPUTS = estimated("twist_elastic", "speed_motor", "speed_load", "torque_shaft")
 
 
 def disturbance_observer(

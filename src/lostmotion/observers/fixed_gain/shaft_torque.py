@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...errors import InvalidInput
 from ...systems import DiscreteSystem, InputCheck, zero_order_hold
 from ..arguments import number, positive, sample_time
+from ..estimates import estimated
 from .input_checks import limits_of
 
 #: Standard deviation of one sample of the torque sensor, Nm (chosen).
@@ -27,7 +28,7 @@ TORQUE_DEVIATIONS = 60.0
 HOLD, FEWEST, MEMORY = 3e-3, 3, 0.1
 
 INPUTS = ("speed_motor", "torque_shaft")
-OUTPUTS = ("twist_elastic_estimated", "speed_load_estimated")
+OUTPUTS = estimated("twist_elastic", "speed_load")
 
 
 def shaft_torque(

@@ -19,14 +19,15 @@ from .parameters import speed_only_parameters
 
 OUTPUTS = (*ESTIMATES, "backlash_estimated")
 
-#: Standard deviation of the innovation that the learning expects, rad/s (chosen: Observer 1's on the virtual rig).
+#: Standard deviation of the innovation that the learning expects, rad/s. Calibration: the virtual rig, where it is that
+#: of Observer 1.
 INNOVATION = 0.16
 
-#: Nm, rad, rad/s and rad, as the arguments, on the paper's rig (chosen); the two angles at least so large.
+#: Option: defaults of the arguments on the paper's rig, Nm, rad, rad/s and rad; the two angles at least so large.
 FRICTION_ERROR, GAP_ERROR, SPEED_RANGE, TWIST_RANGE = 1.4, 1e-3, 30.0, 8e-3
 
-#: Process covariance of the gain soon after all inputs were missing, (unit of the state)²/s (chosen on rigs 1 to 4:
-#: with Observer 1's own, whose slow pole is at 20 1/s, it is not back within 50 ms).
+#: Process covariance of the gain soon after all inputs were missing, (unit of the state)²/s. Calibration: virtual
+#: rigs 1 to 4; with Observer 1's own, whose slow pole is at 20 1/s, it is not back within 50 ms.
 AFTER_BLACKOUT: Mapping[str, float] = MappingProxyType(
     {"twist": 40.0, "speed_motor": 1e7, "speed_load": 42.0}
 )

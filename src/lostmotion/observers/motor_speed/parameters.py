@@ -14,13 +14,15 @@ from ..filters.tuning import PROCESS_TORQUE
 from ..filters.two_mass_parameters import FROZEN_MOVE, Parameters, model_parameters
 from ..scale import scale_of
 
-#: An innovation beyond this is a jump, rad/s; it grows by that rate while no sample is believed, rad/s² (chosen).
+#: An innovation beyond this is a jump, rad/s; it grows by that rate while no sample is accepted, rad/s². Calibration:
+#: the virtual rig (the limit is that of the fixed gains, see ``fixed_gain.input_checks``).
 JUMP_LIMIT, JUMP_LIMIT_RATE = 4.0, 800.0
-#: and the sensor's noise adds so many of its standard deviations (chosen).
+#: Numerics: the sensor's noise adds so many of its standard deviations, which hardly ever occur.
 OF_NOISE = 6.0
-#: Largest share of the motor's error that a sample takes away (chosen).
+#: Numerics: largest share of the motor's error that a sample takes away, a margin to the stability limit of 2.
 FASTEST = 0.7
-#: Of the errors of twist and load speed, and their rate over that at which the motor is followed (both chosen).
+#: Option: damping ratio of the errors of twist and load speed. Numerics: their rate over that at which the motor is
+#: followed, since the correction takes that for immediate.
 DAMPING_RATIO, SLOWER = 0.7, 0.33
 
 

@@ -20,7 +20,7 @@ from .parameters import (
     speed_only_parameters,
 )
 
-#: Nm, as the argument, on the paper's rig (chosen).
+#: Option: default of the argument on the paper's rig, Nm.
 UNKNOWN_TORQUE = 10.0
 
 

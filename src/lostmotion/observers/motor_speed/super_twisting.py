@@ -19,10 +19,10 @@ from .parameters import (
     speed_only_parameters,
 )
 
-#: Largest share of the motor's error that a sample takes away (chosen).
+#: Numerics: largest share of the motor's error that a sample takes away, as ``parameters.FASTEST`` but for three poles.
 FASTEST = 0.4
 
-#: Nm/s and Nm, as the arguments, on the paper's rig (chosen).
+#: Option: defaults of the arguments on the paper's rig, Nm/s and Nm.
 TORQUE_RATE, UNKNOWN_TORQUE = 3000.0, 20.0
 
 OUTPUTS = (*ESTIMATES, "torque_unknown_estimated")

@@ -1,4 +1,4 @@
-"""Interacting models: what the sensors say of every model, and what all models say together."""
+"""Interacting models: correction of every model by the sensors, their probabilities, the outputs of the mixture."""
 
 from __future__ import annotations
 
@@ -55,10 +55,10 @@ def _shaft_torque(own, x, m, H):
 
 @njit(cache=True)
 def _sudden(own, s, nu):
-    """How much further a torque is off what all models expect than a shaft can wind within a sample.
+    """By how much the innovation of all models exceeds what a shaft can wind within a sample.
 
-    One of three models expects nearly any torque. But the shaft, touching or not, winds by no more than its ends turn
-    against each other; twice that is believed.
+    One of three models predicts nearly any torque. But the shaft, in contact or not, winds by no more than its ends
+    turn against each other; twice that is accepted.
     """
     rate, away = 0.0, 0.0
     for m in range(MODELS):

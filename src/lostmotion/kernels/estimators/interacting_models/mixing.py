@@ -15,8 +15,8 @@ from ..layout import MODEL_STATES, MODELS, SPEED_LOAD, SPEED_MOTOR, TWIST, recor
 from ..two_mass_model import gap_argument
 from .state import edge
 
-#: Regions of a model less likely than this are not looked at; what is a smaller part of a model than ``SMALLEST`` is
-#: left out of it, or its distance would widen the model's covariance (both chosen).
+#: Numerics: regions of a model less likely than this are left out; so is what is a smaller part of a model than
+#: ``SMALLEST``, or its distance would widen the model's covariance.
 RARE, SMALLEST = 1e-9, 1e-3
 
 #: A model in the three regions: their chances, moves of the mean and lost shares of the variance there (of z; after

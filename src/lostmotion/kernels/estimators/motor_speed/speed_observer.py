@@ -10,11 +10,11 @@ from ..sensors import deviation_of_counts
 from ..two_mass_model import advance, clip, gap_argument, write_estimates
 from ..verdicts import FROZEN, START_AGAIN, USE
 
-#: Each sample that is there again makes up for so many in which torque and speed were missing (calibrated on virtual
-#: rigs 1 to 4).
+#: Each sample that is there again makes up for so many in which torque and speed were missing. Calibration: virtual
+#: rigs 1 to 4.
 FADE = 0.25
-#: Shares of the hold time: what is less does no harm; while more is left, nobody knows the side of the gap (calibrated
-#: on virtual rigs 1 to 4).
+#: Shares of the hold time: what is less does no harm; while more is left, the side of the gap is not known.
+#: Calibration: virtual rigs 1 to 4.
 SHORT, UNSURE = 0.1, 0.33
 
 
@@ -93,8 +93,8 @@ def load_slips(own, s):
 def correct(own, s, angle, twist, motor, load):
     """The corrections; those of twist and load only where the motor can feel them.
 
-    In the gap the motor speed says nothing about them, and a load that sticks needs none. Not so while nobody knows
-    whether the joint is in the gap, after all inputs were missing.
+    In the gap the motor speed contains nothing of them, and a load that sticks needs none. Both act while it is not
+    known whether the joint is in the gap, after all inputs were missing.
     """
     p, x = own.common, s.x
     if s.blind > UNSURE * p.hold or abs(gap_argument(x, p.lead_middle)) > own.half_gap:
