@@ -150,6 +150,15 @@ def test_what_is_not_told_has_the_same_names_and_a_problem(case: str) -> None:
         assert "identified" not in found.sources.values() and found.intervals == {}
 
 
+def test_what_holds_arrays_does_not_print_them() -> None:
+    for shown in (
+        i.frequency_response(shaken(), segment=1.0),
+        told("identify").prediction,
+        i.frequency_analysis(shaken()),
+    ):
+        assert "array" not in repr(shown) and "..." not in repr(shown)
+
+
 def test_a_comparison_of_contact_laws_is_a_line_and_its_summary_both_identifications() -> None:
     found = i.compare_contacts(driven(), start=PLANT)
     assert len(repr(found).splitlines()) == 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -57,11 +57,11 @@ class FrequencyResponse:
     output: str
     unit: str
     method: str
-    frequency: Floats
-    response: Complexes
-    coherence: Floats
-    variance: Floats
-    margin: Floats
+    frequency: Floats = field(repr=False)
+    response: Complexes = field(repr=False)
+    coherence: Floats = field(repr=False)
+    variance: Floats = field(repr=False)
+    margin: Floats = field(repr=False)
     averages: float
     segments: int
     resolution: float
