@@ -94,3 +94,6 @@ if not TYPE_CHECKING:  # a type checker sees the imports above, and that nothing
         if name not in _HOME:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})
