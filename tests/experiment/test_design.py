@@ -11,7 +11,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.experiment.design import ExcitationDesign, design_excitation
 from lostmotion.experiment.rehearsal import HALVINGS, played, rehearsal_rigs
-from lostmotion.experiment.shapes import KINDS, Limits
+from lostmotion.rig.excitation import KINDS, Limits
 
 NAMEPLATE = lm.Drivetrain.two_mass(
     inertia_motor=0.0196, inertia_load=0.1096, stiffness=6570.0, damping=0.39, backlash=0.012, coulomb=2.0,

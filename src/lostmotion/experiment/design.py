@@ -16,8 +16,8 @@ from ..identification.prediction_error.initial_values import DAMPING_RATIO
 from ..identification.prediction_error.innovations import NAMES
 from ..io import write_csv
 from ..recording import Recording
+from ..rig.excitation import BAND, KINDS, Limits, shape
 from .rehearsal import largest, rehearsal_rigs
-from .shapes import BAND, KINDS, Limits, shape
 
 #: Encoders have up to about 32 bit (chosen, with room).
 MOST_BITS = 40
@@ -113,7 +113,7 @@ def design_excitation(
         Motor encoder, 2**bits counts per turn (default: that of the virtual rig); the speed is a count difference.
     seed : int
     band : (low, high), Hz, optional
-        Default: ``shapes.BAND`` times the torsional frequency.
+        Default: ``rig.excitation.BAND`` times the torsional frequency.
     spread : mapping of name → (low, high), optional
         Ranges of the varied plants, SI. Default: ``rehearsal.SPREAD``.
     plants : int

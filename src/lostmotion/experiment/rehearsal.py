@@ -11,8 +11,8 @@ from .. import rig
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
+from ..rig.excitation import Array, Limits
 from ..simulation import Sensor
-from .shapes import Array, Limits
 
 #: Bisections of the search for the largest amplitude (chosen: to 1 % of it).
 HALVINGS = 7

@@ -44,14 +44,9 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
     viscous: least-squares line through the true friction curve at the recorded load speeds (n,), rad/s, as far as
     they are finite; None for both where the load never moves, or at one speed only.
     """
-    gaps = [i for i, shaft in enumerate(drivetrain.shafts) if shaft.has_backlash]
-    if len(gaps) > 1:
-        raise InvalidInput(
-            "two_mass_equivalent", f"{len(gaps)} backlashes", "at most one", "Close the others."
-        )
-    joint = (
-        gaps[0] if gaps else min(range(len(drivetrain.shafts)), key=lambda i: drivetrain.shafts[i].stiffness)
-    )
+    if sum(shaft.has_backlash for shaft in drivetrain.shafts) > 1:
+        raise InvalidInput("two_mass_equivalent", "several backlashes", "at most one", "Close the others.")
+    joint = joint_of(drivetrain)
     motor = math.fsum(drivetrain.inertias[: joint + 1])
     load = math.fsum(drivetrain.inertias[joint + 1 :])
     pole = 2.0 * math.pi * float(eigenfrequencies(drivetrain)[1])
@@ -59,7 +54,7 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
     # In series the compliances add, and in slow motion each shaft dissipates d·(share of the twist)².
     compliance = math.fsum(1.0 / shaft.stiffness for shaft in drivetrain.shafts)
     damping = math.fsum(s.damping * (1.0 / s.stiffness / compliance) ** 2 for s in drivetrain.shafts)
-    coulomb, viscous = _friction_line(drivetrain.frictions[-1], speed_load)
+    coulomb, viscous = friction_line(drivetrain.frictions[-1], speed_load)
     return {
         "inertia_motor": motor,
         "inertia_load": load,
@@ -72,7 +67,13 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
     }
 
 
-def _friction_line(friction: Friction, speed: NDArray[np.float64]) -> tuple[float | None, float | None]:
+def joint_of(drivetrain: Drivetrain) -> int:
+    """The shaft between motor side and load side: that with the largest gap, else the softest; 0 if there is none."""
+    order = [(-shaft.backlash, shaft.stiffness) for shaft in drivetrain.shafts]
+    return order.index(min(order)) if order else 0
+
+
+def friction_line(friction: Friction, speed: NDArray[np.float64]) -> tuple[float | None, float | None]:
     """Coulomb (Nm) and viscous friction (Nm s/rad) of the line closest to the friction curve at these speeds."""
     moving = speed[np.isfinite(speed) & (speed != 0.0)]
     size = np.abs(moving)

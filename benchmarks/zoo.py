@@ -1,0 +1,97 @@
+"""Identification on the zoo of drives: coverage, gross errors, share identified, errors and time per dimension.
+
+    python benchmarks/zoo.py development --drives 80 --results zoo.jsonl      # goes on where it stopped
+    python benchmarks/zoo.py development --results zoo.jsonl --picture zoo.png --summary zoo.json
+
+Every drive's result is one line of the results file; tables are made of all lines whose seed is in the set. The sets
+are those of ``lostmotion.rig.SETS``; the test set is run once for each change of rules.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from zoo_tables import Scores, picture, summary, tables
+
+import lostmotion as lm
+from lostmotion.errors import LostMotionError
+
+
+def identified(seed: int) -> dict[str, Any]:
+    """What ``identify`` finds of one drive, beside its truth."""
+    drive = lm.rig.drive(seed)
+    judged = {name: value for name, value in drive.truth.parameters.items() if value is not None}
+    entry: dict[str, Any] = {
+        "seed": seed,
+        "dimensions": dict(drive.dimensions),
+        "truth": judged,
+        "absent": drive.absent,
+        "nameplate": drive.nameplate.parameters(),
+        "bound": lm.rig.cramer_rao(drive),
+        "found": {},
+    }
+    before = time.perf_counter()
+    try:
+        found = lm.identify(drive.recording, start=drive.nameplate)
+    except LostMotionError as refusal:
+        entry["refusal"] = str(refusal)[:300]
+    else:
+        entry["found"] = {
+            name: {"value": found.values[name], "interval": list(found.intervals[name])}
+            for name, source in found.sources.items()
+            if source == "identified"
+        }
+        entry["fit"] = found.prediction.fit
+        entry["problems"] = [problem.where for problem in found.problems]
+    entry["time"] = time.perf_counter() - before
+    return entry
+
+
+def run(seeds: Iterable[int], results: Path, processes: int) -> None:
+    """Identifies the drives that the results file does not have yet, and appends a line for each."""
+    done = {entry["seed"] for entry in read(results)}
+    todo = [seed for seed in seeds if seed not in done]
+    if not todo:
+        return
+    with results.open("a") as file, ProcessPoolExecutor(processes) as pool:
+        for number, entry in enumerate(pool.map(identified, todo), 1):
+            file.write(json.dumps(entry) + "\n")
+            file.flush()
+            print(f"{number} of {len(todo)}: seed {entry['seed']}, {entry['time']:.1f} s", flush=True)
+
+
+def read(results: Path) -> list[dict[str, Any]]:
+    lines = results.read_text().splitlines() if results.exists() else []
+    return [json.loads(line) for line in lines]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("set", choices=list(lm.rig.SETS))
+    parser.add_argument("--drives", type=int, default=0, help="the first so many of the set; 0: tables alone")
+    parser.add_argument("--first", type=int, default=0, help="first of them")
+    parser.add_argument("--results", type=Path, required=True, help="a line of JSON for each drive")
+    parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--picture", type=Path)
+    parser.add_argument("--summary", type=Path, help="the pooled numbers as JSON")
+    arguments = parser.parse_args()
+    seeds = lm.rig.SETS[arguments.set]
+    run(seeds[arguments.first : arguments.first + arguments.drives], arguments.results, arguments.processes)
+    scores = Scores([entry for entry in read(arguments.results) if entry["seed"] in seeds])
+    print(tables(scores))
+    if arguments.summary:
+        arguments.summary.write_text(json.dumps(summary(scores), indent=1))
+    if arguments.picture:
+        picture(scores, arguments.picture)
+
+
+if __name__ == "__main__":
+    np.seterr(all="ignore")
+    main()

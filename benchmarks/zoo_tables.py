@@ -1,0 +1,211 @@
+"""Scores, tables and picture of the zoo benchmark."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binom
+
+#: Dimensions that are cut in quartiles, and those that are kinds.
+NUMBERS = (
+    "inertia", "ratio", "pole", "pole_dt", "second_mode", "damping_ratio", "gap", "friction", "asymmetry", "lag",
+    "bits", "speed_noise", "duration", "rows", "nameplate_pole",
+)  # fmt: skip
+KINDS = ("masses", "gaps", "law", "friction_at", "excitation", "load_torque", "closed_loop", "torque")
+#: Dimensions of the picture, and whether their axis is logarithmic.
+PICTURE = {"ratio": True, "pole_dt": True, "gap": True, "friction": True, "bits": False}
+#: A drive counts for rates and errors if its Cramér–Rao half width is no more than this; for 3 % targets, the second.
+COUNTS, COUNTS_FINE = 0.10, 0.03
+#: Grossly wrong: outside the interval, and off by more than this many half widths or this share.
+GROSS_HALVES, GROSS_SHARE = 3.0, 0.3
+
+
+@dataclass(frozen=True)
+class Row:
+    """One judged parameter of one drive. error and half are relative, NaN where nothing is identified."""
+
+    drive: int
+    name: str
+    identified: bool
+    holds: bool
+    gross: bool
+    error: float
+    half: float
+    bound: float
+
+    @property
+    def counts(self) -> bool:
+        return self.bound <= COUNTS
+
+
+class Scores:
+    """All judged parameters of all drives; ``told`` are those that were identified."""
+
+    def __init__(self, entries: Sequence[dict[str, Any]]) -> None:
+        self.entries = list(entries)
+        self.rows = [row for i, entry in enumerate(self.entries) for row in _rows(i, entry)]
+        self.told = [row for row in self.rows if row.identified]
+
+    def of(self, keep: Callable[[dict[str, Any]], bool]) -> Scores:
+        """The same of the drives that are kept."""
+        return Scores([entry for entry in self.entries if keep(entry)])
+
+
+def _rows(drive: int, entry: dict[str, Any]) -> list[Row]:
+    rows = []
+    for name, truth in entry["truth"].items():
+        bound = entry["bound"].get(name, np.inf)
+        if name == "backlash" and truth == 0.0:
+            bound = np.inf  # in rad; see ``summary``
+        found = entry["found"].get(name)
+        if found is None:
+            if not name.endswith("_motor") or name == "inertia_motor":
+                rows.append(Row(drive, name, False, False, False, np.nan, np.nan, bound))
+            continue
+        low, high = found["interval"]
+        holds = low <= truth <= high
+        off, half = abs(found["value"] - truth), 0.5 * (high - low)
+        gross = not holds and (off > GROSS_HALVES * half or off > GROSS_SHARE * truth)
+        relative = (off / truth, half / truth) if truth > 0.0 else (np.nan, np.nan)
+        rows.append(Row(drive, name, True, holds, gross, *relative, bound))
+    return rows
+
+
+def _quantile(values: Sequence[float], level: float) -> float:
+    finite = [v for v in values if np.isfinite(v)]
+    return float(np.quantile(finite, level)) if finite else np.nan
+
+
+def numbers(rows: Sequence[Row]) -> dict[str, float]:
+    """The figures of a group of parameters."""
+    told = [row for row in rows if row.identified]
+    counting = [row for row in rows if row.counts]
+    errors = [row.error for row in told if row.counts]
+    return {
+        "told": len(told),
+        "coverage": float(np.mean([row.holds for row in told])) if told else np.nan,
+        "gross": float(np.mean([row.gross for row in told])) if told else np.nan,
+        "identified": float(np.mean([row.identified for row in counting])) if counting else np.nan,
+        "error_median": _quantile(errors, 0.5),
+        "error_90": _quantile(errors, 0.9),
+        "half_over_error": _quantile([row.half / max(row.error, 1e-12) for row in told], 0.5),
+    }
+
+
+def summary(scores: Scores) -> dict[str, Any]:
+    """Pooled figures, those of each parameter, and the times."""
+    names = list(dict.fromkeys(row.name for row in scores.rows))
+    times = [entry["time"] for entry in scores.entries]
+    designed = scores.of(lambda e: e["dimensions"]["excitation"] == "designed")
+    return {
+        "drives": len(scores.entries),
+        "refused": sum("refusal" in entry for entry in scores.entries),
+        "pooled": numbers(scores.rows),
+        "parameters": {name: numbers([r for r in scores.rows if r.name == name]) for name in names},
+        "designed": {name: numbers([r for r in designed.rows if r.name == name]) for name in names},
+        "fine_errors_90": {
+            name: _quantile(
+                [r.error for r in designed.told if r.name == name and r.bound <= COUNTS_FINE], 0.9
+            )
+            for name in names
+        },
+        "time_median": _quantile(times, 0.5),
+        "time_largest": _quantile(times, 1.0),
+    }
+
+
+def tables(scores: Scores) -> str:
+    """Markdown: one table of the parameters, one of the dimensions."""
+    if not scores.entries:
+        return "no drives"
+    whole = summary(scores)
+    groups = _groups(scores)
+    cells = len(groups) + len(whole["parameters"])
+    lines = [
+        f"{whole['drives']} drives, {whole['refused']} refused; {whole['time_median']:.2f} s median, "
+        f"{whole['time_largest']:.1f} s at most. Marked: coverage below 95 % by more than a binomial test allows "
+        f"at 5 % over {cells} cells.",
+        "",
+        *_table("parameter", {"all": scores.rows}, cells),
+        *_table(None, {n: [r for r in scores.rows if r.name == n] for n in whole["parameters"]}, cells),
+        "",
+        *_table("dimension", groups, cells),
+    ]
+    return "\n".join(lines)
+
+
+def _groups(scores: Scores) -> dict[str, list[Row]]:
+    """Rows by kind, and by quartile of each number."""
+    groups: dict[str, list[Row]] = {}
+    for name in KINDS:
+        values = [entry["dimensions"][name] for entry in scores.entries]
+        for value in sorted(set(values), key=str):
+            label = f"{value:g}" if isinstance(value, float) else value
+            groups[f"{name} {label}"] = [row for row in scores.rows if values[row.drive] == value]
+    for name in NUMBERS:
+        values = np.array([entry["dimensions"][name] for entry in scores.entries], dtype=float)
+        usual = values[np.isfinite(values) & (values > 0.0)]
+        edges = np.quantile(usual, [0.0, 0.25, 0.5, 0.75, 1.0]) if usual.size else np.zeros(5)
+        edges[-1] *= 1.0 + 1e-9
+        for low, high in zip(edges[:-1], edges[1:], strict=True):
+            inside = (values >= low) & (values < high)
+            groups[f"{name} {low:.2g} … {high:.2g}"] = [row for row in scores.rows if inside[row.drive]]
+    return {name: rows for name, rows in groups.items() if rows}
+
+
+def _table(title: str | None, groups: dict[str, list[Row]], cells: int) -> list[str]:
+    head = [
+        f"| {title} | told | coverage, % | gross, % | identified, % | error median, % | 90 % below, % | half / error |",
+        "|---" * 8 + "|",
+    ]
+    lines = [] if title is None else head
+    for name, rows in groups.items():
+        n = numbers(rows)
+        told, coverage = int(n["told"]), n["coverage"]
+        low = told > 0 and binom.cdf(round(coverage * told), told, 0.95) < 0.05 / cells
+        lines.append(
+            f"| {name} | {told} | {100 * coverage:.1f}{' **low**' if low else ''} | {100 * n['gross']:.1f} "
+            f"| {100 * n['identified']:.0f} | {100 * n['error_median']:.3g} | {100 * n['error_90']:.3g} "
+            f"| {n['half_over_error']:.3g} |"
+        )
+    return lines
+
+
+def picture(scores: Scores, path: Path) -> None:
+    """Coverage (above) and errors (below) over the dimensions of ``PICTURE``."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(2, len(PICTURE), figsize=(16, 6), sharey="row", sharex="col")
+    for (name, logarithmic), (above, below) in zip(PICTURE.items(), axes.T, strict=True):
+        values = np.array([scores.entries[row.drive]["dimensions"][name] for row in scores.told], dtype=float)
+        _coverage(above, values, np.array([row.holds for row in scores.told]))
+        for hold, colour in ((True, "tab:blue"), (False, "tab:red")):
+            rows = [i for i, row in enumerate(scores.told) if row.holds == hold]
+            errors = [100.0 * max(scores.told[i].error, 1e-6) for i in rows]
+            below.plot(
+                values[rows], errors, ".", color=colour, markersize=3, label="holds" if hold else "misses"
+            )
+        below.set_yscale("log")
+        below.set_xlabel(name)
+        if logarithmic:
+            below.set_xscale("log")
+    axes[0, 0].set_ylabel("coverage, %")
+    axes[1, 0].set_ylabel("error, %")
+    axes[1, 0].legend()
+    figure.tight_layout()
+    figure.savefig(path, dpi=120)
+
+
+def _coverage(axis: Any, values: NDArray[np.float64], holds: NDArray[np.bool_]) -> None:
+    """Share that holds in six groups of equal size."""
+    order = np.argsort(values)
+    for part in np.array_split(order[values[order] > 0.0], 6):
+        if part.size:
+            axis.plot([values[part[0]], values[part[-1]]], [100.0 * np.mean(holds[part])] * 2, "k-")
+    axis.axhline(95.0, color="tab:green", linewidth=0.8)
+    axis.set_ylim(0.0, 102.0)
