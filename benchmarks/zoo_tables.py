@@ -44,12 +44,12 @@ class Row:
 
 
 class Scores:
-    """All judged parameters of all drives; ``told`` are those that were identified."""
+    """All judged parameters of all drives; ``identified`` are the identified ones."""
 
     def __init__(self, entries: Sequence[dict[str, Any]]) -> None:
         self.entries = list(entries)
         self.rows = [row for i, entry in enumerate(self.entries) for row in _rows(i, entry)]
-        self.told = [row for row in self.rows if row.identified]
+        self.identified = [row for row in self.rows if row.identified]
 
     def of(self, keep: Callable[[dict[str, Any]], bool]) -> Scores:
         """The same of the drives that are kept."""
@@ -83,17 +83,17 @@ def _quantile(values: Sequence[float], level: float) -> float:
 
 def numbers(rows: Sequence[Row]) -> dict[str, float]:
     """The figures of a group of parameters."""
-    told = [row for row in rows if row.identified]
+    identified = [row for row in rows if row.identified]
     counting = [row for row in rows if row.counts]
-    errors = [row.error for row in told if row.counts]
+    errors = [row.error for row in identified if row.counts]
     return {
-        "told": len(told),
-        "coverage": float(np.mean([row.holds for row in told])) if told else np.nan,
-        "gross": float(np.mean([row.gross for row in told])) if told else np.nan,
+        "values": len(identified),
+        "coverage": float(np.mean([row.holds for row in identified])) if identified else np.nan,
+        "gross": float(np.mean([row.gross for row in identified])) if identified else np.nan,
         "identified": float(np.mean([row.identified for row in counting])) if counting else np.nan,
         "error_median": _quantile(errors, 0.5),
         "error_90": _quantile(errors, 0.9),
-        "half_over_error": _quantile([row.half / max(row.error, 1e-12) for row in told], 0.5),
+        "half_over_error": _quantile([row.half / max(row.error, 1e-12) for row in identified], 0.5),
     }
 
 
@@ -110,7 +110,7 @@ def summary(scores: Scores) -> dict[str, Any]:
         "designed": {name: numbers([r for r in designed.rows if r.name == name]) for name in names},
         "fine_errors_90": {
             name: _quantile(
-                [r.error for r in designed.told if r.name == name and r.bound <= COUNTS_FINE], 0.9
+                [r.error for r in designed.identified if r.name == name and r.bound <= COUNTS_FINE], 0.9
             )
             for name in names
         },
@@ -160,16 +160,16 @@ def _groups(scores: Scores) -> dict[str, list[Row]]:
 
 def _table(title: str | None, groups: dict[str, list[Row]], cells: int) -> list[str]:
     head = [
-        f"| {title} | told | coverage, % | gross, % | identified, % | error median, % | 90 % below, % | half / error |",
+        f"| {title} | values | coverage, % | gross, % | identified, % | median error, % | 90 % below, % | half / error |",
         "|---" * 8 + "|",
     ]
     lines = [] if title is None else head
     for name, rows in groups.items():
         n = numbers(rows)
-        told, coverage = int(n["told"]), n["coverage"]
-        low = told > 0 and binom.cdf(round(coverage * told), told, 0.95) < 0.05 / cells
+        identified, coverage = int(n["identified"]), n["coverage"]
+        low = identified > 0 and binom.cdf(round(coverage * identified), identified, 0.95) < 0.05 / cells
         lines.append(
-            f"| {name} | {told} | {100 * coverage:.1f}{' **low**' if low else ''} | {100 * n['gross']:.1f} "
+            f"| {name} | {identified} | {100 * coverage:.1f}{' **low**' if low else ''} | {100 * n['gross']:.1f} "
             f"| {100 * n['identified']:.0f} | {100 * n['error_median']:.3g} | {100 * n['error_90']:.3g} "
             f"| {n['half_over_error']:.3g} |"
         )
@@ -182,11 +182,13 @@ def picture(scores: Scores, path: Path) -> None:
 
     figure, axes = plt.subplots(2, len(PICTURE), figsize=(16, 6), sharey="row", sharex="col")
     for (name, logarithmic), (above, below) in zip(PICTURE.items(), axes.T, strict=True):
-        values = np.array([scores.entries[row.drive]["dimensions"][name] for row in scores.told], dtype=float)
-        _coverage(above, values, np.array([row.holds for row in scores.told]))
+        values = np.array(
+            [scores.entries[row.drive]["dimensions"][name] for row in scores.identified], dtype=float
+        )
+        _coverage(above, values, np.array([row.holds for row in scores.identified]))
         for hold, colour in ((True, "tab:blue"), (False, "tab:red")):
-            rows = [i for i, row in enumerate(scores.told) if row.holds == hold]
-            errors = [100.0 * max(scores.told[i].error, 1e-6) for i in rows]
+            rows = [i for i, row in enumerate(scores.identified) if row.holds == hold]
+            errors = [100.0 * max(scores.identified[i].error, 1e-6) for i in rows]
             below.plot(
                 values[rows], errors, ".", color=colour, markersize=3, label="holds" if hold else "misses"
             )

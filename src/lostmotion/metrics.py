@@ -15,13 +15,13 @@ from .events import Events
 
 Array = NDArray[np.float64]
 
-#: Largest lag in the search, s (chosen: ten periods of an eigenfrequency of 200 Hz).
+#: Largest lag in the search, s (option: ten periods of an eigenfrequency of 200 Hz).
 MAX_LAG = 0.05
-#: Last part of the time after the step over which the steady error is averaged (chosen).
+#: Last part of the time after the step over which the steady error is averaged (option).
 STEADY_PART = 0.2
-#: Band around the new set-point for the settling time, as a fraction of the step.
+#: Band around the new set-point for the settling time, as a fraction of the step (option).
 SETTLING_BAND = 0.02
-#: Time after the arrival over which the motor's oscillation is averaged, s (chosen: ten periods of 100 Hz).
+#: Time after the arrival over which the motor's oscillation is averaged, s (option: ten periods of 100 Hz).
 OSCILLATION_TIME = 0.1
 
 

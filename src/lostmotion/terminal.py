@@ -13,7 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from .display import parameters as parameter_table
 
-#: Problems that are shown after a run; the report has them all.
+#: Problems that are shown after a run; the report has them all (option).
 SHOWN = 3
 
 

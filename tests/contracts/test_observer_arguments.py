@@ -39,7 +39,7 @@ MAKERS = (
     observers.unscented_kalman,
 )
 #: Not made from a drivetrain and numbers alone.
-OTHERS = ("Covariances", "covariances", "standard_deviations")
+OTHERS = ("Covariances", "covariances", "speed_of_counts", "standard_deviations")
 
 NO_NUMBER = ("1 ms", True, [1e-3], math.nan, 10**400)
 NO_MAPPING = (5.0, "speed_motor", 0, ["speed_motor"], {5: 1.0}, {"wild": 1.0})

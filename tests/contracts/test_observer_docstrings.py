@@ -8,7 +8,9 @@ import pytest
 
 from lostmotion import observers
 
-FUNCTIONS = [getattr(observers, name) for name in observers.__all__ if name != "Covariances"]
+#: Beside the observers: a result, and a number for their arguments.
+OTHERS = ("Covariances", "speed_of_counts")
+FUNCTIONS = [getattr(observers, name) for name in observers.__all__ if name not in OTHERS]
 
 
 @pytest.mark.parametrize("make", FUNCTIONS, ids=lambda make: make.__name__)

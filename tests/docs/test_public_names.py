@@ -16,7 +16,7 @@ import pytest
 import lostmotion as lm
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SCRIPTS = [p for folder in ("docs", "examples", "benchmarks") for p in sorted((ROOT / folder).glob("*.py"))]
 ROOMS = {name: getattr(lm, name) for name in lm.__all__ if isinstance(getattr(lm, name), ModuleType)}
 

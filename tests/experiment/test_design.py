@@ -83,7 +83,7 @@ def test_fewer_bits_widen_the_intervals() -> None:
 def test_saved_for_a_drive(tmp_path: Path) -> None:
     levels().save_csv(tmp_path / "test.csv")
     header, first, *rest = (tmp_path / "test.csv").read_text().splitlines()
-    assert header == "time [s],torque_motor [Nm]" and first.startswith("0,")
+    assert header == "time [s],torque_motor [Nm]" and first.startswith("0.0,")
     assert len(rest) == len(levels().recording) - 1
 
 

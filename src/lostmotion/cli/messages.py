@@ -11,6 +11,7 @@ import typer
 from ..errors import Problem
 from ..interruption import INTERRUPTED, as_exceptions
 
+#: Option.
 INPUT_ERROR = 1
 
 

@@ -9,7 +9,7 @@ from ..errors import InvalidInput
 from ..io.memory import check_memory, size_text
 
 #: A command that takes longer than this, s, says so before it begins; one that takes longer than that is refused
-#: (chosen: ten seconds, a day).
+#: (option: ten seconds, a day).
 WORTH_SAYING, LONGEST = 10.0, 86400.0
 
 #: Called with a sentence for the user.

@@ -30,9 +30,11 @@ if TYPE_CHECKING:
 #: Shown as bands, and summed up.
 _SIGNALS = ("speed_motor", "speed_load", "twist", "torque_shaft")
 #: Bytes of memory that a variant takes, and seconds of one core for each of its samples and inertias (measured).
+#: (Option.)
 MEMORY, SECONDS = 20e3, 2e-8
 #: Names that ``simulation.batch.store`` gives to chunks.
 _CHUNK = re.compile(r"variants-\d{6,}(\.summary)?\.npz", re.ASCII)
+#: Option.
 _LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 

@@ -22,7 +22,7 @@ from .whole_table import keep_whole_table
 
 Progress = Callable[[float, str], None]
 
-#: Recordings of the full and of the quick comparison: seeds and length in s (chosen: the quick one takes about two
+#: Recordings of the full and of the quick comparison: seeds and length in s (option: the quick one takes about two
 #: minutes of processor time at its first use, most of it for compiling the observers).
 FULL, QUICK = (20, 3.0), (2, 1.5)
 

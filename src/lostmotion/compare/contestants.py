@@ -88,7 +88,7 @@ def _kalman(d: Drivetrain, s: Sensing, measured: tuple[str, ...] = ("speed_motor
     return observers.kalman(d, measured=measured, dt=s.dt, speed_from_counts=s.averaged, **options)
 
 
-#: Process covariance of "load torque, fast" (chosen by search: the smallest worst error of load speed and shaft
+#: Process covariance of "load torque, fast" (calibrated by search: the smallest worst error of load speed and shaft
 #: torque on rigs 1 to 3 with any one parameter off by 20 %).
 FAST = {"twist": 72.0, "speed_motor": 1e7, "speed_load": 42.0, "torque_load": 8.5}
 

@@ -19,20 +19,21 @@ from .contestants import Sensing
 
 Array = NDArray[np.float64]
 
-#: Speeds (rad/s) and ramp (s) of the reversing experiment, and rms (Nm) of its noise (chosen: the shaft torque reverses
+#: Speeds (rad/s) and ramp (s) of the reversing experiment, and rms (Nm) of its noise (option: the shaft torque reverses
 #: more than a hundred times a second, the joint is open for nearly half of the time).
 LEVELS, RAMP, NOISE = (4.0, 10.0, -4.0, -10.0, 6.0, -6.0), 0.1, 7.0
-#: Torque noise (Nm) and square wave (Nm, Hz) under which the load is at rest half of the time (chosen).
+#: Torque noise (Nm) and square wave (Nm, Hz) under which the load is at rest half of the time (option).
 STICKING_NOISE, STICKING_WAVE, STICKING_RATE = 1.0, 0.9, 5.0
-#: Set-points under control change every so often, s, within ± rad/s (chosen).
+#: Set-points under control change every so often, s, within ± rad/s (option).
 HOLD, SPEED = 0.1, 4.0
-#: Length of a burst of lost samples, s (chosen).
+#: Length of a burst of lost samples, s (option).
 BURST = 2e-3
 #: Settling time before the estimates are judged, s. After a wrong start they are judged at once, for this long.
+#: (Option.)
 SETTLING, AFTER_WRONG_START = 0.3, 0.5
-#: Motor torque that keeps the joint closed with the load at rest, Nm (chosen: below Coulomb friction).
+#: Motor torque that keeps the joint closed with the load at rest, Nm (option: below Coulomb friction).
 PRELOAD = 1.2
-#: Identified parameters come from the rig's own excitation, with start values off by this factor.
+#: Identified parameters come from the rig's own excitation, with start values off by this factor (option).
 START_OFF = 1.5
 
 

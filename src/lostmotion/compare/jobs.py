@@ -15,7 +15,7 @@ from .scores import Score
 
 #: Case, seed, duration (s), observers.
 Job = tuple[str, int, float, tuple[str, ...]]
-#: Length of a first run that is not timed, s (chosen: some samples at the longest sample time).
+#: Length of a first run that is not timed, s (option: some samples at the longest sample time).
 COMPILING = 0.02
 
 Result = tuple[str, int, dict[str, Score]]

@@ -18,7 +18,7 @@ from .contestants import REFERENCE
 from .scores import METRICS, Score
 from .statistics import FEWEST_SEEDS, Estimate, median, overall, ratio, verdict
 
-#: Groups of cases in one table, so that it fits on a screen.
+#: Groups of cases in one table, so that it fits on a screen (option).
 SCREEN = 4
 
 #: Signal of the ranking and the wins.

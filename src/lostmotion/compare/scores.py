@@ -16,17 +16,17 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Score = dict[str, float | None]
 
-#: The estimate counts as "gap" where its shaft torque is below this, Nm (chosen: resolution of a torque sensor).
+#: The estimate counts as "gap" where its shaft torque is below this, Nm (option: resolution of a torque sensor).
 GAP_TORQUE = 0.5
-#: An estimated impact belongs to a true one if it lies within this time of it, s (chosen).
+#: An estimated impact belongs to a true one if it lies within this time of it, s (option).
 IMPACT_WINDOW = 5e-3
-#: Shorter openings of the joint count neither as gap nor as impact, s (chosen: three periods of the
+#: Shorter openings of the joint count neither as gap nor as impact, s (option: three periods of the
 #: joint's own eigenmode).
 SHORTEST_GAP = 2e-3
-#: The backlash estimate is the mean over this last part of the experiment.
+#: The backlash estimate is the mean over this last part of the experiment (option).
 LAST_PART = 0.1
 
-#: Replaces estimates that are not finite or larger: a failed observer must not gain by it (chosen).
+#: Replaces estimates that are not finite or larger: a failed observer must not gain by it (option).
 LARGEST = 1e9
 
 SIGNALS = ("speed_load", "torque_shaft", "twist_elastic")

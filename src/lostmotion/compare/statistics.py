@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Resamples of the bootstrap, and its seed (chosen).
+#: Resamples of the bootstrap, and its seed (option).
 RESAMPLES, SEED = 2000, 0
-#: Fewest seeds for a verdict: by chance alone five lie on one side in 6 % of all cases.
+#: Fewest seeds for a verdict: by chance alone five lie on one side in 6 % of all cases (option).
 FEWEST_SEEDS = 5
 
 

@@ -17,7 +17,7 @@ from .reference_direction import reference_direction
 
 Array = NDArray[np.float64]
 
-#: Largest motor oscillation by default, in multiples of the largest error (chosen on the virtual rigs 1 to 5).
+#: Largest motor oscillation by default, in multiples of the largest error (calibrated on the virtual rigs 1 to 5).
 OSCILLATION_SHARE = 2.0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..curves import PiecewiseLinear
 
-#: Speed set-point (rad/s) from which on the compensation by its direction is full; linear below (chosen).
+#: Speed set-point (rad/s) from which on the compensation by its direction is full; linear below (numerics).
 REFERENCE_BAND = 0.1
 
 

@@ -7,7 +7,7 @@ from typing import Any, TypeGuard
 
 #: Shown when there is no number.
 NONE = "–"
-#: With more decimals than this, a number is shown with an exponent (chosen: more zeros are not counted).
+#: With more decimals than this, a number is shown with an exponent (option: more zeros are not counted).
 SMALLEST_PLACES = 8
 
 _PREFIXES = {  # unit: (below this, factor, shown unit), smallest last; chosen for three to four digits

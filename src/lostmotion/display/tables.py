@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from html import escape
 
-#: Columns of a representation (chosen: as wide as most terminals at least).
+#: Columns of a representation (option: as wide as most terminals at least).
 WIDTH = 100
 #: A blank at which no line ends.
 FIXED_BLANK = "\u00a0"

@@ -19,10 +19,10 @@ from ..recording import Recording
 from ..rig.excitation import BAND, KINDS, Limits, shape
 from .rehearsal import largest, rehearsal_rigs
 
-#: Encoders have up to about 32 bit (chosen, with room).
+#: Encoders have up to about 32 bit (option, with room).
 MOST_BITS = 40
 
-#: Below this part of the full amplitude the limits leave too little for a test (chosen).
+#: Below this part of the full amplitude the limits leave too little for a test (option).
 SMALL = 0.05
 
 

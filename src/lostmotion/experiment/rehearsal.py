@@ -14,11 +14,11 @@ from ..recording import Recording
 from ..rig.excitation import Array, Limits
 from ..simulation import Sensor
 
-#: Bisections of the search for the largest amplitude (chosen: to 1 % of it).
+#: Bisections of the search for the largest amplitude (option: to 1 % of it).
 HALVINGS = 7
 
 #: Spread of the rehearsal's plants around the nameplate, as a fraction (as the virtual rigs; others ±10 %), and the
-#: parameters that are at their low end on the lightest plant.
+#: parameters that are at their low end on the lightest plant (option).
 SPREAD = {"inertia_motor": 0.1, "inertia_load": 0.1, "backlash": 0.2, "coulomb": 0.2, "viscous": 0.2}
 LIGHT = ("inertia_motor", "inertia_load", "coulomb", "viscous")
 

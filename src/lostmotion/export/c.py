@@ -35,7 +35,7 @@ C_FLAGS = (
     "-ffp-contract=off",
 )
 
-#: Largest difference, relative to the largest output, up to which a check passes in single precision (chosen:
+#: Largest difference, relative to the largest output, up to which a check passes in single precision (option:
 #: a thousand roundings of 6e-8). In double precision not a bit may differ.
 FLOAT_TOLERANCE = 1e-4
 

@@ -9,11 +9,12 @@ from ..errors import InvalidInput
 
 #: The environment variable that raises the limit, as ``lostmotion --memory-limit`` does.
 VARIABLE = "LOSTMOTION_MEMORY_LIMIT"
-#: Bytes that reading one file, or one simulation, may take (chosen: five channels at 10 kHz for five minutes as CSV).
+#: Bytes that reading one file, or one simulation, may take (option: five channels at 10 kHz for five minutes as CSV).
 DEFAULT = 1e9
-#: More than this, bytes, no limit is offered for (chosen: no desk has it).
+#: More than this, bytes, no limit is offered for (option: no desk has it).
 LARGEST = 1e12
 
+#: Option.
 _UNITS = {"": 1e9, "GB": 1e9, "MB": 1e6}
 _SIZE = re.compile(r"\s*(\d+\.?\d*)\s*(GB|MB|)\s*", re.IGNORECASE | re.ASCII)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-#: Longest name that is compared with others, characters (chosen): the time of it grows with the square.
+#: Longest name that is compared with others, characters (option): the time of it grows with the square.
 _LONGEST = 200
 
 

@@ -14,11 +14,9 @@ from .fixed_gain.shaft_torque import shaft_torque
 from .motor_speed.neural_network import neural_network
 from .motor_speed.sliding_mode import sliding_mode
 from .motor_speed.super_twisting import super_twisting
-from .scale import Scale, scale_of
 
 __all__ = [
     "Covariances",
-    "Scale",
     "covariances",
     "disturbance_observer",
     "extended_kalman",
@@ -28,7 +26,6 @@ __all__ = [
     "kalman_gain",
     "moving_horizon",
     "neural_network",
-    "scale_of",
     "shaft_torque",
     "sliding_mode",
     "speed_of_counts",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIGNALS = ("speed_load", "speed_motor", "torque_motor", "twist")
-#: A line is drawn by its extremes in so many parts of the window (chosen: a panel is 360 points wide).
+#: A line is drawn by its extremes in so many parts of the window (option: a panel is 360 points wide).
 BINS = 500
 
 

@@ -10,7 +10,7 @@ from ..drivetrain import PARAMETER_UNITS
 from . import tables
 from .tables import mapping, skip_reason
 
-#: Half width of the 95 % interval over the value up to which a parameter counts as reliable (chosen: just above the
+#: Half width of the 95 % interval over the value up to which a parameter counts as reliable (option: just above the
 #: targets of the identification, 1 to 4 %).
 RELIABLE = 0.05
 

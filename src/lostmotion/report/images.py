@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: A figure whose SVG is larger than this becomes a PNG (chosen: ten of them stay below 4 MB; the figures of a run take
+#: A figure whose SVG is larger than this becomes a PNG (option: ten of them stay below 4 MB; the figures of a run take
 #: 25 to 280 kB). A PNG costs a second drawing, which takes longer than the first.
 MAX_SVG_BYTES = 300_000
+#: Option.
 DPI = 150
 
 #: Sections of the page that can have figures.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..drivetrain import Drivetrain, Friction
 from ..errors import InvalidInput
 
-#: Friction is identifiable only if the magnitudes of the recorded speeds differ by this share of the largest (chosen).
+#: Friction is identifiable only if the magnitudes of the recorded speeds differ by this share of the largest (option).
 LEAST_SPREAD = 1e-6
 
 

@@ -16,18 +16,18 @@ Array = NDArray[np.float64]
 Kind = Literal["levels", "step", "chirp", "multisine", "prbs", "noise"]
 KINDS: tuple[str, ...] = get_args(Kind)
 
-#: Band of the torque as fractions of the torsional frequency (chosen: 2 to 140 Hz for 100 Hz, around zero and pole).
+#: Band of the torque as fractions of the torsional frequency (option: 2 to 140 Hz for 100 Hz, around zero and pole).
 BAND = (0.02, 1.4)
 
 #: Noise on the speed levels: this share of the torque limit, but no more than so many times the Coulomb torque
-#: (chosen: more noise than needed to reverse the shaft torque makes friction less certain).
+#: (option: more noise than needed to reverse the shaft torque makes friction less certain).
 NOISE_SHARE, NOISE_FRICTION = 0.1, 2.0
 
 #: Speed levels as fractions of the speed limit: two in each direction, far apart. The highest leaves room for the
-#: noise and for friction that differs from the nameplate (chosen).
+#: noise and for friction that differs from the nameplate (option).
 LEVELS = (0.15, 0.75, -0.75, -0.15)
 
-#: Share of torque that a change of level may take, and its shortest time, s (chosen).
+#: Share of torque that a change of level may take, and its shortest time, s (option).
 RAMP_SHARE, SHORTEST_RAMP = 0.5, 0.4
 
 

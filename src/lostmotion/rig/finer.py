@@ -11,7 +11,7 @@ from ..drivetrain import Drivetrain, Friction
 from .equivalent import eigenfrequencies
 from .nominal import COULOMB, INERTIAS, STIFFNESSES, STRIBECK, Rig, make_rig
 
-#: Where a parameter has no interval, it is varied by this much (chosen).
+#: Where a parameter has no interval, it is varied by this much (option).
 UNKNOWN_SPREAD = 0.1
 
 

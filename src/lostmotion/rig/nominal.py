@@ -18,8 +18,9 @@ from ..simulation import Sensor
 
 #: Motor; clutch and intermediate shaft; intermediate inertia at the end of the side shaft; hub with brake disc. kg m².
 #: With the stiffnesses: ``reduce_to_chain(paper_powertrain(), 4, gap=GAP, band=(5, 900), gap_shaft=2)``, rounded.
+#: (Physics.)
 INERTIAS = (0.014204, 0.005137, 0.000450, 0.109409)
-#: Clutch, side shaft, tripod joint, Nm/rad.
+#: Clutch, side shaft, tripod joint, Nm/rad (physics).
 STIFFNESSES = (80088.0, 7359.0, 88171.0)
 #: The paper's damping ratio (section II), given to the 750 Hz eigenmode by the clutch, to the 100 Hz eigenmode by the
 #: side shaft.
@@ -28,18 +29,20 @@ DAMPING_RATIO = 0.02
 CONTACT_POLE = 15833.0
 #: Total free angle of the tripod joint, rad (Table I).
 BACKLASH = 0.012
-#: Friction at the brake disc: Table I, and a Stribeck rise (chosen) of 15 % at rest that ends at 2 rad/s.
+#: Friction at the brake disc: Table I, and a Stribeck rise (option) of 15 % at rest that ends at 2 rad/s.
 COULOMB, VISCOUS = 2.0, 0.0175
+#: Physics.
 STRIBECK = ((0.0, 0.30), (0.4, 0.16), (1.0, 0.05), (2.0, 0.0))
-#: Torque lag of the current loop, s, and largest torque, Nm (lag chosen; torque: the paper's nominal torque).
+#: Torque lag of the current loop, s, and largest torque, Nm (lag option; torque: the paper's nominal torque).
 LAG, TORQUE_LIMIT = 3e-4, 73.5
 
-#: Range of the seeds' variation (the project's own choice): inertias and stiffnesses, friction and backlash.
+#: Range of the seeds' variation (the project's own choice): inertias and stiffnesses, friction and backlash (physics).
 SPREAD_STRUCTURE, SPREAD_FRICTION = 0.10, 0.20
 
 #: Motor encoder: 20 bit in one turn, as sin/cos encoders with interpolation have; speed from count differences.
+#: (Physics.)
 MOTOR_ENCODER_BITS = 20
-#: Validation encoder at the hub, interpolated to 24 bit; validation torque sensor on the side shaft, 0.3 Nm (chosen).
+#: Validation encoder at the hub, interpolated to 24 bit; validation torque sensor on the side shaft, 0.3 Nm (option).
 HUB_ENCODER_BITS, TORQUE_NOISE = 24, 0.3
 
 

@@ -19,7 +19,7 @@ from .sensors import Sensor
 
 Array = NDArray[np.float64]
 
-#: Relative difference up to which two sample times count as equal (chosen: rounding).
+#: Relative difference up to which two sample times count as equal (numerics: rounding).
 _SAME_TIME = 1e-9
 
 

@@ -14,7 +14,7 @@ from .tables import Mode, Plant
 
 Array = NDArray[np.float64]
 
-#: Points of the Gauss–Legendre rule in a piece: exact to rounding where the state's series converges fast (chosen).
+#: Points of the Gauss–Legendre rule in a piece: exact to rounding where the state's series converges fast (numerics).
 _POINTS = 8
 
 

@@ -16,7 +16,7 @@ from .contact_states import Layout
 Array = NDArray[np.float64]
 
 #: Largest difference between the slope of a given angle and the mean of the given speeds, as a part of the largest
-#: speed, up to which they count as one motion (chosen: a sine of 1/20 of the sample rate differs by 0.8 %).
+#: speed, up to which they count as one motion (numerics: a sine of 1/20 of the sample rate differs by 0.8 %).
 _CONSISTENT = 0.01
 
 

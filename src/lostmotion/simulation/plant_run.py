@@ -18,7 +18,7 @@ from .tables import Plant
 
 Array = NDArray[np.float64]
 
-#: Samples whose states are kept at once where only signals are wanted (chosen by trying 1 to 64 thousand: they fit a
+#: Samples whose states are kept at once where only signals are wanted (numerics by trying 1 to 64 thousand: they fit a
 #: core's own cache).
 BLOCK = 4096
 

@@ -18,9 +18,10 @@ from .packing import chain_of, numbers_of
 
 Array = NDArray[np.float64]
 
-#: Most combinations of contact and friction states (chosen: 8 MB for the table of rows).
+#: Most combinations of contact and friction states (numerics: 8 MB for the table of rows).
 _MOST_MODES = 1_000_000
-#: Contact states for which there is room at first (chosen: all nine of two masses; longer chains enter few of theirs).
+#: Contact states for which there is room at first (numerics: all nine of two masses; longer chains enter few of
+#: theirs).
 ROOM = 16
 
 

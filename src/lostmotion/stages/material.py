@@ -15,7 +15,7 @@ from ..errors import Problem
 from ..io import Configuration, check_recording, load_recordings
 from ..recording import Recording
 
-#: Start values for the virtual rig (chosen): what datasheets and a rough estimate give, 25 to 70 % off.
+#: Start values for the virtual rig (option): what datasheets and a rough estimate give, 25 to 70 % off.
 RIG_NAMEPLATE: Mapping[str, float] = {
     "inertia_motor": 0.015,
     "inertia_load": 0.14,
@@ -27,7 +27,7 @@ RIG_NAMEPLATE: Mapping[str, float] = {
 }
 #: Set-point of the step that is recorded and controlled: Fietzek & Rinderknecht, section IV (±2 rad/s, at 1 s).
 STEP_TIME, STEP_SPEED, STEP_DURATION = 1.0, 2.0, 2.0
-#: With one recording only, this last part of it is kept for the validation.
+#: With one recording only, this last part of it is kept for the validation (option).
 VALIDATION_PART = 0.3
 
 

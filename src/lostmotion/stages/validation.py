@@ -20,13 +20,13 @@ from .parameters import Found
 
 #: Signals that are withheld from the observers and compared with them afterwards.
 WITHHELD = ("speed_load", "torque_shaft", "twist")
-#: Settling time of the observers from an unknown start, s (chosen: six time constants of Observer 1's slow pole).
+#: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole).
 SETTLING = 0.3
-#: The judged step lasts until this time, s; then the set-point goes back and makes a pulse (Fig. 15).
+#: The judged step lasts until this time, s; then the set-point goes back and makes a pulse (Fig. 15) (option).
 PULSE_END, PULSE_DURATION = 1.5, 2.0
-#: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target.
+#: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target (option).
 STEADY = 0.01
-#: A load speed beyond this many times the set-point counts as unstable (chosen).
+#: A load speed beyond this many times the set-point counts as unstable (option).
 RUNAWAY = 20.0
 
 

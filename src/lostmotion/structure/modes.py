@@ -12,7 +12,7 @@ from .torsional_model import TorsionalModel
 
 Floats = NDArray[np.float64]
 
-#: An eigenvalue below this multiple of n·eps·(largest) is a rigid rotation (zero up to rounding).
+#: An eigenvalue below this multiple of n·eps·(largest) is a rigid rotation (zero up to rounding) (physics).
 RIGID = 100.0
 
 

@@ -17,13 +17,14 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 #: Within this share of a zero or pole of the model the response is not scored: a shift of a thousandth dominates there.
+#: (Physics.)
 AROUND_RESONANCE = 0.03
-#: Points of the scored response on a logarithmic grid (chosen).
+#: Points of the scored response on a logarithmic grid (numerics).
 POINTS = 400
-#: Weight of the first n − 1 zeros and poles beside the response (chosen): they decide only where the response does
+#: Weight of the first n − 1 zeros and poles beside the response (numerics): they decide only where the response does
 #: not, because the band has too few frequencies.
 RESONANCE_WEIGHT = 3e-3
-#: Error of the response that counts as 1, in the logarithm of the magnitude: 0.1, so 0.9 dB (chosen).
+#: Error of the response that counts as 1, in the logarithm of the magnitude: 0.1, so 0.9 dB (numerics).
 SCALE = 0.1
 
 

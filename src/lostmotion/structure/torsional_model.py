@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 #: Modal damping ratio of the paper's finite-element model (Fietzek & Rinderknecht, section II).
 DAMPING_RATIO = 0.02
-#: Largest asymmetry of a matrix, relative to its largest entry, that counts as rounding (chosen).
+#: Largest asymmetry of a matrix, relative to its largest entry, that counts as rounding (numerics).
 ASYMMETRY = 1e-9
 
 

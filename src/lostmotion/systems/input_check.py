@@ -9,9 +9,9 @@ from typing import Any
 from ..errors import InvalidInput
 from ..plain_data import flag, number, shown, table, text, whole
 
-#: After this time of rejected samples the signal is accepted again, s (chosen).
+#: After this time of rejected samples the signal is accepted again, s (numerics).
 HOLD = 0.03
-#: Time constant with which accepted errors are forgotten, s (chosen).
+#: Time constant with which accepted errors are forgotten, s (numerics).
 MEMORY = 1.0
 
 

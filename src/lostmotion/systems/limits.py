@@ -10,7 +10,7 @@ from ..curves import PiecewiseLinear, saturation
 from ..errors import InvalidInput
 from .discrete_system import DiscreteSystem
 
-#: max(z, 0): the curve of which both selections are made.
+#: max(z, 0): the curve of which both selections are made (numerics).
 POSITIVE_PART = PiecewiseLinear(((0.0, 0.0),), 0.0, 1.0)
 
 

@@ -15,7 +15,7 @@ from ..statistics.quantised_regression import compatible_range, count_fit
 from . import problems as problem
 from .ramps import count_of, ramps_of, sides_of
 
-#: Most rows that go into the fit; every n-th is taken (chosen: a second of computing at the most).
+#: Most rows that go into the fit; every n-th is taken (numerics: a second of computing at the most).
 MOST_ROWS = 20_000
 #: Names of the values.
 VALUES = ("backlash", "stiffness", "coulomb_motor")

@@ -8,11 +8,11 @@ from ...errors import Problem
 from ..friction.result import Floats
 from ..statistics.estimates import Interval
 
-#: Fewest rows on each side of the gap (chosen).
+#: Fewest rows on each side of the gap (numerics).
 MIN_ROWS = 20
-#: The motor must turn by this many counts for a result (chosen).
+#: The motor must turn by this many counts for a result (numerics).
 MIN_COUNTS = 3.0
-#: Fewest ramps for an interval (chosen).
+#: Fewest ramps for an interval (numerics).
 MIN_RAMPS = 4
 
 

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from ..friction.result import Floats
 
-#: Torque reversals smaller than this part of its range count as noise (chosen).
+#: Torque reversals smaller than this part of its range count as noise (numerics).
 REVERSAL = 0.05
-#: Left out on both sides of a crossing and of the end of sticking, as part of the torque's range (chosen).
+#: Left out on both sides of a crossing and of the end of sticking, as part of the torque's range (numerics).
 CLEARANCE = 0.02
-#: Jumps of the torque by this part of its range within a sample are steps, after which the motor oscillates (chosen).
+#: Jumps of the torque by this part of its range within a sample are steps, after which the motor oscillates (numerics).
 JUMP = 0.02
-#: The angle oscillates where it varies by this many times the usual amount within the settling time (chosen).
+#: The angle oscillates where it varies by this many times the usual amount within the settling time (numerics).
 SWING = 2.0
 
 

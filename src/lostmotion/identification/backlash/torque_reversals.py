@@ -12,7 +12,7 @@ from ...recording import Recording
 from . import problems as problem
 
 #: A torque counts as being on one side of zero when it is there by this many standard deviations of its noise
-#: (chosen: about one false reversal in ten million samples).
+#: (numerics: about one false reversal in ten million samples).
 NOISE_FACTOR = 5.0
 
 

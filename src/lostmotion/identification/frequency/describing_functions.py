@@ -14,9 +14,9 @@ from .two_mass_response import two_mass_response
 
 Floats = NDArray[np.float64]
 
-#: Step towards the new gains, most steps, and relative change at which the iteration ends (chosen).
+#: Step towards the new gains, most steps, and relative change at which the iteration ends (numerics).
 STEP, MOST_STEPS, SETTLED = 0.5, 400, 1e-6
-#: Least gain of the gap that is tried: below, the shaft is hardly ever in contact.
+#: Least gain of the gap that is tried: below, the shaft is hardly ever in contact (numerics).
 LEAST_GAIN = 1e-6
 
 

@@ -18,23 +18,24 @@ Complexes = NDArray[np.complex128]
 #: Fitted by their logarithms, because they are positive; the others, which may be zero, as they are.
 LOGARITHMIC = ("inertia_motor", "inertia_load", "stiffness", "damping")
 NAMES = (*LOGARITHMIC, "viscous", "delay")
-#: Lower bound on 1 − coherence (chosen): a linear model is never better than that.
+#: Lower bound on 1 − coherence (numerics): a linear model is never better than that.
 COHERENCE_FLOOR = 1e-3
-#: Residuals beyond this many of their median deviations are weighted linearly instead of squared (chosen, as Huber's
+#: Residuals beyond this many of their median deviations are weighted linearly instead of squared (numerics, as Huber's
 #: 2…3).
 ROBUST = 2.5
-#: Correlation of the estimate between neighbouring lines reaches this far (Hann's window: two lines).
+#: Correlation of the estimate between neighbouring lines reaches this far (Hann's window: two lines) (numerics).
 CORRELATED_LINES = 4
-#: Number of successive fits, each with the residual scale (and the images) of the one before (chosen).
+#: Number of successive fits, each with the residual scale (and the images) of the one before (numerics).
 PASSES = 4
-#: Weight of the parameter that is not identifiable and kept from the start (chosen: it stays to about 1e-6).
+#: Weight of the parameter that is not identifiable and kept from the start (numerics: it stays to about 1e-6).
 KEPT_WEIGHT = 1e6
 #: Factor on a variance by the correlation of neighbouring lines under Hann's window: 1 + 2·((2/3)² + (1/6)²).
+#: (Numerics.)
 NEIGHBOURS = 1.944
 #: Lines over which coherence is averaged, and multiple of its mean by chance, 1/averages, that counts as clear
-#: (chosen).
+#: (numerics).
 NEIGHBOURHOOD, CLEARLY = 21, 3.0
-#: Grid of the search for a start: zeros, poles, damping ratio (chosen).
+#: Grid of the search for a start: zeros, poles, damping ratio (numerics).
 SEARCH_POINTS, SEARCH_DAMPING = 40, 0.05
 
 

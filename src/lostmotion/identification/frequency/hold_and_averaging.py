@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 #: Most images of the spectrum on either side that ``fold`` adds, and the relative error above which it adds more
-#: (chosen): image k of an inertia's speed has (frequency/(k·sample rate))², all further ones about 2k times that.
+#: (numerics): image k of an inertia's speed has (frequency/(k·sample rate))², all further ones about 2k times that.
 MOST_IMAGES, IMAGE_ERROR = 20, 1e-4
 
 

@@ -15,11 +15,11 @@ from .estimators import Method, direct, independent_averages, joint
 from .hold_and_averaging import Sampling, sampling
 from .spectra import Complexes, Floats, segment_spectra
 
-#: Share of the recording in one segment (chosen): with half overlap, nineteen segments.
+#: Share of the recording in one segment (numerics): with half overlap, nineteen segments.
 SEGMENT_SHARE = 0.1
-#: Fewer segments than this give a warning (chosen): coherence and bands mean little.
+#: Fewer segments than this give a warning (numerics): coherence and bands mean little.
 MIN_SEGMENTS = 6
-#: A time step this many times the mean one is a hole in the recording (chosen).
+#: A time step this many times the mean one is a hole in the recording (numerics).
 LONGEST_STEP = 1.5
 
 

@@ -12,16 +12,16 @@ from ..statistics.estimates import Estimates, Interval, sources_of
 from . import problems as problem
 from .result import Floats, torque_to_use
 
-#: Speeds are means over this long, s (chosen: several periods of a torsional mode).
+#: Speeds are means over this long, s (numerics: several periods of a torsional mode).
 SMOOTHING = 0.05
-#: The drive moves from this part of the largest speed on (chosen).
+#: The drive moves from this part of the largest speed on (numerics).
 MOVING = 0.01
-#: Time at rest before a start, to which the reference line of the angle is fitted, s (chosen).
+#: Time at rest before a start, to which the reference line of the angle is fitted, s (numerics).
 REST = 0.4
 #: Largest delay of a start in the signals, s: the torque follows its set-point, and a load's start shows through the
-#: shaft (chosen: a usual current loop, and a quarter period of a 100 Hz eigenmode; on the virtual rig it was 2 ms).
+#: shaft (calibrated: a usual current loop, and a quarter period of a 100 Hz eigenmode; on the virtual rig it was 2 ms).
 LATE = 3e-3
-#: The angle has departed from that line at this many standard deviations of its scatter (chosen).
+#: The angle has departed from that line at this many standard deviations of its scatter (numerics).
 DEPARTURE = 6.0
 
 

@@ -13,11 +13,11 @@ from ..statistics.block_covariance import sandwich, student_factor
 from ..statistics.regression import linear_fit
 from .result import Floats, FrictionFit, checked_inertia, reported, torque_to_use
 
-#: Samples in, one sample out (chosen: the EMPS benchmark's own choice at 1 kHz).
+#: Samples in, one sample out (calibrated: the EMPS benchmark's own choice at 1 kHz).
 DECIMATION = 10
-#: Cut-off of the speed whose sign the friction takes, over the sample rate (chosen: 100 Hz at 1 kHz).
+#: Cut-off of the speed whose sign the friction takes, over the sample rate (numerics: 100 Hz at 1 kHz).
 SIGN_CUTOFF = 0.1
-#: Decimated samples dropped at both ends: the filter is ±10 of them long, but its far ends weigh little (chosen).
+#: Decimated samples dropped at both ends: the filter is ±10 of them long, but its far ends weigh little (numerics).
 EDGE = 2
 
 

@@ -19,7 +19,7 @@ from .result import Identification
 
 Array = NDArray[np.float64]
 
-#: The better law must lower the innovations' sum of squares by this fraction (chosen: below that, what else the model
+#: The better law must lower the innovations' sum of squares by this fraction (numerics: below that, what else the model
 #: leaves out may decide), and the blocks of the recording must agree with 95 % certainty.
 LEAST_GAIN = 0.01
 

@@ -31,10 +31,10 @@ FURTHER = ("speed_load", "twist", "torque_shaft", "angle_motor")
 #: Contact laws that the observer can have.
 CONTACTS = ("viscoelastic", "dead_zone")
 
-#: Fewest rows and shortest time that are accepted (chosen: five periods of a 10 Hz mode).
+#: Fewest rows and shortest time that are accepted (numerics: five periods of a 10 Hz mode).
 MIN_ROWS, MIN_TIME = 2000, 0.5
 
-#: Time before the innovations count, s (chosen), and after a gap: there the observer knows less than at rest, and its
+#: Time before the innovations count, s (numerics), and after a gap: there the observer knows less than at rest, and its
 #: slowest pole is at about 14 1/s.
 SETTLING, SETTLING_LATER = 0.1, 0.4
 

@@ -14,26 +14,26 @@ from .innovations import NAMES, Bandwidth, Predictor, to_theta
 
 Array = NDArray[np.float64]
 
-#: Factors on the nameplate that the first search tries (chosen: a factor of two either way, in steps of √2).
+#: Factors on the nameplate that the first search tries (numerics: a factor of two either way, in steps of √2).
 FACTORS = (0.5, 0.71, 1.0, 1.41, 2.0)
 
-#: Factors on torque / stiffness that it tries for a backlash without a nameplate (chosen).
+#: Factors on torque / stiffness that it tries for a backlash without a nameplate (numerics).
 BACKLASH_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0)
 
-#: Length of the piece of the recording that the search runs over, s, and rows at least (chosen).
+#: Length of the piece of the recording that the search runs over, s, and rows at least (numerics).
 SEARCH_TIME, SEARCH_ROWS = 3.0, 5000
 
-#: Points of the search from which a short fit starts (chosen).
+#: Points of the search from which a short fit starts (numerics).
 CANDIDATES = 3
 
 #: A second minimum predicts nearly as well (sum of squares within this factor), and differs by this much in a logarithm
-#: of inertia, stiffness or backlash (chosen).
+#: of inertia, stiffness or backlash (numerics).
 RIVAL_COST, RIVAL_DISTANCE = 1.1, 0.2
 
 #: Damping ratio where the nameplate has no damping (Fietzek & Rinderknecht, section II).
 DAMPING_RATIO = 0.02
 
-#: Upper edge of the band in which the drivetrain turns as one rigid body, Hz (chosen: well below every zero).
+#: Upper edge of the band in which the drivetrain turns as one rigid body, Hz (numerics: well below every zero).
 RIGID_BAND = 8.0
 
 

@@ -15,14 +15,15 @@ from .innovations import Bandwidth, Predictor
 Array = NDArray[np.float64]
 
 #: Where the search starts: the joint piece's share of the motor's inertia, and the share of the shaft's compliance
-#: before it (chosen).
+#: before it (numerics).
 SHARE, COMPLIANCE = 0.1, 0.5
-#: The search keeps both within these bounds (chosen).
+#: The search keeps both within these bounds (numerics).
 SMALLEST, LARGEST = 2e-3, 0.95
-#: The joint piece stays if the sum of squared innovations falls below this fraction (chosen: on two masses without any
+#: The joint piece stays if the sum of squared innovations falls below this fraction (calibrated: on two masses without
+#: any
 #: it falls by less than 1 %, on the virtual rigs to a half or less).
 WORTHWHILE = 0.9
-#: The search ends when a step lowers the sum of squares by less than this fraction (chosen: along the valley of share
+#: The search ends when a step lowers the sum of squares by less than this fraction (numerics: along the valley of share
 #: and compliance it would go on for long, and the parameters no longer move).
 SMALLEST_GAIN = 1e-3
 

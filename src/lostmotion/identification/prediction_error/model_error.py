@@ -10,31 +10,32 @@ from ...drivetrain import Drivetrain
 Array = NDArray[np.float64]
 
 #: A spectral peak counts as an unmodelled mode if it stands above the noise by this fraction of the noise's
-#: mean density (chosen: seven standard deviations of the spectrum's estimate over 10 s).
+#: mean density (numerics: seven standard deviations of the spectrum's estimate over 10 s).
 PEAK_HEIGHT = 0.5
 
-#: And if its rms is more than this share of the rms of the torsional oscillation of the speed (chosen).
+#: And if its rms is more than this share of the rms of the torsional oscillation of the speed (numerics).
 PEAK_SHARE = 0.005
 
 #: Modes above this multiple of the torsional frequency are not looked for: they would add less than 1 %
-#: (chosen), and an encoder's rounding makes tones there when the speed is steady.
+#: (numerics), and an encoder's rounding makes tones there when the speed is steady.
 HIGHEST_MODE = 15.0
 
-#: Relative allowance for the damping if there is an unmodelled mode (chosen: on finer plants the fitted
+#: Relative allowance for the damping if there is an unmodelled mode (calibrated: on finer plants the fitted
 #: damping was 20 to 50 % above that of the shaft, because the impacts feed energy into the mode).
 DAMPING_ALLOWANCE = 0.5
 
-#: With a joint piece on the shaft, what is allowed for in multiples of (pole / mode)²; 2 without (chosen: motor inertia
+#: With a joint piece on the shaft, what is allowed for in multiples of (pole / mode)²; 2 without (calibrated: motor
+#: inertia
 #: and stiffness are 0.5 to 1.3 % off then on finer plants, where (pole / mode)² is 1.8 %).
 JOINT_ALLOWANCE = 1.0
 
-#: Allowance for the lag if there is an unmodelled mode, samples (chosen: such a mode turns the phase as
+#: Allowance for the lag if there is an unmodelled mode, samples (numerics: such a mode turns the phase as
 #: well; in closed loop by up to 0.35 samples).
 LAG_ALLOWANCE = 0.4
 
 
 #: Allowance for the Coulomb torque if there is an unmodelled mode, so a plant finer than the model: friction is then
-#: no straight line either (chosen: 0.1 to 1.5 % off on finer plants with a Stribeck rise).
+#: no straight line either (calibrated: 0.1 to 1.5 % off on finer plants with a Stribeck rise).
 FRICTION_ALLOWANCE = 0.015
 
 

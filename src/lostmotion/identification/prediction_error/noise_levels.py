@@ -12,17 +12,17 @@ from .gain_schedule import Box, Stage, descend, fit
 
 Array = NDArray[np.float64]
 
-#: Rates at which an unknown load torque is followed, 1/s (chosen). The slowest is taken that predicts not much worse
+#: Rates at which an unknown load torque is followed, 1/s (numerics). The slowest is taken that predicts not much worse
 #: than the best: a faster one also takes away what is friction.
 LOAD_RATES = (10.0, 30.0)
 
-#: Largest ratio of innovations to the best ones that counts as not much worse (chosen).
+#: Largest ratio of innovations to the best ones that counts as not much worse (numerics).
 MUCH_WORSE = 1.2
 
-#: Fits in turn with estimates of the noise levels at most, and when the levels count as settled (chosen).
+#: Fits in turn with estimates of the noise levels at most, and when the levels count as settled (numerics).
 ROUNDS, SETTLED = 6, 0.02
 
-#: Level of a channel that the observer does not listen to, in standard deviations of its signal (chosen).
+#: Level of a channel that the observer does not listen to, in standard deviations of its signal (numerics).
 DEAF = 1e4
 
 

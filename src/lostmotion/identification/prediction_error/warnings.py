@@ -13,32 +13,33 @@ from ...recording import Recording
 from . import problems as problem
 from .result import Prediction
 
-#: Largest torque (Nm) and speed (rad/s) that are taken for real (chosen: a thousand times those of big drives).
+#: Largest torque (Nm) and speed (rad/s) that are taken for real (numerics: a thousand times those of big drives).
 LARGEST_VALUE = 1e8
 
-#: Correlation above which two parameters can hardly be told apart (chosen).
+#: Correlation above which two parameters can hardly be told apart (numerics).
 CORRELATED = 0.98
 
-#: A value off the nameplate by more than this factor is worth a second look (chosen: just beyond the factor
+#: A value off the nameplate by more than this factor is worth a second look (numerics: just beyond the factor
 #: of two that a start may be off).
 FAR = 2.2
 
 #: Innovations count as not white if the lower tenth of the band has more than so many times white noise's share of the
-#: power (chosen; without model error it is 1 for white noise and 0.05 for count noise, on finer plants 3).
+#: power (calibrated; without model error it is 1 for white noise and 0.05 for count noise, on finer plants 3).
 NOT_WHITE = 2.0
 
-#: Innovations below this share of the speed's deviation are not looked at (chosen: below every real sensor's noise).
+#: Innovations below this share of the speed's deviation are not looked at (numerics: below every real sensor's noise).
 NEGLIGIBLE = 1e-4
 
-#: Where the innovations are more than this share of the speed's deviation, nothing is identified (chosen: with 12 bit
+#: Where the innovations are more than this share of the speed's deviation, nothing is identified (calibrated: with 12
+#: bit
 #: at 10 kHz, where they were, values came out 50 to 100 % wrong).
 COARSE = 0.25
 
-#: Rows are joined until the rounding of counts is at most this share of the speed's deviation (chosen: 14 bit at
+#: Rows are joined until the rounding of counts is at most this share of the speed's deviation (numerics: 14 bit at
 #: 10 kHz, which needs none).
 FINE = 0.1
 
-#: A torsional mode needs this many samples per period for the observer's discretisation (chosen).
+#: A torsional mode needs this many samples per period for the observer's discretisation (numerics).
 SAMPLES_PER_PERIOD = 15.0
 
 

@@ -16,14 +16,15 @@ from . import problems as problem
 
 #: What is looked for.
 VALUES = ("stiffness", "torque_delay", "damping", "inertia_between")
-#: Periods of the lowest frequency in one segment (chosen: 1 s, so 1 Hz resolution, for a band from 3 Hz).
+#: Periods of the lowest frequency in one segment (numerics: 1 s, so 1 Hz resolution, for a band from 3 Hz).
 PERIODS_PER_SEGMENT = 3.0
-#: Fewest segments and fewest usable frequencies (chosen): below, coherence and intervals mean little.
+#: Fewest segments and fewest usable frequencies (numerics): below, coherence and intervals mean little.
 MIN_SEGMENTS = 6
+#: Numerics.
 MIN_FREQUENCIES = 8
-#: Lower bound on 1 − coherence (chosen), so that one strong line does not dominate.
+#: Lower bound on 1 − coherence (numerics), so that one strong line does not dominate.
 COHERENCE_FLOOR = 1e-3
-#: Half width, in bins, of what is left out around multiples of the turning frequency: Hann's main lobe.
+#: Half width, in bins, of what is left out around multiples of the turning frequency: Hann's main lobe (numerics).
 ORDER_BINS = 2.0
 
 

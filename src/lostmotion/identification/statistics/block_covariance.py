@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Blocks of the recording whose scores are treated as independent (chosen: 0.5 s each in 10 s, several times the
+#: Blocks of the recording whose scores are treated as independent (numerics: 0.5 s each in 10 s, several times the
 #: slowest time constant of the observer, and about as long as a speed level lasts).
 BLOCKS = 20
 
-#: Lower bound on 1 − leverage of a block (chosen: influences grow fivefold at most).
+#: Lower bound on 1 − leverage of a block (numerics: influences grow fivefold at most).
 LEAST_REST = 0.2
 
 

@@ -12,13 +12,13 @@ from .block_covariance import normal_equations
 
 Array = NDArray[np.float64]
 
-#: Largest step in a logarithm: a factor of two (chosen; larger ones jump over valleys of a cost with a gap).
+#: Largest step in a logarithm: a factor of two (numerics; larger ones jump over valleys of a cost with a gap).
 LARGEST_STEP = 0.7
 
-#: A step is the last one when all its logarithms move by less than this (chosen: a fiftieth of an interval).
+#: A step is the last one when all its logarithms move by less than this (numerics: a fiftieth of an interval).
 SMALLEST_STEP = 2e-4
 
-#: Or when it lowers the cost by less than this fraction (chosen).
+#: Or when it lowers the cost by less than this fraction (numerics).
 SMALLEST_GAIN = 1e-7
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-#: Smallest scatter about the model, in counts (chosen): keeps the likelihood smooth where there is no noise.
+#: Smallest scatter about the model, in counts (numerics): keeps the likelihood smooth where there is no noise.
 SMALLEST_SCATTER = 0.03
-#: Slack beyond the least that makes all readings compatible, in counts (chosen, the same reason).
+#: Slack beyond the least that makes all readings compatible, in counts (numerics, the same reason).
 SLACK = 0.02
 
 

@@ -19,7 +19,7 @@ from ..spelling import suggestion
 from ..tables.channels import Channel
 from ..tables.units import parse_quantity
 
-#: Smallest and largest plausible start value, in the unit of ``PARAMETER_UNITS``; zero is judged apart. Chosen:
+#: Smallest and largest plausible start value, in the unit of ``PARAMETER_UNITS``; zero is judged apart. Option:
 #: far beyond watch gears at the one end and wind turbines at the other.
 PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
@@ -35,7 +35,7 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "lag": (1e-9, 10.0),
     }
 )
-#: The fastest pole, 1/s: a law at 1 MHz cannot have a faster one.
+#: The fastest pole, 1/s: a law at 1 MHz cannot have a faster one (option).
 FASTEST_POLE = 1e6
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-#: Bytes of one number of the classes that scipy's ``whosmat`` names.
+#: Bytes of one number of the classes that scipy's ``whosmat`` names (option).
 _ITEM = {
     "single": 4,
     "int32": 4,

@@ -11,22 +11,22 @@ from ..spelling import short_list
 from .signal_faults import LARGEST, STUCK_SHARE, Place, dead, longest_run, spikes, stuck
 from .torque_and_speed import column_order, torque_agreement
 
-#: Fewest samples of a recording. Chosen: less than a few periods of any shaft at any sensible sample time.
+#: Fewest samples of a recording. Option: less than a few periods of any shaft at any sensible sample time.
 MINIMUM_SAMPLES = 100
-#: Fewest rows and shortest time (s) of a recording to identify from: what ``identify`` itself asks for.
+#: Fewest rows and shortest time (s) of a recording to identify from: what ``identify`` itself asks for (option).
 IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME = 2000, 0.5
-#: Largest deviation of a step from the median step, as a fraction of it. Chosen: the error of a speed derived
+#: Largest deviation of a step from the median step, as a fraction of it. Option: the error of a speed derived
 #: with the mean step stays below it; logging clocks that drift by 2 % pass.
 RASTER_TOLERANCE = 0.05
-#: Share of samples at each end of the torque's distribution that is put down to noise. Chosen.
+#: Share of samples at each end of the torque's distribution that is put down to noise. Option.
 _NOISE_SHARE = 1e-3
-#: Torque on the rare side counts as reversed from this fraction of the peak on. Chosen.
+#: Torque on the rare side counts as reversed from this fraction of the peak on. Option.
 _REVERSAL = 0.01
 
-#: Longest sample time without a warning, s. Chosen: up to 50 kHz a raster in ms is seen; it tells nothing above 25 Hz.
+#: Longest sample time without a warning, s. Option: up to 50 kHz a raster in ms is seen; it tells nothing above 25 Hz.
 SLOW = 0.02
 
-#: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Chosen likewise: the
+#: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Option likewise: the
 #: other correlation was -0.24 to 0 in all of these.
 SWAPPED, SWAPPED_MARGIN = 0.4, 0.2
 

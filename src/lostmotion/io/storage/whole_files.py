@@ -13,7 +13,7 @@ from ...errors import InvalidInput
 from ..memory import check_memory
 from ..spelling import short_list
 
-#: Bytes that are read of a file that says no size, as those of /proc do (chosen).
+#: Bytes that are read of a file that says no size, as those of /proc do (option).
 _UNSIZED = 1_000_000
 
 

@@ -20,7 +20,7 @@ from .units import is_unit, unit_factor
 #: a torque by the rated one, a path into an angle by rad/m.
 SCALABLE = ("A", "V", "N", "m", "m/s", "1")
 
-#: Sizes that a scale, or counts per revolution, can have (chosen: counts of 64 bit and their inverse).
+#: Sizes that a scale, or counts per revolution, can have (option: counts of 64 bit and their inverse).
 SMALLEST, LARGEST = 1e-20, 1e20
 
 

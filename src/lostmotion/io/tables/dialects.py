@@ -19,9 +19,9 @@ _NUMBER = re.compile(
 )
 #: The part behind a decimal comma of 1,05: no whole number is written so.
 _FRACTION = re.compile(r"0\d+", re.ASCII)
-#: Longest field that counts as a number, characters (chosen): the time to read one grows with the square.
+#: Longest field that counts as a number, characters (option): the time to read one grows with the square.
 LONGEST = 100
-#: Lines that are looked at to find the dialect.
+#: Lines that are looked at to find the dialect (option).
 SAMPLE = 200
 
 

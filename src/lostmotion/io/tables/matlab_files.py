@@ -18,7 +18,7 @@ from .columns import Column
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _STEP = re.compile(r"\.?(?P<name>[A-Za-z_]\w*)|[\[{](?P<index>[-\d:, ]+)[\]}]", re.ASCII)
-#: Structs in structs are listed so deep in messages (chosen).
+#: Structs in structs are listed so deep in messages (option).
 _DEEPEST = 10
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _TIME_NAMES = ("t", "time", "Time")

@@ -64,7 +64,7 @@ UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 COUNT_UNITS: Mapping[str, str] = MappingProxyType({"counts": "rad", "counts/s": "rad/s"})
 
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)", re.ASCII | re.DOTALL)
-#: Longest unit that is compared with the known ones, characters.
+#: Longest unit that is compared with the known ones, characters (option).
 _LONGEST = 40
 _SPELLINGS = str.maketrans(
     {"²": "2", "µ": "u", "μ": "u", "°": "deg", "^": "", "*": "", "·": "", " ": "", "⁻": "-", "¹": "1"}

@@ -11,9 +11,9 @@ from ..plant.equations import Chain
 from ..plant.event_loop import EVENT_COLUMNS
 from ..plant.layout import Array, Indices, new_work
 
-#: Samples in a block (chosen: 48 kB of states and sums for two masses).
+#: Samples in a block (numerics: 48 kB of states and sums for two masses).
 BLOCK = 512
-#: Events that a block may hold before they are counted (chosen).
+#: Events that a block may hold before they are counted (numerics).
 EVENT_SPACE = 64
 
 

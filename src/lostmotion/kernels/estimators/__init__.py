@@ -12,6 +12,7 @@ MODULES = {
 }
 
 #: Numbers of parameters and outputs: a step reads and writes its arrays at fixed places, whatever their lengths are.
+#: (Numerics.)
 SIZES = {
     "extended_kalman": (119, 22),
     "interacting_models": (123, 17),

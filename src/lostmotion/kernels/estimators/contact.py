@@ -28,6 +28,7 @@ LOG_ODDS, MOST_LOG_ODDS = 2.0, 2.0
 #: hold.
 LEAST_EFFECT = 0.5
 
+#: Numerics.
 _ROOT_HALF = math.sqrt(0.5)
 _DENSITY = 1.0 / math.sqrt(2.0 * math.pi)
 

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 Record = np.dtype[Any]
 
-#: Most sensors of an estimator.
+#: Most sensors of an estimator (layout).
 SENSORS = 4
 
 # States of the two-mass model. ``ANGLE_COUNTED`` is the angle that the motor has turned since its encoder last counted.
 TWIST, SPEED_MOTOR, SPEED_LOAD, TORQUE_ACTUATOR, ANGLE_COUNTED = 0, 1, 2, 3, 4
-#: These states move; what a filter adds to them are parameters that drift (random walks).
+#: These states move; what a filter adds to them are parameters that drift (random walks) (layout).
 MOVING = 5
 #: Inputs of the model: columns of ``transition`` beside those of the first four states.
 TORQUE, GAP, FRICTION_MOTOR, FRICTION_LOAD = 4, 5, 6, 7
@@ -27,16 +27,18 @@ TORQUE, GAP, FRICTION_MOTOR, FRICTION_LOAD = 4, 5, 6, 7
 # States of the filters that track parameters. The last three are factors: of the shaft's torque and of both inverse
 # inertias.
 TORQUE_LOAD, BACKLASH, COULOMB, STIFFNESS, INVERSE_INERTIA_MOTOR, INVERSE_INERTIA_LOAD = 5, 6, 7, 8, 9, 10
+#: Layout.
 TRACKED = 11
 
-# States of each interacting model beside those of the two-mass model and ``TORQUE_LOAD``.
+# States of each interacting model beside those of the two-mass model and ``TORQUE_LOAD`` (numerics).
 MODEL_COULOMB, MODEL_STATES, MODELS = 6, 7, 3
 
-#: Most samples of a horizon.
+#: Most samples of a horizon (layout).
 MOST_NODES = 60
 
 # Network of the gap curve and of the friction. The gap curve is odd: each weight serves two of its centres, and the one
 # in the middle is zero. (A constant in the gap curve only moves the zero of the twist, which no speed can tell.)
+#: (Numerics.)
 GAP_CENTRES, GAP_WEIGHTS, FRICTION_WEIGHTS = 17, 8, 13
 WEIGHTS = GAP_WEIGHTS + FRICTION_WEIGHTS
 

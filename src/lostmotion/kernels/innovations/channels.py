@@ -14,6 +14,7 @@ from .two_mass import continuous, predictor_gain, sampled
 #: Channels by number; the motor speed is always the first column.
 SPEED_MOTOR, SPEED_LOAD, TWIST, ANGLE_MOTOR, TORQUE_SHAFT = 0, 1, 2, 3, 4
 #: First of the states that are there only where they are needed: motor angle, load torque, then the memory of speeds.
+#: (Layout.)
 _FURTHER = 4
 
 

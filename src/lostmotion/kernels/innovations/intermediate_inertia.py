@@ -12,6 +12,7 @@ from ..jit import njit
 from .two_mass import predictor_gain, sampled
 
 #: States: twist behind the joint piece, speed_motor, speed_load, torque_actuator, twist before it, speed of the piece.
+#: (Layout.)
 _STATES = 6
 
 

@@ -11,11 +11,12 @@ import numpy as np
 
 from ..jit import njit
 
-#: Terms of the series, and largest norm before squaring: 0.5¹³/13! is below rounding.
+#: Terms of the series, and largest norm before squaring: 0.5¹³/13! is below rounding (layout).
 _TERMS = 12
+#: Numerics.
 _NORM = 0.5
 
-#: Doublings of the Riccati iteration; each doubles the time that it looks back, so this is never reached.
+#: Doublings of the Riccati iteration; each doubles the time that it looks back, so this is never reached (layout).
 _DOUBLINGS = 60
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..jit import njit
 from ..numerics.vectors import address, intrinsic
 
+#: Layout.
 _LONG = ir.IntType(64)
 _POINTER = ir.IntType(8).as_pointer()
 _STEP = ir.FunctionType(_LONG, [_POINTER] * 4)

@@ -18,7 +18,7 @@ from ..numerics.vectors import address, numbers_at, read, read_integer, write, w
 from ..plant.layout import COMPILED, Array, Indices
 from .sensors import quantised, shown
 
-#: Status beside those of ``event_loop``: a signal depends on itself within one sample.
+#: Status beside those of ``event_loop``: a signal depends on itself within one sample (layout).
 ALGEBRAIC_LOOP = 100
 
 #: Where an input of a law comes from: the plant, a given signal, an output of a law, a torque that acts on the plant.

@@ -22,7 +22,7 @@ from ..plant.event_loop import DONE, NEED_MODE, finish_sample
 from ..plant.layout import COMPILED, INNER, block_size, mode_number, places_of
 from .laws import ALGEBRAIC_LOOP, control, loop_places
 
-#: Rows of a two-mass plant's columns: four of the state, four groups of guards.
+#: Rows of a two-mass plant's columns: four of the state, four groups of guards (layout).
 TWO_MASS_ROWS = 20
 
 

@@ -17,6 +17,7 @@ from numba.extending import models, register_model
 
 from ..jit import njit
 
+#: Layout.
 LANES = 4
 
 #: The decorator without its type, which knows nothing of what it makes.
@@ -24,7 +25,9 @@ intrinsic: Any = extending.intrinsic
 
 _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
+#: Layout.
 _INDEX = ir.IntType(32)
+#: Layout.
 _LONG = ir.IntType(64)
 _OF_ONE = ir.FunctionType(_VECTOR, [_VECTOR])
 _CONTRACT = ("contract",)

@@ -42,7 +42,7 @@ from .taylor_series import (
     whole_piece,
 )
 
-#: Largest ‖F‖·(length of a piece) in the norm of energy (chosen: 15 terms reach the next number).
+#: Largest ‖F‖·(length of a piece) in the norm of energy (numerics: 15 terms reach the next number).
 PIECE_NORM = 0.5
 
 

@@ -8,7 +8,7 @@ from ..jit import njit
 from ..numerics.vectors import read
 from .layout import INNER
 
-#: Smallest step of the root search as a fraction of a piece: a few units of rounding of the time itself.
+#: Smallest step of the root search as a fraction of a piece: a few units of rounding of the time itself (numerics).
 SMALLEST_STEP = 2.0**-50
 
 

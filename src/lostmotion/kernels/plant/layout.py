@@ -43,11 +43,11 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 SHAFT, FRICTION, BRANCH = 0, 1, 2
-#: Highest order of the Taylor series that the tables may ask for.
+#: Highest order of the Taylor series that the tables may ask for (layout).
 MAX_ORDER = 24
-#: Rows of each element in a mode's block.
+#: Rows of each element in a mode's block (layout).
 ELEMENT_ROWS = 4
-#: Numbers between a mode's bounds and its series: length of a piece, order.
+#: Numbers between a mode's bounds and its series: length of a piece, order (layout).
 HEADER = 4
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..jit import njit
 
-#: Changes of direction within one sample that are followed; the torque is held, so two are the most.
+#: Changes of direction within one sample that are followed; the torque is held, so two are the most (layout).
 MOST_PIECES = 4
 
 

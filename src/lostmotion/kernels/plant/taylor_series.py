@@ -10,10 +10,11 @@ from .equations import ELEMENT_OF_FRICTION, REST, driving_torque
 from .layout import padded
 
 #: The Taylor series ends where its terms fall below this part of what a torque moves in a piece (rounding of that).
+#: (Numerics.)
 LAST_TERM = 1e-16
-#: Highest order of the Taylor series, which the largest piece needs.
+#: Highest order of the Taylor series, which the largest piece needs (layout).
 ORDER = 15
-#: Times this, a number splits in two halves.
+#: Times this, a number splits in two halves (numerics).
 SPLIT = 2.0**27 + 1.0
 
 _INNER: Any = {

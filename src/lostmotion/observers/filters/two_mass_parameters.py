@@ -34,6 +34,7 @@ EIGENMODE_TWIST = 1.6e-4
 #: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit. Calibration:
 #: the virtual rig, whose eigenmodes beyond the model throw 0.6 rad/s at hard impacts.
 GATE = 4.0
+#: Numerics.
 MISMATCH: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 0.75, "speed_load": 0.75, "twist": 2.5e-4, "torque_shaft": 7.5}
 )

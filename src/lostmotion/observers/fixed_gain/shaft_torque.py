@@ -14,16 +14,16 @@ from ..arguments import number, positive, sample_time
 from ..estimates import estimated
 from .input_checks import limits_of
 
-#: Standard deviation of one sample of the torque sensor, Nm (chosen).
+#: Standard deviation of one sample of the torque sensor, Nm (numerics).
 TORQUE_NOISE = 0.02
-#: Random walk of the load's acceleration: root of the density of its rate, rad/s³·√s (chosen: 950 rad/s² within 1 ms,
+#: Random walk of the load's acceleration: root of the density of its rate, rad/s³·√s (numerics: 950 rad/s² within 1 ms,
 #: so that the load is followed within two samples and the noise of the torque sensor is still averaged).
 JERK = 3e4
 
 #: Largest accepted difference between measured and predicted torque, in standard deviations of that difference by the
-#: model (chosen: a quarter of it, the largest sudden change, is ten).
+#: model (numerics: a quarter of it, the largest sudden change, is ten).
 TORQUE_DEVIATIONS = 60.0
-#: How long a fault is bridged by prediction, s, its fewest samples, and how long an error is remembered, s (chosen:
+#: How long a fault is bridged by prediction, s, its fewest samples, and how long an error is remembered, s (numerics:
 #: without a model of either end a longer prediction is worse than the fault, whose effect decays as fast).
 HOLD, FEWEST, MEMORY = 3e-3, 3, 0.1
 

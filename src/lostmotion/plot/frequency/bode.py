@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Upper ends of the phase axis to choose from, in order of preference: that of an angle over torque first.
+#: Upper ends of the phase axis to choose from, in order of preference: that of an angle over torque first (option).
 _TOPS = (0.0, 180.0, 90.0, 270.0)
-#: Margin of the phase axis beyond 360°, in degrees.
+#: Margin of the phase axis beyond 360°, in degrees (option).
 EDGE = 10.0
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Points drawn across the figure.
+#: Points drawn across the figure (option).
 BINS = 1500
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Colour scale: load-speed error in % of range, from as good as perfect to as bad as the motor speed (chosen).
+#: Colour scale: load-speed error in % of range, from as good as perfect to as bad as the motor speed (option).
 BEST, WORST = 0.05, 20.0
 #: Behind the name of an observer that reads the shaft's torque sensor.
 SENSOR_MARK = "†"

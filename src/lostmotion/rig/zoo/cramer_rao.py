@@ -31,13 +31,13 @@ Array = NDArray[np.float64]
 Change = Callable[[Drivetrain, float], Drivetrain]
 
 #: Length of a window, torsional periods; how many stand for the recording, evenly spread; growth that ends one, in the
-#: energy norm, in which no error grows while the contacts stay (all chosen).
+#: energy norm, in which no error grows while the contacts stay (all option).
 WINDOW, WINDOWS, GROWTH = 64.0, 12, 10.0
-#: Step of the differences, relative (chosen: far above rounding, far below any gap).
+#: Step of the differences, relative (option: far above rounding, far below any gap).
 STEP = 1e-5
-#: A gap where the drive has none, over the wind-up: so small that more of it counts as if there were none (chosen).
+#: A gap where the drive has none, over the wind-up: so small that more of it counts as if there were none (option).
 TINY_GAP = 1e-3
-#: Half width of a 95 % interval in standard deviations.
+#: Half width of a 95 % interval in standard deviations (option).
 NORMAL = 1.96
 
 

@@ -21,9 +21,9 @@ from .truth import ABSENT_IF_RIGID, chain_sums, equivalent
 
 Array = NDArray[np.float64]
 
-#: What a nameplate leaves at zero with this probability.
+#: What a nameplate leaves at zero with this probability (option).
 NOT_TOLD = {"damping": 0.5, "backlash": 1.0 / 3.0, "coulomb": 1.0 / 3.0, "viscous": 0.5, "lag": 0.5}
-#: A gap on the nameplate of a drive that has none; a speed without counts; a measured torque; its noise.
+#: A gap on the nameplate of a drive that has none; a speed without counts; a measured torque; its noise (option).
 FALSE_GAP, ANALOG, MEASURED_TORQUE, NOISY_TORQUE = 0.5, 0.25, 1.0 / 3.0, 0.7
 
 

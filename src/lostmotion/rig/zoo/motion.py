@@ -21,16 +21,18 @@ from .plants import Plant
 
 Array = NDArray[np.float64]
 
-#: Half of the drives play an excitation that is designed for their nameplate.
+#: Half of the drives play an excitation that is designed for their nameplate (option).
 KINDS = {"designed": 0.5, "prbs": 0.17, "profile": 0.17, "operation": 0.16}
+#: Option.
 LOADS = {"none": 0.5, "constant": 0.25, "slow": 0.25}
 #: The plant runs at 10 kHz or faster, as a current loop does, with at most so many steps in a row of the recording.
+#: (Option.)
 PLANT_STEP, MOST_STEPS = 1e-4, 10
-#: A drive stops above this share of its rated speed (chosen); an excitation is then made smaller, at most so often.
+#: A drive stops above this share of its rated speed (option); an excitation is then made smaller, at most so often.
 OVERSPEED, ATTEMPTS = 1.5, 5
-#: Amplitude of the binary torque over rated torque; period of a slow load torque, s; both log-uniform (chosen).
+#: Amplitude of the binary torque over rated torque; period of a slow load torque, s; both log-uniform (option).
 PRBS_AMPLITUDE, SLOW_PERIOD = (0.1, 0.5), (2.0, 20.0)
-#: Crossover of the speed control over the first zero, and what delay, lag and sampling leave of it (chosen: the usual
+#: Crossover of the speed control over the first zero, and what delay, lag and sampling leave of it (option: the usual
 #: tuning; motor-side inertia alone counts above the torsional mode).
 CROSSOVER, PHASE = 0.3, 0.4
 

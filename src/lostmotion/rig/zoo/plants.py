@@ -26,16 +26,18 @@ from .draws import (
 )
 
 #: Share of the drives that are rigid, have no gap, a second gap, a soft clutch (of the chains of three or more).
+#: (Option.)
 RIGID, NO_GAP, SECOND_GAP, SOFT_CLUTCH = 0.1, 1.0 / 6.0, 0.1, 0.1
-#: How many drives have so many inertias.
+#: How many drives have so many inertias (option).
 MASSES = {"2": 0.4, "3": 0.3, "4": 0.15, "5": 0.15}
-#: A further inertia's share of its side; of a piece between the softest shaft and the gap (chosen: a joint is small).
+#: A further inertia's share of its side; of a piece between the softest shaft and the gap (option: a joint is small).
 SHARE, JOINT_SHARE = (0.005, 0.4), (0.005, 0.15)
-#: A further shaft's compliance over that of the softest: usual ones at most, a soft clutch.
+#: A further shaft's compliance over that of the softest: usual ones at most, a soft clutch (option).
 MOST_COMPLIANCE, CLUTCH_COMPLIANCE = 0.45, (0.5, 2.0)
-#: Second gap over the main one.
+#: Second gap over the main one (option).
 SECOND_GAP_SIZE = (0.03, 0.3)
 #: Stribeck rise over the Coulomb level, and the share of rated speed at which it is gone; ratio of the two directions.
+#: (Option.)
 STRIBECK_RISE, STRIBECK_SPEED, ASYMMETRY = (0.05, 0.5), (0.005, 0.1), (0.5, 2.0)
 
 

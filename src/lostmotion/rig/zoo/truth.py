@@ -29,7 +29,7 @@ from ..equivalent import friction_line, two_mass_equivalent
 
 #: What a rigid drive does not have.
 ABSENT_IF_RIGID = ("inertia_load", "stiffness", "damping", "backlash")
-#: From this compliance on, over that of the softest shaft, a further shaft is a soft clutch.
+#: From this compliance on, over that of the softest shaft, a further shaft is a soft clutch (option).
 SOFT = 0.5
 
 

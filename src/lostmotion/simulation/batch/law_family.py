@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Contact states of a variant for which there is room (chosen: all of two shafts with friction at both ends); one that
+#: Contact states of a variant for which there is room (numerics: all of two shafts with friction at both ends); one
+#: that
 #: enters more is run alone.
 _ROOM = 128
 

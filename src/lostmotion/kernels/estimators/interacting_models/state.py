@@ -22,7 +22,7 @@ from ..sensor_check import LOST
 
 parameters_of, memory_of = reads(INTERACTING_PARAMETERS), reads(INTERACTING)
 
-#: Which of the models is the gap.
+#: Which of the models is the gap (layout).
 IN_GAP = 1
 
 
