@@ -160,13 +160,13 @@ def _groups(scores: Scores) -> dict[str, list[Row]]:
 
 def _table(title: str | None, groups: dict[str, list[Row]], cells: int) -> list[str]:
     head = [
-        f"| {title} | values | coverage, % | gross, % | identified, % | median error, % | 90 % below, % | half / error |",
+        f"| {title} | values | coverage, % | gross, % | identified, % | error, median, % | 90 %, % | half / error |",
         "|---" * 8 + "|",
     ]
     lines = [] if title is None else head
     for name, rows in groups.items():
         n = numbers(rows)
-        identified, coverage = int(n["identified"]), n["coverage"]
+        identified, coverage = int(n["values"]), n["coverage"]
         low = identified > 0 and binom.cdf(round(coverage * identified), identified, 0.95) < 0.05 / cells
         lines.append(
             f"| {name} | {identified} | {100 * coverage:.1f}{' **low**' if low else ''} | {100 * n['gross']:.1f} "
