@@ -265,6 +265,6 @@ def test_commands_options_and_values_are_completed(typed: str, offered: list[str
 
 def test_the_kinds_that_are_offered_are_all_that_there_are() -> None:
     from lostmotion.cli.options import KINDS
-    from lostmotion.experiment import shapes
+    from lostmotion.rig import excitation
 
-    assert set(KINDS) == set(shapes.KINDS)
+    assert set(KINDS) == set(excitation.KINDS)

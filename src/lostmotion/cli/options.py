@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-#: Values of ``frf --method`` and ``excite --kind``; those of ``experiment.shapes.KINDS``, which is slow to load.
+#: Values of ``frf --method`` and ``excite --kind``; those of ``rig.excitation.KINDS``, which is slow to load.
 METHODS = ("H1", "H2", "Hv")
 KINDS = ("levels", "step", "chirp", "multisine", "prbs", "noise")
 

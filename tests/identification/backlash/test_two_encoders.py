@@ -83,7 +83,7 @@ def test_no_gap_is_claimed_where_there_is_hysteresis_only(seed: int) -> None:
     # Friction before the shaft: both directions lie 2·friction/stiffness apart.
     assert found.values["hysteresis"] is not None
     assert found.values["hysteresis"] > 0.5 * 2.0 * 0.3 * COMPLIANCE
-    assert "no dead zone is claimed" in found.problems[-1].got
+    assert "no dead zone is reported" in found.problems[-1].got
 
 
 def test_the_delay_hides_nothing() -> None:
