@@ -136,7 +136,7 @@ def test_axes_of_all_sizes_are_observed_with_the_defaults(name, axis):
     first = true.size // 10
     error = np.sqrt(np.mean((found["speed_load_estimated"] - true)[first:] ** 2)) / np.ptp(true[first:])
     assert error < 0.01
-    # At most 1.9e-3 with AVX-512, 2.0e-3 with plain x86-64: the last digits decide on single samples.
+    # Below 2e-3 with AVX-512, 2.0e-3 with plain x86-64: the last digits decide on single samples.
     assert np.mean(found["input_fault"]) < 2.5e-3
     if "backlash_estimated" in found:
         assert np.mean(found["backlash_estimated"][-first:]) == pytest.approx(
