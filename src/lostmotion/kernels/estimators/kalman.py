@@ -1,10 +1,14 @@
 """Kalman filter, one scalar measurement after the other: innovation, correction, prediction of the covariance.
 
-    ν = y − h(x),    S = H P Hᵀ + R,    K = P Hᵀ / S,    x ← x + K ν,    P ← P − K S Kᵀ
-    x ← f(x, u),     P ← F P Fᵀ + Q
+    ν = y − h(x)                      (1)  innovation
+    S = H P Hᵀ + R                    (2)  its variance
+    K = P Hᵀ / S                      (3)
+    x ← x + K ν,  P ← P − K S Kᵀ      (4)  correction
+    x ← f(x, u)                       (5)  prediction
+    P ← F P Fᵀ + Q                    (6)
 
-Särkkä 2013, Bayesian Filtering and Smoothing, theorem 4.2, for the extended filter algorithm 5.4; scalar measurements
-in turn: Simon 2006, Optimal State Estimation, section 6.1.
+Särkkä 2013, Bayesian Filtering and Smoothing, theorem 4.2, with F = ∂f/∂x and H = ∂h/∂x algorithm 5.4; scalar
+measurements in turn: Simon 2006, Optimal State Estimation, section 6.1.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ from .layout import SPEED_MOTOR
 
 @njit(cache=True, inline="always")
 def variance_along(P, H, PHt):
-    """H P Hᵀ; P Hᵀ goes to ``PHt``. Most entries of a row H are zero."""
+    """H P Hᵀ of equation (2); P Hᵀ goes to ``PHt``. Most entries of a row H are zero."""
     n = H.size
     for j in range(n):
         PHt[j] = 0.0
@@ -31,7 +35,7 @@ def variance_along(P, H, PHt):
 
 @njit(cache=True, inline="always")
 def correct(x, P, PHt, nu, S):
-    """x and P corrected by the innovation ν of variance S."""
+    """Equations (3) and (4): x and P corrected by the innovation ν of variance S."""
     n = x.size
     for i in range(n):
         x[i] += PHt[i] / S * nu
@@ -42,7 +46,7 @@ def correct(x, P, PHt, nu, S):
 
 @njit(cache=True)
 def predict_covariance(F, P, Q, FP):
-    """F P Fᵀ + Q, where ``F`` has the rows of the moving states, the others are constants; ``FP`` is scratch."""
+    """Equation (6). ``F`` has the rows of the moving states, all others are constants; ``FP`` is scratch."""
     moving, n = F.shape
     for i in range(moving):
         for j in range(n):

@@ -119,7 +119,8 @@ CONTACT = record("torque", "variance", "speed_variance", "log_odds", "impulse")
 
 TRACKED_ESTIMATE = estimate(TRACKED)
 
-#: Memory of the filters that track parameters; ``before``: the four moving states before the last prediction.
+#: Memory of the filters that track parameters: whether there was a sample; the last motor torque; the load's Coulomb
+#: torque; the four moving states before the last prediction; ``blind``: see ``missing_inputs``.
 TRACKING = record(
     ("estimate", TRACKED_ESTIMATE), "started", "torque", "friction", ("before", (4,)),
     ("sensors", SENSOR_MEMORY, SENSORS), ("torque_moments", TORQUE_MOMENTS), "blind", ("contact", CONTACT),

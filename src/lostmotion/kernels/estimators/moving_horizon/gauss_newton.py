@@ -12,7 +12,7 @@ from ..kalman import correct, predict_covariance
 from ..layout import ANGLE_COUNTED, MOVING, STIFFNESS, TORQUE_LOAD, TRACKED
 from ..missing_inputs import add_missing_torque
 from ..sensors import OF_SPEED_MOTOR, count_from_here, sensor_variance
-from ..tracking.correction import innovation_of
+from ..tracking.measurement import innovation_of
 from ..tracking.prediction import move
 from ..tracking.start import LARGEST_FACTOR, LEAST_FACTOR
 from ..two_mass_model import clip
@@ -81,7 +81,7 @@ def _predict(p, s, node, w):
 
 @njit(cache=True)
 def _correct(p, s, node, i, w):
-    """Sensor i of a node into w.estimate; returns ν/S and S (0 and 1 if it is not used); H and P Hᵀ in w."""
+    """Sensor i of a node into w.estimate; returns ν/S and S (0 if it is not used); H and P Hᵀ in w."""
     e = w.estimate
     if node.used[i] == 0.0:
         return 0.0, 0.0

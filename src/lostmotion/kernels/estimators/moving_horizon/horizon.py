@@ -10,7 +10,8 @@ from ..layout import HORIZON, HORIZON_PARAMETERS, SENSORS, SPEED_MOTOR, TORQUE_L
 from ..records import reads
 from ..sensor_check import REFUSED_RATE
 from ..sensors import OF_SPEED_LOAD
-from ..tracking.correction import check, innovation_of
+from ..tracking.correction import check
+from ..tracking.measurement import innovation_of
 from ..tracking.start import restart, start_again_if_lost
 from ..verdicts import FROZEN, JUMP, START_AGAIN, USE
 

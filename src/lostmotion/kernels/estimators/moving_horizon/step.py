@@ -8,7 +8,7 @@ from ...jit import njit
 from ..layout import MOVING, TRACKED, TRACKED_ESTIMATE, record
 from ..records import scratch
 from ..runner import INIT, STEP
-from ..tracking.correction import write
+from ..tracking.outputs import write
 from ..tracking.prediction import predict
 from ..tracking.start import before_first_sample, begin, bound, keep_before
 from .gauss_newton import count_at, forget_oldest, gauss_newton

@@ -28,16 +28,16 @@ from ..two_mass_model import advance, gap_argument, shaft_slope
 
 @njit(cache=True)
 def move(p, x, P, torque, F):
-    """x a substep on, in place: x ← f(x, u), with F = ∂f/∂x; returns the load's Coulomb torque.
+    """Equation (5) of ``kalman``: x a substep on, in place, with F = ∂f/∂x; returns the load's Coulomb torque.
 
     The gap term is its mean over the spread of an estimate with covariance P.
     """
     deviation = edge_deviation(P, p.lead_middle)
     gap, above, below = mean_gap(gap_argument(x, p.lead_middle), 0.5 * max(x[BACKLASH], 0.0), deviation)
-    factors = x[STIFFNESS], x[INVERSE_INERTIA_MOTOR], x[INVERSE_INERTIA_LOAD]
     n0, n1, n2, n3, turn, motor, load = advance(
-        p, x, x[TORQUE_LOAD], max(x[COULOMB], 0.0), gap, torque, factors[0], factors[1], factors[2]
-    )
+        p, x, x[TORQUE_LOAD], max(x[COULOMB], 0.0), gap, torque,
+        x[STIFFNESS], x[INVERSE_INERTIA_MOTOR], x[INVERSE_INERTIA_LOAD],
+    )  # fmt: skip
     change = n1 - x[SPEED_MOTOR], n2 - x[SPEED_LOAD]
     jacobian(p, x, gap, 1.0 - above - below, above - below, change, motor, load, F)
     x[TWIST], x[SPEED_MOTOR], x[SPEED_LOAD], x[TORQUE_ACTUATOR] = n0, n1, n2, n3
@@ -47,7 +47,7 @@ def move(p, x, P, torque, F):
 
 @njit(cache=True)
 def predict(p, s, torque, F, FP):
-    """x and P a sample on, in substeps."""
+    """Equations (5) and (6) of ``kalman``: x and P a sample on, in substeps."""
     x, P = s.estimate.x, s.estimate.P
     for _ in range(int(p.substeps)):
         s.friction = move(p, x, P, torque, F)
