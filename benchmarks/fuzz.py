@@ -24,7 +24,7 @@ from fuzz_formats import FORMATS, Format
 from fuzz_limits import fault
 
 #: After so many seconds without a word a process hangs where no alarm reaches it.
-HANGS = 15.0
+HANGS = 100.0
 
 
 def work(kind: Format, first: int, stop: int, folder: Path) -> None:
@@ -62,7 +62,7 @@ def faults(kind: Format, first: int, stop: int) -> dict[int, str]:
                 hung = True
                 process.kill()
 
-            timer = threading.Timer(10 * HANGS, kill)  # the first one waits for imports
+            timer = threading.Timer(2.0 * HANGS, kill)  # the first one waits for imports
             timer.start()
             for line in process.stdout:
                 timer.cancel()

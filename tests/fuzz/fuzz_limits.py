@@ -11,8 +11,8 @@ from types import FrameType
 
 from lostmotion.errors import InputProblems, LostMotionError, Problem
 
-#: What a damaged file may take, s and bytes.
-SECONDS, MEMORY = 5.0, 1e9
+#: What a damaged file may take: s of the processor, bytes; and s by the clock, on a machine with other work (chosen).
+SECONDS, MEMORY, BY_THE_CLOCK = 5.0, 1e9, 60.0
 #: Longest message, characters: a screen (chosen). What a file holds is quoted in part, never whole.
 LONGEST = 4000
 
@@ -27,18 +27,21 @@ def _too_slow(number: int, frame: FrameType | None) -> None:
 
 @contextmanager
 def bounded(seconds: float = SECONDS, memory: float = MEMORY) -> Iterator[None]:
-    """Raises TooSlow after so many seconds, MemoryError beyond so many bytes more than now."""
+    """Raises TooSlow after so many seconds of work, MemoryError beyond so many bytes more than now."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    before = signal.signal(signal.SIGALRM, _too_slow)
+    before = {number: signal.signal(number, _too_slow) for number in (signal.SIGPROF, signal.SIGALRM)}
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + int(memory), hard))
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_REAL, BY_THE_CLOCK)
     try:
         yield
     finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
-        signal.signal(signal.SIGALRM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _unclear(problems: tuple[Problem, ...]) -> str:
@@ -53,13 +56,13 @@ def _unclear(problems: tuple[Problem, ...]) -> str:
     return ""
 
 
-def fault(read: Callable[[], object]) -> str:
+def fault(read: Callable[[], object], seconds: float = SECONDS) -> str:
     """ "" if the call returns or raises an error of the package; else what it did."""
     try:
-        with bounded():
+        with bounded(seconds):
             read()
     except TooSlow:
-        return "takes more than 5 s"
+        return f"takes more than {seconds:g} s"
     except MemoryError:
         return "takes more than 1 GB"
     except InputProblems as error:

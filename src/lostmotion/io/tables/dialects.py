@@ -21,6 +21,8 @@ _NUMBER = re.compile(
 _FRACTION = re.compile(r"0\d+", re.ASCII)
 #: Longest field that counts as a number, characters (option): the time to read one grows with the square.
 LONGEST = 100
+#: Characters of a line that are searched for a decimal comma (option: some hundred fields).
+LONGEST_LINE = 5000
 #: Lines that are looked at to find the dialect (option).
 SAMPLE = 200
 
@@ -107,7 +109,7 @@ def find_dialect(lines: Sequence[str]) -> Dialect:
     best, best_score = Dialect(",", False), 0.0
     for separator in (";", "\t", None, ","):
         for comma in (False, True) if separator != "," else (False,):
-            if comma and not any(_DECIMAL_COMMA.search(line) for line in sample):
+            if comma and not any(_DECIMAL_COMMA.search(line, 0, LONGEST_LINE) for line in sample):
                 continue
             dialect = Dialect(separator, comma)
             counts = [sum(dialect.number(f) is not None for f in dialect.split(line)) for line in sample]

@@ -15,6 +15,7 @@ from ...structure.torsional_model import DAMPING_RATIO
 from ..isolation.parent import read_isolated
 from ..storage.npz_files import read_npz
 from ..storage.whole_files import read_bytes, write_bytes
+from .dialects import LONGEST
 
 Floats = NDArray[np.float64]
 
@@ -112,6 +113,8 @@ def _matrix(path: Path) -> Floats:
     try:
         if not raw.strip():
             raise ValueError("an empty file")
+        if any(len(field) > LONGEST for field in raw.replace(b"\n", b",").split(b",")):
+            raise ValueError(f"a field of more than {LONGEST} characters")
         rows = np.loadtxt(io.StringIO(raw.decode()), delimiter=",", comments="#", ndmin=2)
     except ValueError as error:
         raise InvalidInput(str(path), f"no matrix: {error}", _EXPECTED, "Check the file.") from None
@@ -120,7 +123,9 @@ def _matrix(path: Path) -> Floats:
 
 def _checked(array: np.ndarray, where: str) -> Floats:
     """Finite real numbers of a size that can be calculated with."""
-    if array.dtype.kind not in "fiu" or not np.all(np.abs(array) <= LARGEST):
-        kind = f"{array.dtype}" if array.dtype.kind not in "fiu" else "NaN, or a number beyond it"
-        raise InvalidInput(where, kind, f"real numbers of at most {LARGEST:g}", "Check the file.")
-    return array.astype(float)
+    real = array.dtype.kind in "fiu"
+    values = array.astype(float) if real else np.empty(0)
+    if not real or not np.all(np.abs(values) <= LARGEST):
+        got = "NaN, or a number beyond it" if real else f"{array.dtype}"
+        raise InvalidInput(where, got, f"real numbers of at most {LARGEST:g}", "Check the file.")
+    return values
