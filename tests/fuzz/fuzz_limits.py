@@ -57,7 +57,7 @@ def _unclear(problems: tuple[Problem, ...]) -> str:
 
 
 def fault(read: Callable[[], object], seconds: float = SECONDS) -> str:
-    """ "" if the call returns or raises an error of the package; else what it did."""
+    """Empty if the call returns, or raises an error of the package; else what it did."""
     try:
         with bounded(seconds):
             read()

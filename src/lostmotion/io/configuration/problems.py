@@ -100,18 +100,17 @@ def _of_recording(entry: Any, path: Path) -> tuple[Problem, ...]:
 def _without_wrong_keys(entry: Any) -> tuple[dict[str, Any], set[str]]:
     """A recording's table without what is wrong in it, and the keys that were left out whole."""
     kept = dict(entry) if isinstance(entry, dict) else {}
+    wrong: set[str] = set()
     try:
         RecordingModel.model_validate(kept)
     except ValidationError as error:
-        wrong: set[str] = set()
         for one in error.errors():
             cause = one.get("ctx", {}).get("error")
             if isinstance(cause, SeveralProblems):
-                bad = {problem.where for problem in cause.problems}
+                # Each place begins with the signal's name: the other channels can be read.
+                bad = {problem.where.split(",")[0] for problem in cause.problems}
                 kept["channels"] = {k: v for k, v in kept["channels"].items() if k not in bad}
-                if not kept["channels"]:
-                    wrong.add("channels")
+                wrong |= set() if kept["channels"] else {"channels"}
             else:
                 wrong.add(str(one["loc"][0]))
-        return {key: value for key, value in kept.items() if key not in wrong}, wrong
-    return kept, set()
+    return {key: value for key, value in kept.items() if key not in wrong}, wrong

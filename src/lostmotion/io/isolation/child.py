@@ -29,9 +29,7 @@ def serve() -> None:
     """Answer requests until standard input ends."""
     source, target = sys.stdin.buffer, sys.stdout.buffer
     sys.stdout = sys.stderr  # a reader that prints must not end up in the answer
-    for format_name in READERS:
-        with contextlib.suppress(Exception):
-            READERS[format_name](b"", 0.0)  # imports what it needs, once for all that is forked
+    preload()
     while True:
         try:
             name, memory, seconds, content = pickle.load(source)
@@ -52,7 +50,14 @@ def serve() -> None:
         _, ended = os.waitpid(process, 0)
         if ended:
             alarm = os.waitstatus_to_exitcode(ended) == -signal.SIGALRM
-            _write(target, LATE if alarm else CRASHED, None)
+            _write(target, LATE if alarm else CRASHED, _parts(None))
+
+
+def preload() -> None:
+    """Imports what the readers need, once for all that is forked."""
+    for reader in READERS.values():
+        with contextlib.suppress(Exception):
+            reader(b"", 0.0)
 
 
 def _limit(memory: float, seconds: float) -> None:
@@ -68,20 +73,24 @@ def _limit(memory: float, seconds: float) -> None:
 
 def _answer(target: BinaryIO, name: str, content: bytes, memory: float) -> None:
     try:
-        found = READERS[name](content, memory)
+        status, parts = READ, _parts(READERS[name](content, memory))
     except TooLarge as error:
-        return _write(target, TOO_LARGE, error.needed)
+        status, parts = TOO_LARGE, _parts(error.needed)
     except MemoryError:
-        return _write(target, TOO_LARGE, None)
+        status, parts = TOO_LARGE, _parts(None)
     except Exception as error:  # readers raise many kinds on a damaged file
-        return _write(target, REFUSED, f"{type(error).__name__}: {error}"[:1000])
-    _write(target, READ, found)
+        status, parts = REFUSED, _parts(f"{type(error).__name__}: {error}"[:1000])
+    _write(target, status, parts)
 
 
-def _write(target: BinaryIO, status: int, found: Any) -> None:
+def _parts(found: Any) -> list[memoryview]:
+    """A pickle, and apart from it the contents of its large arrays."""
     buffers: list[pickle.PickleBuffer] = []
     body = pickle.dumps(found, protocol=5, buffer_callback=buffers.append)
-    parts = [memoryview(body), *(buffer.raw() for buffer in buffers)]
+    return [memoryview(body), *(buffer.raw() for buffer in buffers)]
+
+
+def _write(target: BinaryIO, status: int, parts: list[memoryview]) -> None:
     target.write(struct.pack(f"<{2 + len(parts)}Q", status, len(parts), *(part.nbytes for part in parts)))
     for part in parts:
         target.write(part)

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputProblems, Problem
 from ...recording import Recording
-from ..spelling import short_list
-from .signal_faults import LARGEST, STUCK_SHARE, Place, dead, longest_run, spikes, stuck
+from .signal_faults import LARGEST, STUCK_SHARE, Place, dead, longest_run, places, spikes, stuck
 from .torque_and_speed import column_order, torque_agreement
 
 #: Fewest samples of a recording. Option: less than a few periods of any shaft at any sensible sample time.
@@ -40,7 +39,7 @@ def check_finite(name: str, values: NDArray[np.float64], where: str, place: Plac
         Problem(
             "error",
             f"{where}, {name}",
-            f"NaN or infinity in {short_list((place(int(i)) for i in bad[:6]), 5)} ({bad.size} values)",
+            f"NaN or infinity in {places(bad, place)}",
             "a finite number in every row",
             "Give a window without them, or fill the gaps in the tool that recorded them.",
         )

@@ -28,17 +28,22 @@ SPIKE, USUAL_CHANGES = 300.0, 0.999
 Place = Callable[[int], str]
 
 
+def places(rows: NDArray[np.intp], place: Place) -> str:
+    """The first rows, and how many there are: ``line 7, line 9 (2 values)``."""
+    more = ", …" if rows.size > 5 else ""
+    return f"{', '.join(place(int(i)) for i in rows[:5])}{more} ({rows.size} values)"
+
+
 def check_sizes(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
     """Numbers that are finite, and larger than any drive's."""
     bad = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST))
     if not bad.size:
         return []
-    rows = short_list((place(int(i)) for i in bad[:6]), 5)
     return [
         Problem(
             "error",
             f"{where}, {name}",
-            f"{values[bad[0]]:.4g} in SI units in {rows} ({bad.size} values)",
+            f"{values[bad[0]]:.4g} in SI units in {places(bad, place)}",
             f"at most {LARGEST:g}",
             "If it is every row, check unit, scale and offset; else give a window without these rows.",
         )

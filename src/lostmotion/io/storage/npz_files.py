@@ -36,6 +36,8 @@ def unpacked(raw: bytes, where: str, expected: str) -> dict[str, np.ndarray]:
     try:
         with zipfile.ZipFile(io.BytesIO(raw)) as file:
             members = file.infolist()
+            if any(member.filename == "[Content_Types].xml" for member in members):
+                raise InvalidInput(where, "a spreadsheet", expected, "Save it as CSV.")
             size = sum(member.file_size for member in members)
             check_memory(
                 where,

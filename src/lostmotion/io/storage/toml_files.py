@@ -33,7 +33,12 @@ def read_toml(path: Path, expected: str) -> tuple[dict[str, Any], str]:
     except RecursionError:
         got, remedy = "broken TOML: hundreds of brackets in each other", "Close the brackets."
     except ValueError as error:  # whole numbers of more than 4300 digits, too
-        got, remedy = f"broken TOML: {error}", "Put texts in quotes; see toml.io."
+        got = f"broken TOML: {error}"
+        remedy = (
+            "Keep one of the two."
+            if "Cannot" in got
+            else "Numbers need a decimal point, texts and numbers with units quotes; see toml.io."
+        )
     if path.suffix.lower() != ".toml":
         got = f"a file with the ending {path.suffix!r} that is no TOML"
         remedy = (

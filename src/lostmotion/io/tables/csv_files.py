@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,9 @@ from .units import is_unit
 PER_BYTE, PER_LINE = 4.0, 150.0
 COMMENT_MARKS = ("#", "%", "//")
 _TIME_NAMES = ("time", "t")
+#: A date, or a time of the day.
+_DATE = re.compile(r"\d[-/.]\d+[-/.]\d|\d:\d\d", re.ASCII)
+_DATES = "Export seconds instead of dates, or give time = { sample_time = ... }."
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +48,18 @@ class CsvTable:
             raise InvalidInput(
                 where, f"column {key}", f"a number from 0 to {self.width - 1}", "Columns are counted from 0."
             )
-        for names in (self.header, tuple(split_unit(name)[0] for name in self.header)):
-            found = [i for i, name in enumerate(names) if name == key]
-            if len(found) > 1:
-                raise InvalidInput(
-                    where, f"{len(found)} columns named {key!r}", "one", f"Give its number, one of {found}."
-                )
-            if found:
-                return found[0]
+        exact = [i for i, name in enumerate(self.header) if name == key and split_unit(name)[1]]
+        found = exact or [i for i, name in enumerate(self.header) if key in (name, split_unit(name)[0])]
+        if len(found) > 1:
+            raise InvalidInput(
+                where, f"{len(found)} columns named {shown(key)}", "one", f"Give its number, one of {found}."
+            )
+        if found:
+            return found[0]
         if not self.header:
             raise InvalidInput(
                 where,
-                f"column {key!r}",
+                f"column {shown(key)}",
                 f"a number from 0 to {self.width - 1}: the file has no header",
                 "Use it.",
             )
@@ -164,7 +168,7 @@ class CsvTable:
                 (f"text {shown(places[0][1])}" if places[0][1] else "an empty field")
                 + f" in line {short_list((n for n, _ in places), 5)}",
                 "a number in every line: digits, a decimal sign, perhaps an exponent",
-                "Fill or delete these lines.",
+                _DATES if _DATE.search(places[0][1][:40]) else "Fill or delete these lines.",
             )
             for i, places in bad.items()
         ]

@@ -23,6 +23,16 @@ _FRACTION = re.compile(r"0\d+", re.ASCII)
 LONGEST = 100
 #: Characters of a line that are searched for a decimal comma (option: some hundred fields).
 LONGEST_LINE = 5000
+#: Files that are often taken for a table, by their first bytes (numerics: the formats' published marks).
+FOREIGN = {
+    b"\xd0\xcf\x11\xe0": "an old spreadsheet",
+    b"\x1f\x8b": "a gzip archive",
+    b"MDF ": "a measurement file in MDF",
+    b"TDSm": "a measurement file in TDMS",
+    b"%PDF": "a PDF",
+    b"\x89PNG": "a picture",
+    b"\x89HDF": "an HDF5 file",
+}
 #: Lines that are looked at to find the dialect (option).
 SAMPLE = 200
 
@@ -33,15 +43,16 @@ def decode(raw: bytes, where: str) -> str:
         raise _wide(where, "UTF-32")
     if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return raw.decode("utf-16", errors="replace")
-    if b"\0" in raw[:8192]:
-        coding = _coding(raw[:8192])
-        if coding:
-            raise _wide(where, f"{coding} without a byte order mark")
+    if coding := _coding(raw[:8192]):
+        raise _wide(where, f"{coding} without a byte order mark")
+    kind = next((name for mark, name in FOREIGN.items() if raw.startswith(mark)), "")
+    if kind or b"\0" in raw[:8192]:
+        whole = raw[:8192].count(b"\0") > 0.05 * len(raw[:8192]) or kind
         raise InvalidInput(
             where,
-            "a binary file",
+            kind or ("a binary file" if whole else "a text with zero bytes in it"),
             "a text table (CSV), a MATLAB .mat or an .npz file",
-            "Check the file's ending.",
+            "Export it as one of these." if whole else "It was not written whole: copy or export it again.",
         )
     try:
         return raw.decode("utf-8-sig")

@@ -122,11 +122,12 @@ class MatTable:
             at = step.end()
         if value is None:
             paths = self.paths()
+            other = root is not None and root[0] in self.variables and self.variables[root[0]] is None
             raise InvalidInput(
                 where,
-                f"no variable {path!r}",
-                "a path such as " + short_list(paths, 20),
-                suggestion(path, paths),
+                f"{path!r}, a sparse matrix, function or object" if other else f"no variable {path!r}",
+                "a path such as " + short_list(paths, 20) if paths else "a file with arrays of numbers",
+                "Save it as an array: full(x)." if other else suggestion(path, paths),
             )
         return value, label
 
@@ -166,8 +167,10 @@ class MatTable:
             raise InvalidInput(
                 where,
                 f"{path!r} of {array.size} values ({kind})",
-                "a vector of numbers",
-                "Give a longer path.",
+                "a vector of real numbers, one for each time",
+                "Give a longer path."
+                if array.dtype == object or _fields(array)
+                else "Choose another variable.",
             )
         if max(array.shape) != array.size:
             raise InvalidInput(
