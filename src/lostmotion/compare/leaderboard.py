@@ -91,7 +91,7 @@ class Leaderboard:
         return overall(table)
 
     def wins(self, observer: str, metric: str = RANKED_BY) -> dict[str, int] | None:
-        """Number of counted cases won, tied and lost against Observer 1; None if there are too few rigs to tell."""
+        """Number of counted cases won, tied and lost against Observer 1; None for too few rigs."""
         counts = {"win": 0, "tie": 0, "loss": 0}
         for case in self.counted(observer):
             own, reference = (self.values(o, case.name, metric) for o in (observer, REFERENCE))

@@ -42,7 +42,7 @@ class ScoreCache:
     Parameters
     ----------
     folder : Path or None
-        Files go to ``scores/duration_…`` in it, so that another duration has files of its own.
+        Files go to ``scores/duration_…`` in it: each duration has its own files.
     duration : float, s
 
     Raises

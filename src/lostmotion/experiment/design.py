@@ -91,8 +91,8 @@ def design_excitation(
     """Torque of the largest amplitude that keeps the limits, rehearsed on finer plants around the nameplate.
 
     The plants have four inertias, Stribeck friction and another contact law than the model (``rig.finer_rig``): one
-    with the nameplate's values, one with the least inertia and friction, the others varied. The limits hold on all of
-    them. Each is recorded through the encoder and identified; the median of the half widths is the prediction. Where
+    with the nameplate's values, one with the least inertia and friction, the others varied. The limits are kept on all
+    of them. Each is recorded through the encoder and identified; the median of the half widths is the prediction. Where
     the nameplate has no damping, a damping ratio of 0.02 is assumed.
 
     Parameters

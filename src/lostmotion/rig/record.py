@@ -76,8 +76,8 @@ def record(
     Returns
     -------
     (Recording, Truth)
-        The recording holds what the sensors show, of origin "simulated": ``torque_motor`` is the set-point (the torque
-        itself follows with a lag), speeds are count differences over the last sample.
+        The recording contains the sensors' signals, of origin "simulated": ``torque_motor`` is the set-point (the
+        torque itself follows with a lag), speeds are count differences over the last sample.
     """
     if not isinstance(rig, Rig):
         rig = nominal_rig() if rig is None else varied_rig(rig)

@@ -43,9 +43,9 @@ class Stepper:
     parameters : (n,) array
         All numbers that the functions need; copied and read-only.
     estimator : str
-        Its kind: one of those in ``lostmotion.kernels.estimators``, or the name of a module of yours. It holds ``init``
-        and ``step``, compiled with the signatures ``INIT`` and ``STEP`` of ``lostmotion.kernels.estimators.runner``,
-        and is loaded at the first use.
+        Its kind: one of those in ``lostmotion.kernels.estimators``, or the name of a module of yours. It contains
+        ``init`` and ``step``, compiled with the signatures ``INIT`` and ``STEP`` of
+        ``lostmotion.kernels.estimators.runner``, and is loaded at the first use.
     state_names : mapping of name → int
         Positions of named values in the state.
     exportable : bool

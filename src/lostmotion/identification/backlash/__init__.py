@@ -1,1 +1,1 @@
-"""Backlash: from a locked load, from two encoders, and whether a recording shows it at all."""
+"""Backlash: from a locked load, from two encoders, and whether a recording excites it."""

@@ -23,7 +23,7 @@ def few_segments(segments: int, length: float, least: int) -> Problem:
         "frequency_response",
         f"{segments} segments of {length:.3g} s",
         f"at least {least}",
-        "Record longer or take shorter segments: coherence and bands mean little.",
+        "Record longer or take shorter segments: coherence and bands are unreliable.",
     )
 
 

@@ -113,7 +113,7 @@ def two_mass_fit(
             "two_mass_fit: start",
             "none",
             f"a drivetrain whose {kept} is right, for {measured.output}",
-            "This response does not tell it: give start, or fit the motor's angle or speed instead.",
+            "It cannot be identified from this response: give start, or fit the motor's angle or speed instead.",
         )
     problem = WeightedResponse(
         measured, keep, None if kept is None or start is None else (kept, getattr(start, kept))

@@ -37,8 +37,8 @@ class ShaftStiffness(Estimates):
     - ``stiffness``, Nm/rad: towards low frequency;
     - ``torque_delay``, s, positive = torque late against the speeds: the apparent one, true delay − damping /
       stiffness; the given one where it was given;
-    - ``damping``, Nm s/rad: only where the delay was given, since the phase alone cannot tell damping from delay;
-    - ``inertia_between``, kg m2: m of the fit abs(T/twist) = stiffness − m·(2π·frequency)², what swings between the
+    - ``damping``, Nm s/rad: only where the delay was given, since the phase alone cannot separate damping and delay;
+    - ``inertia_between``, kg m2: m of the fit abs(T/twist) = stiffness − m·(2π·frequency)², the inertia between the
       sensors.
 
     Attributes

@@ -74,7 +74,7 @@ def h_infinity(
     Raises
     ------
     InvalidInput
-        For unknown names, a margin of 1 or less, and sensors that cannot see the whole state.
+        For unknown names, a margin of 1 or less, and sensors from which the state is not observable.
 
     Notes
     -----

@@ -49,8 +49,8 @@ LARGEST_TURN = 1.5
 GAP_DECAY = 0.1
 
 _UNDETECTABLE = (
-    "Measure a speed or the motor angle too (torque or twist alone cannot tell how fast the whole drivetrain "
-    "turns), or raise the process covariance."
+    "Measure a speed or the motor angle too (from torque or twist alone the speed of the whole drivetrain is "
+    "not observable), or raise the process covariance."
 )
 
 
