@@ -44,11 +44,11 @@ def steps() -> None:
 
 
 def standard_deviations() -> None:
-    """Observer 1, told 0.02 Nm·√s on both inertias, and the extended filter by its default, on rig 1."""
+    """Observer 1, given 0.02 Nm·√s on both inertias, and the extended filter by its default, on rig 1."""
     data = experiment(next(case for case in CASES if case.name == "nominal"), 1, 1.5)
     plant, given = data.drivetrain, data.recording.only("torque_motor", "speed_motor")
     observer = lm.observers.kalman(plant, dt=DT, speed_from_counts=True)
-    told = lm.observers.standard_deviations(
+    deviations = lm.observers.standard_deviations(
         observer, given,
         process_covariance={
             "speed_motor": (PROCESS_TORQUE["motor"] / plant.inertia_motor) ** 2,
@@ -57,7 +57,7 @@ def standard_deviations() -> None:
         measurement_covariance={"speed_motor": SENSOR_NOISE["speed_motor"] ** 2 * DT},
     )  # fmt: skip
     estimate = observer.run(given)
-    first = told.with_signals("estimated", **{name: estimate[name] for name in estimate})
+    first = deviations.with_signals("estimated", **{name: estimate[name] for name in estimate})
     second = lm.observers.extended_kalman(plant, dt=DT, speed_from_counts=True).run(given)
     for name, signal in (
         ("standard-deviations", "speed_load"),
