@@ -17,7 +17,7 @@ from .spectra import Complexes, Floats, segment_spectra
 
 #: Share of the recording in one segment (numerics): with half overlap, nineteen segments.
 SEGMENT_SHARE = 0.1
-#: Fewer segments than this give a warning (numerics): coherence and bands mean little.
+#: Fewer segments than this give a warning (numerics): coherence and bands are unreliable.
 MIN_SEGMENTS = 6
 #: A time step this many times the mean one is a hole in the recording (numerics).
 LONGEST_STEP = 1.5

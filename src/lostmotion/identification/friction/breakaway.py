@@ -12,7 +12,7 @@ from ..statistics.estimates import Estimates, Interval, sources_of
 from . import problems as problem
 from .result import Floats, torque_to_use
 
-#: Speeds are means over this long, s (numerics: several periods of a torsional mode).
+#: Speeds are means over this long, s (numerics: several periods of a torsional eigenmode).
 SMOOTHING = 0.05
 #: The drive moves from this part of the largest speed on (numerics).
 MOVING = 0.01

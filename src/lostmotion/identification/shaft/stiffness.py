@@ -18,7 +18,7 @@ from . import problems as problem
 VALUES = ("stiffness", "torque_delay", "damping", "inertia_between")
 #: Periods of the lowest frequency in one segment (numerics: 1 s, so 1 Hz resolution, for a band from 3 Hz).
 PERIODS_PER_SEGMENT = 3.0
-#: Fewest segments and fewest usable frequencies (numerics): below, coherence and intervals mean little.
+#: Fewest segments and fewest usable frequencies (numerics): below, coherence and intervals are unreliable.
 MIN_SEGMENTS = 6
 #: Numerics.
 MIN_FREQUENCIES = 8
