@@ -10,7 +10,6 @@ what does not grow with the length; the whole call stands beside it.
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import subprocess
 import tempfile
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from shared import TABLE_I, parser_of
 
 import lostmotion as lm
 from lostmotion.kernels.law.step import law_run
@@ -29,10 +29,7 @@ from lostmotion.simulation.plant_run import PlantRun
 from lostmotion.systems import DiscreteSystem
 
 DT, N, SHORT = 1e-4, 20_000, 2_000
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, contact="dead_zone",
-)  # fmt: skip
+PLANT = lm.Drivetrain.two_mass(**TABLE_I, contact="dead_zone")
 MODEL = PLANT.with_contact("viscoelastic")
 REFERENCE = np.where(np.arange(N) * DT % 0.2 < 0.1, -2.0, 2.0)
 
@@ -191,9 +188,7 @@ def observer_rows(runs: int) -> list[tuple[str, float, float]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--runs", type=int, default=25)
     parser.add_argument("--observers", action="store_true")
     arguments = parser.parse_args()

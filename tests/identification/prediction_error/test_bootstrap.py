@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.bootstrap import REPLICAS, replicas
@@ -12,10 +13,7 @@ from lostmotion.identification.prediction_error.identifiability import without_s
 from lostmotion.identification.prediction_error.innovations import NAMES, Predictor, to_theta
 
 DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
+PLANT = PAPER.with_parameters(lag=3e-4)
 THETA = to_theta([getattr(PLANT, n) for n in NAMES], DT)
 BOX = Box.around(THETA, DT)
 

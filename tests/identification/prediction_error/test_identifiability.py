@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.gain_schedule import (
@@ -22,10 +23,7 @@ from lostmotion.identification.prediction_error.innovations import NAMES, Predic
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
 
 DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
+PLANT = PAPER.with_parameters(lag=3e-4)
 THETA = to_theta([getattr(PLANT, n) for n in NAMES], DT)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.gain_schedule import LADDER, Box, Stage, bandwidth_for, fit
@@ -19,10 +20,7 @@ from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 from lostmotion.rig import eigenfrequencies
 
 DT = 1e-4
-TWO = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
+TWO = PAPER.with_parameters(lag=3e-4)
 THETA = to_theta([getattr(TWO, n) for n in NAMES], DT)
 SHARE, COMPLIANCE = 0.08, 0.4
 GAIN = Bandwidth(500.0, 25.0)

@@ -6,16 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.segments import Pieces, join
 
 DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
+PLANT = PAPER.with_parameters(lag=3e-4)
 COUNT = 2.0 * np.pi / 2**20
 
 

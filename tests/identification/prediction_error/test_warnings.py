@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.errors import Problem
@@ -17,10 +18,7 @@ from lostmotion.identification.prediction_error.warnings import low_frequency_ex
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
 
 DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
+PLANT = PAPER.with_parameters(lag=3e-4)
 
 
 @cache
