@@ -33,19 +33,8 @@ PLANT = lm.Drivetrain.two_mass(**TABLE_I, contact="dead_zone")
 MODEL = PLANT.with_contact("viscoelastic")
 REFERENCE = np.where(np.arange(N) * DT % 0.2 < 0.1, -2.0, 2.0)
 
-_DRIVER = """
-#include "law.h"
-void run(const law_real *in, law_real *out, unsigned long *faults, long n);
-void run(const law_real *in, law_real *out, unsigned long *faults, long n)
-{
-    law_state state;
-    long k;
-    law_init(&state);
-    for (k = 0; k < n; k++) {
-        faults[k] = law_step(&state, (const law_in *)in + k, (law_out *)out + k);
-    }
-}
-"""
+#: C that runs an exported law over all rows of its inputs.
+_DRIVER = Path(__file__).parents[1] / "tests" / "fixtures" / "law_driver.c"
 
 
 def law() -> DiscreteSystem:
@@ -69,7 +58,7 @@ def seconds(work: Callable[[], object], runs: int) -> tuple[float, float]:
 def c_run(joined: DiscreteSystem, inputs: np.ndarray, folder: Path) -> Callable[[], object]:
     """The exported C over all inputs, compiled as its README says."""
     lm.export.c(joined, folder, name="law", vectors=2)
-    (folder / "driver.c").write_text(_DRIVER)
+    (folder / "driver.c").write_bytes(_DRIVER.read_bytes())
     library = folder / "law.so"
     command = ["cc", *lm.export.C_FLAGS, "-shared", "-fPIC", "-o", str(library), "law.c", "driver.c"]
     subprocess.run(command, cwd=folder, check=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from table_i import PAPER
+from table_i import PAPER, TABLE_I
 
 import lostmotion as lm
 from lostmotion.rig import (
@@ -149,17 +149,8 @@ def test_channels_are_withheld():
 
 
 def test_equivalent_of_a_two_mass_drivetrain_is_itself():
-    values = dict(
-        inertia_motor=0.02,
-        inertia_load=0.1,
-        stiffness=5000.0,
-        damping=0.3,
-        backlash=0.01,
-        coulomb=1.0,
-        viscous=0.02,
-    )
-    found = two_mass_equivalent(lm.Drivetrain.two_mass(**values, lag=1e-3), np.linspace(-5.0, 5.0, 101))
-    for name, value in {**values, "lag": 1e-3}.items():
+    found = two_mass_equivalent(PAPER.with_parameters(lag=1e-3), np.linspace(-5.0, 5.0, 101))
+    for name, value in {**TABLE_I, "lag": 1e-3}.items():
         assert found[name] == pytest.approx(value, rel=1e-9)
 
 

@@ -21,6 +21,8 @@ DT = 1e-4
 LAGGED = {**TABLE_I, "lag": 3e-4}
 PLANT = lm.Drivetrain.two_mass(**LAGGED)
 COUNT = 2.0 * np.pi / 2**20
+#: Largest relative errors on the virtual rig.
+TARGETS = {"inertia_motor": 0.04, "inertia_load": 0.015, "stiffness": 0.04, "backlash": 0.04, "coulomb": 0.04}
 
 
 def off_by_two(values: dict[str, float], seed: int) -> lm.Drivetrain:
@@ -121,14 +123,7 @@ def test_intervals_shrink_with_the_recording():
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
 def test_rig_within_the_targets(seed: int):
     found, truth = on_rig(seed)
-    targets = {
-        "inertia_motor": 0.04,
-        "inertia_load": 0.015,
-        "stiffness": 0.04,
-        "backlash": 0.04,
-        "coulomb": 0.04,
-    }
-    assert {n: error(found, truth, n) for n, most in targets.items() if error(found, truth, n) > most} == {}
+    assert {n: error(found, truth, n) for n, most in TARGETS.items() if error(found, truth, n) > most} == {}
     outside = [n for n, (low, high) in found.intervals.items() if not low <= truth[n] <= high]
     assert outside == []
 
@@ -237,14 +232,7 @@ def test_closed_loop_with_dither():
     law = lm.controllers.pi(kp=10.0, ki=200.0, dt=DT, torque_limit=73.5)
     recording, truth = lm.rig.record(1, law=law, speed_reference=reference)
     found = lm.identify(recording, start=off_by_two(truth.parameters, 5))
-    targets = {
-        "inertia_motor": 0.04,
-        "inertia_load": 0.015,
-        "stiffness": 0.04,
-        "backlash": 0.04,
-        "coulomb": 0.04,
-    }
-    for name, most in targets.items():
+    for name, most in TARGETS.items():
         assert error(found, truth.parameters, name) < most, name
 
 
