@@ -62,7 +62,8 @@ def test_a_crash_is_an_error_and_the_next_file_is_read(tmp_path: Path) -> None:
 )
 def test_whatever_a_reader_does(monkeypatch: pytest.MonkeyPatch, code: str, words: str) -> None:
     """A child whose reader runs the code, in the place of scipy's."""
-    prepared = f"from lostmotion.io.isolation import formats; formats.READERS = {{'mat': lambda raw, m: exec({code!r})}}; "
+    prepared = "from lostmotion.io.isolation import formats; "
+    prepared += f"formats.READERS = {{'mat': lambda raw, m: exec({code!r})}}; "
     prepared += "from lostmotion.io.isolation import child; child.READERS = formats.READERS; "
     # The first call, which imports what a reader needs, is left out.
     prepared += "child.preload = lambda: None; "
