@@ -76,7 +76,7 @@ class StageLines(_Shown):
 class Countdown(_Shown):
     """A bar on standard error for work of known amount, with the time that is left; call it as (done, all, seconds)."""
 
-    def __init__(self, what: str) -> None:
+    def __init__(self, what: str, shown: bool = True) -> None:
         console = Console(stderr=True, highlight=False)
         self._progress = Progress(
             TextColumn(what),
@@ -85,12 +85,14 @@ class Countdown(_Shown):
             TimeElapsedColumn(),
             TextColumn("{task.description}"),
             console=console,
-            disable=not console.is_terminal,
+            disable=not shown or not console.is_terminal,
         )
         self._task = self._progress.add_task("", total=None)
+        if shown and not console.is_terminal:
+            console.print(f"{what} …")
 
-    def __call__(self, done: int, everything: int, remaining: float) -> None:
-        left = f"{remaining:.0f} s left" if done < everything else ""
+    def __call__(self, done: int, everything: int, remaining: float | None = None) -> None:
+        left = f"{remaining:.0f} s left" if done < everything and remaining is not None else ""
         self._progress.update(self._task, completed=done, total=everything, description=left)
 
 
