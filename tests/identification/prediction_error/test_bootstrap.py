@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from table_i import PAPER
+from lagged_drive import DT, PLANT, THETA, speed_from_counts
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.bootstrap import REPLICAS, replicas
 from lostmotion.identification.prediction_error.gain_schedule import LADDER, Box, Stage, bandwidth_for, fit
 from lostmotion.identification.prediction_error.identifiability import without_shift
-from lostmotion.identification.prediction_error.innovations import NAMES, Predictor, to_theta
+from lostmotion.identification.prediction_error.innovations import NAMES, Predictor
 
-DT = 1e-4
-PLANT = PAPER.with_parameters(lag=3e-4)
-THETA = to_theta([getattr(PLANT, n) for n in NAMES], DT)
 BOX = Box.around(THETA, DT)
 
 
@@ -26,8 +23,7 @@ def fitted(count: float | None, load: float = 0.0) -> tuple[Predictor, Stage]:
     )
     speed = run["speed_motor"]
     if count is not None:
-        counts = np.floor(run["angle_motor"] / count)
-        speed = np.diff(counts, prepend=counts[0]) * count / DT
+        speed = speed_from_counts(run, count)
     predictor = Predictor(torque, speed, DT, count is not None, PLANT, skip=1000, skip_later=4000)
     bandwidth, free = bandwidth_for(PLANT, LADDER[-1]), list(range(len(NAMES)))
     found = fit(predictor, THETA, free, BOX, bandwidth)

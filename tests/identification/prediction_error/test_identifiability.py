@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from table_i import PAPER
+from lagged_drive import DT, PLANT, THETA
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.gain_schedule import (
@@ -21,10 +21,6 @@ from lostmotion.identification.prediction_error.gain_schedule import (
 from lostmotion.identification.prediction_error.identifiability import half_widths, without_unexcited
 from lostmotion.identification.prediction_error.innovations import NAMES, Predictor, from_theta, to_theta
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
-
-DT = 1e-4
-PLANT = PAPER.with_parameters(lag=3e-4)
-THETA = to_theta([getattr(PLANT, n) for n in NAMES], DT)
 
 
 @pytest.fixture(scope="module")

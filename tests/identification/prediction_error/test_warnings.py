@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from table_i import PAPER
+from lagged_drive import DT, PLANT, speed_from_counts
 
 import lostmotion as lm
 from lostmotion.errors import Problem
@@ -17,9 +17,6 @@ from lostmotion.identification.prediction_error.problems import second_minimum
 from lostmotion.identification.prediction_error.warnings import low_frequency_excess
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
 
-DT = 1e-4
-PLANT = PAPER.with_parameters(lag=3e-4)
-
 
 @cache
 def found(bits: int = 20, drift: float = 0.0, factor: float = 1.0) -> Identification:
@@ -27,8 +24,7 @@ def found(bits: int = 20, drift: float = 0.0, factor: float = 1.0) -> Identifica
     load = drift * np.sin(2.0 * np.pi * np.arange(20000) * DT / 4.0)
     run = lm.simulate(PLANT, torque_motor=torque, torque_load=load, dt=DT)
     count = 2.0 * np.pi / 2**bits
-    counts = np.floor(run["angle_motor"] / count)
-    speed = np.diff(counts, prepend=counts[0]) * count / DT
+    speed = speed_from_counts(run, count)
     recording = run.only("torque_motor").with_signals("measured", speed_motor=speed)
     return lm.identify(recording, start=PLANT.with_parameters(stiffness=factor * PLANT.stiffness))
 
