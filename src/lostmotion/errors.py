@@ -40,6 +40,10 @@ class Problem:
             object.__setattr__(self, part, _presentable(getattr(self, part)))
 
     @classmethod
+    def error(cls, where: str, got: str, expected: str, remedy: str) -> Problem:
+        return cls("error", where, got, expected, remedy)
+
+    @classmethod
     def warning(cls, where: str, got: str, expected: str, remedy: str) -> Problem:
         return cls("warning", where, got, expected, remedy)
 

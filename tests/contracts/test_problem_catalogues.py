@@ -10,10 +10,11 @@ from pathlib import Path
 import lostmotion
 
 SOURCES = Path(lostmotion.__file__).parent
+MAKERS = ("Problem", "Problem.error", "Problem.warning")
 
 
 def problems(folder: Path) -> Iterator[tuple[Path, ast.Call, tuple[str, ...]]]:
-    """Every call of ``Problem`` or ``Problem.warning`` below a folder, and the expressions that it gets.
+    """Every call that makes a ``Problem`` below a folder, and the expressions that it gets.
 
     A local name counts as what the function assigns to it: ``remedy = "…"`` above the call.
     """
@@ -22,7 +23,7 @@ def problems(folder: Path) -> Iterator[tuple[Path, ast.Call, tuple[str, ...]]]:
         functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
         owner = {id(node): function for function in functions for node in ast.walk(function)}
         for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("Problem", "Problem.warning"):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in MAKERS:
                 function = owner.get(id(node))
                 yield path, node, tuple(expression(argument, function) for argument in node.args)
 
