@@ -38,6 +38,7 @@ PLANT = Drivetrain.two_mass(
 #: A law without states.
 LAW = DiscreteSystem(inputs=("speed_motor",), outputs=("torque_motor",), D=np.array([[-0.1]]), dt=DT)
 COUNTS = Sensor("angle_motor", resolution=1e-3, difference=True)
+#: Nm and rad/s (numerics: any).
 TORQUE, SPEED = np.full(SAMPLES, 5.0), np.linspace(0.0, 1.0, SAMPLES)
 
 
