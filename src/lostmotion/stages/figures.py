@@ -9,16 +9,24 @@ from ..display.numbers import with_interval
 from ..identification.shaft.ring_down import RingDown
 from ..recording import Recording
 from ..report import ReportFigure
-from .material import STEP_TIME, Material
+from .design import Design
+from .material import Material
 from .parameters import Found
-from .validation import PULSE_END, Validation
+from .speed_step import PAPER_STEP
+from .validation import Validation
 
 NAMES = {"observer_1": "Observer 1", "observer_2": "Observer 2"}
+#: What is drawn before the step and after its end, over its length (option).
+BEFORE, AFTER = 0.1, 0.5
 CONTROLLERS = {"pi": "PI", "pole_placement": "Observer 1 + pole placement"}
 
 
 def figures(
-    material: Material, found: Found, validation: Validation, truth: dict[str, float | None] | None
+    material: Material,
+    found: Found,
+    laws: Design,
+    validation: Validation,
+    truth: dict[str, float | None] | None,
 ) -> list[ReportFigure]:
     """All figures that have data, in the order of the report."""
     source = "measured" if material.identify is None else plot.source_of(material.identify)
@@ -27,7 +35,7 @@ def figures(
         *_parameters(found, truth, source),
         *_shaft(found, source),
         *_observers(material, validation),
-        *_controllers(material, validation),
+        *_controllers(laws, validation),
     ]
 
 
@@ -116,7 +124,7 @@ def _observers(material: Material, validation: Validation) -> list[ReportFigure]
     recording = material.validate
     if recording is None or not validation.estimates:
         return []
-    step = STEP_TIME if material.virtual else _liveliest(recording)
+    step = PAPER_STEP.start if material.virtual else _liveliest(recording)
     made = []
     for number, (name, estimate) in enumerate(validation.estimates.items()):
         figure = plot.observer_step(
@@ -142,18 +150,19 @@ def _liveliest(recording: Recording) -> float:
     return float(recording.time[int(np.argmax(np.abs(np.diff(recording["torque_motor"]))))])
 
 
-def _controllers(material: Material, validation: Validation) -> list[ReportFigure]:
+def _controllers(laws: Design, validation: Validation) -> list[ReportFigure]:
     if not validation.responses:
         return []
-    limit = material.settings.torque_limit
+    limit, step = laws.torque_limit, validation.step
+    drawn = step.stop - step.start
     return [
         ReportFigure(
             "Pulse of the set-point with PI and with Observer 1 + pole placement (as Fig. 15 of the paper)",
             f"Plant: {validation.controllers['plant']}.",
             plot.control_step(
                 {CONTROLLERS[name]: response for name, response in validation.responses.items()},
-                start=STEP_TIME - 0.05,
-                stop=PULSE_END + 0.25,
+                start=step.start - BEFORE * drawn,
+                stop=step.stop + AFTER * drawn,
                 torque_limit=None if limit == float("inf") else limit,
                 title="Pulse of the speed set-point (simulated)",
             ),
