@@ -16,8 +16,10 @@ from .pi import pi
 GAP_SHARES = (1.0, 0.3, 0.1, 0.01)
 #: Largest sensitivity (Åström & Hägglund 2006, Advanced PID Control, section 4.6: 1.4 to 2 are usual).
 LARGEST_SENSITIVITY = 2.0
-#: Smallest spread, Kessler's, by which factor it grows, and how often (numerics).
-CLASSICAL_SPREAD, GROWTH, ATTEMPTS = 2.0, 1.1, 80
+#: Kessler's spread; that of a phase margin of 45°, from which on it is searched for (Schröder 2009); by which factor it
+#: then grows, and how often (numerics).
+CLASSICAL_SPREAD, DAMPED_SPREAD = 2.0, 1.0 + math.sqrt(2.0)
+GROWTH, ATTEMPTS = 1.1, 80
 
 
 @dataclass(frozen=True)
@@ -89,8 +91,8 @@ def symmetrical_optimum(
         Samples of computing delay; half a sample of hold comes on top.
     spread : float, optional
         a: 2 is the classical choice, larger is slower and better damped. The optimum does not know the torsional mode:
-        late drives with little damping need a larger one. None: the smallest from 2 on with a sensitivity of at most
-        ``LARGEST_SENSITIVITY`` and within the noise gain.
+        late drives with little damping need a larger one. None: the smallest from 1 + √2 on (phase margin 45°) with a
+        sensitivity of at most ``LARGEST_SENSITIVITY`` and within the noise gain.
     speed_from_counts : bool
         Whether the measured speed is a mean over the sample, for the sensitivity.
     largest_noise_gain : float, Nm s/rad
@@ -116,7 +118,7 @@ def symmetrical_optimum(
             raise InvalidInput("symmetrical_optimum.spread", repr(spread), "a number above 1", "2 is usual.")
         return _tuning(drivetrain, dt, delay, spread, speed_from_counts)[0]
     for attempt in range(ATTEMPTS):
-        tuning, noise = _tuning(drivetrain, dt, delay, CLASSICAL_SPREAD * GROWTH**attempt, speed_from_counts)
+        tuning, noise = _tuning(drivetrain, dt, delay, DAMPED_SPREAD * GROWTH**attempt, speed_from_counts)
         if tuning.sensitivity <= LARGEST_SENSITIVITY and noise <= largest_noise_gain:
             break
     return tuning
