@@ -11,6 +11,7 @@ from __future__ import annotations
 import random
 import sys
 from math import copysign, exp, floor, pi
+from pathlib import Path
 
 #: The axis. kg m², Nm/rad, Nm s/rad, rad (0.5°), Nm.
 INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING, BACKLASH = 3e-5, 2e-4, 40.0, 0.004, 0.5 * pi / 180.0
@@ -72,9 +73,8 @@ def main() -> None:
     lines = ["Zeit [ms];Drehzahl [U/min];Strom [A]"]
     for time, speed, current in log():
         lines.append(f"{1e3 * time:.2f};{30.0 / pi * speed:.4f};{current:.4f}".replace(".", ","))
-    target = sys.argv[1] if len(sys.argv) > 1 else "servo.csv"
-    with open(target, "w", encoding="utf-8") as file:
-        file.write("\n".join(lines) + "\n")
+    target = Path(sys.argv[1] if len(sys.argv) > 1 else "servo.csv")
+    target.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The top of the report: the headline, what is missing, the first problem, and cards with the key numbers."""
+"""The top of the report below the headline: what is missing, the first problem, and cards with the key numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 from ..display.numbers import NONE, digits, half_width, is_number, percent, quantity, with_interval
 from ..drivetrain import PARAMETER_UNITS
 from . import tables
-from .headline import headline
 from .tables import mapping, parameters, skip_reason, skipped, words
 
 
@@ -17,11 +16,11 @@ def is_simulated(results: Mapping[str, Any]) -> bool:
     return bool(mapping(results.get("truth")))
 
 
-def lead(results: Mapping[str, Any]) -> str:
-    """The headline, how much was skipped, and the first problem."""
+def remarks(results: Mapping[str, Any]) -> str:
+    """How much was skipped, and the first problem."""
     missing = len(skipped(results))
-    remark = f" {_count(missing, 'part')} skipped, with the reason below." if missing else ""
-    return headline(results) + remark + _first_problem(results)
+    remark = f"{_count(missing, 'part')} skipped, with the reason below." if missing else ""
+    return (remark + _first_problem(results)).strip()
 
 
 def _first_problem(results: Mapping[str, Any]) -> str:
