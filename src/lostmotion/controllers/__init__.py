@@ -4,9 +4,10 @@ from .lqi import QuadraticFeedback, lqi, quadratic_feedback
 from .pi import pi
 from .pi_tuning import PiTuning, symmetrical_optimum
 from .pole_placement import StateFeedback, pole_placement, state_feedback
+from .quadratic_poles import quadratic_poles
 from .soft_landing import soft_landing
 
 __all__ = [
     "PiTuning", "QuadraticFeedback", "StateFeedback", "lqi", "pi", "pole_placement", "quadratic_feedback",
-    "soft_landing", "state_feedback", "symmetrical_optimum",
+    "quadratic_poles", "soft_landing", "state_feedback", "symmetrical_optimum",
 ]  # fmt: skip
