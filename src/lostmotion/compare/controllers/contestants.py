@@ -1,0 +1,112 @@
+"""The laws that are compared: one list, each made from an identified drivetrain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ... import controllers, observers
+from ...drivetrain import Drivetrain
+from ...systems import DiscreteSystem, Stepper, connect
+
+Law = DiscreteSystem | Stepper
+
+#: Process covariance of the load torque in the laws that feed it back, Nm²/s (calibrated on the virtual rigs 1 to 5:
+#: a load step is back within 60 ms).
+LOAD_TORQUE = 1e6
+#: Poles of the controller in the paper, 1/s (Fietzek & Rinderknecht, section V).
+POLES = (-400.0, -400.0, -400.0)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What every law is designed for: model, sample time (s), largest torque (Nm)."""
+
+    model: Drivetrain
+    dt: float
+    torque_limit: float
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """One row of the leaderboard.
+
+    Parameters
+    ----------
+    name : str
+    kind : str
+        "speed" or "torque": what its set-point is.
+    control : callable (setting) → laws
+        Controllers only; they read ``torque_motor_acting`` and the observer's estimates.
+    observer : callable (setting) → law, or None
+        None: the laws read the motor speed alone.
+    """
+
+    name: str
+    kind: str
+    control: Callable[[Setting], Sequence[Law]]
+    observer: Callable[[Setting], Law] | None
+
+
+def plain_observer(s: Setting) -> Law:
+    """Observer 1 of the paper."""
+    return observers.kalman(s.model, dt=s.dt, speed_from_counts=True)
+
+
+def load_observer(s: Setting) -> Law:
+    """Observer 1 with the load torque as a state."""
+    return observers.kalman(
+        s.model,
+        dt=s.dt,
+        speed_from_counts=True,
+        load_torque=True,
+        process_covariance={"torque_load": LOAD_TORQUE},
+    )
+
+
+def _pi(s: Setting, **options: Any) -> list[Law]:
+    return [controllers.pi(dt=s.dt, torque_limit=s.torque_limit, **options)]
+
+
+def _pi_optimum(s: Setting, friction: bool = False) -> list[Law]:
+    gains = controllers.symmetrical_optimum(s.model, dt=s.dt).gains()
+    return _pi(s, **gains, friction_of=s.model if friction else None)
+
+
+def _pole_placement(s: Setting) -> list[Law]:
+    return [controllers.pole_placement(s.model, poles=POLES, dt=s.dt, torque_limit=s.torque_limit)]
+
+
+def _lqi(s: Setting, error: float, oscillation: float) -> DiscreteSystem:
+    return controllers.lqi(
+        s.model, dt=s.dt, largest_error=error, largest_torque=s.torque_limit, largest_oscillation=oscillation,
+        torque_limit=s.torque_limit,
+    )  # fmt: skip
+
+
+def behind(wished: DiscreteSystem, s: Setting, **options: Any) -> DiscreteSystem:
+    """A law with soft landing behind it; the law alone where there is no gap."""
+    if s.model.backlash == 0.0:
+        return wished
+    landing = controllers.soft_landing(s.model, dt=s.dt, torque_limit=s.torque_limit, **options)
+    first = wished.renamed({"torque_motor": "torque_wished"})
+    inputs = dict.fromkeys([*first.inputs, *landing.inputs])
+    inputs.pop("torque_wished")
+    return connect([first, landing], inputs=tuple(inputs), outputs=("torque_motor",))
+
+
+def _soft(s: Setting, error: float, oscillation: float, **options: Any) -> list[Law]:
+    return [behind(_lqi(s, error, oscillation), s, **options)]
+
+
+CONTESTANTS: tuple[Contestant, ...] = (
+    Contestant("PI, Table II", "speed", _pi, None),
+    Contestant("PI, symmetrical optimum", "speed", _pi_optimum, None),
+    Contestant("PI, symmetrical optimum, friction", "speed", lambda s: _pi_optimum(s, friction=True), None),
+    Contestant("pole placement", "speed", _pole_placement, plain_observer),
+    Contestant("LQI", "speed", lambda s: [_lqi(s, 2.0, 4.0)], load_observer),
+    Contestant("soft landing", "speed", lambda s: _soft(s, 2.3, 8.0, contact_speed=0.5), load_observer),
+)
+#: The law of the paper; the others are seen beside it.
+REFERENCE = "pole placement"
