@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
 
-from lostmotion.controllers import lqi, pi, pole_placement, soft_landing
+from lostmotion.controllers import active_damping, lqi, pi, pole_placement, soft_landing
 from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Drivetrain, Friction
 from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque
@@ -91,6 +91,8 @@ CONTROLLERS = {
         largest_torque=73.5,
         torque_limit=73.5,
     ),
+    "active damping": active_damping(TABLE_1, dt=1e-4),
+    "active damping with limit": active_damping(TABLE_1, dt=1e-4, torque_limit=73.5),
     "soft landing": soft_landing(TABLE_1, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
     "observer + lqi + soft landing": soft_landing_behind_lqi(),
     "minimum": minimum("a", "b", "c", 1e-4),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ... import controllers, observers
 from ...drivetrain import Drivetrain
-from ...systems import DiscreteSystem, Stepper, connect
+from ...systems import DiscreteSystem, Stepper, connect, rate_limit
 
 Law = DiscreteSystem | Stepper
 
@@ -100,6 +101,24 @@ def _soft(s: Setting, error: float, oscillation: float, **options: Any) -> list[
     return [behind(_lqi(s, error, oscillation), s, **options)]
 
 
+def _damping(s: Setting) -> DiscreteSystem:
+    return controllers.active_damping(s.model, dt=s.dt, torque_limit=s.torque_limit)
+
+
+def _ramp(s: Setting, rate: float, **soft: Any) -> list[Law]:
+    """The torque asked for, by at most so many Nm/s, with active damping; with arguments for it, soft landing too."""
+    ramp = rate_limit("torque_reference", "torque_ramp", rate=rate, dt=s.dt)
+    damped = _damping(s).renamed({"torque_reference": "torque_ramp"})
+    return [ramp, behind(damped, s, **soft) if soft else damped]
+
+
+#: Ramps of the torque that are compared, Nm/s (option: from what a passenger does not feel to a step).
+RAMPS = (100.0, 300.0, 400.0, 500.0, 1000.0, 10000.0)
+#: Ramp in front of soft landing, Nm/s, its contact speed (rad/s) and release (calibrated on the virtual rigs 1 to 5: a
+#: jerk of the load below 45 krad/s³ in tip-in and tip-out).
+TIP_RAMP = 5000.0
+TIP_LANDING: dict[str, Any] = {"contact_speed": 0.3, "release": 4.0}
+
 CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("PI, Table II", "speed", _pi, None),
     Contestant("PI, symmetrical optimum", "speed", _pi_optimum, None),
@@ -107,6 +126,16 @@ CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("pole placement", "speed", _pole_placement, plain_observer),
     Contestant("LQI", "speed", lambda s: [_lqi(s, 2.0, 4.0)], load_observer),
     Contestant("soft landing", "speed", lambda s: _soft(s, 2.3, 8.0, contact_speed=0.5), load_observer),
+    *(
+        Contestant(f"ramp {rate:g} Nm/s, active damping", "torque", partial(_ramp, rate=rate), load_observer)
+        for rate in RAMPS
+    ),
+    Contestant(
+        "ramp, active damping, soft landing",
+        "torque",
+        lambda s: _ramp(s, TIP_RAMP, **TIP_LANDING),
+        load_observer,
+    ),
 )
 #: The law of the paper; the others are seen beside it.
 REFERENCE = "pole placement"
