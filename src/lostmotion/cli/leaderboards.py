@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .compiling import compile_kernels
 from .messages import finished, interruptible
 
 if TYPE_CHECKING:
@@ -126,6 +127,7 @@ def _compare(out: Path, work: Callable[[Callable[[float, str], None]], ScoreTabl
     """Runs a comparison with a line of progress, and prints its table."""
     from ..terminal import StageLines
 
+    compile_kernels("simulation", "identification", "observers")
     with interruptible("finished parts", out / "scores", "*.json"), StageLines(every=0.1) as lines:
         lines("compare", 0.0)
         table = work(lambda fraction, text: lines("compare", fraction, text))
