@@ -78,7 +78,7 @@ def observers(
 
     out = out or _folder("leaderboard", quick, bool(case or observer))
     _compare(
-        out, lambda progress: compare_observers(
+        out, ("simulation", "identification", "observers"), lambda progress: compare_observers(
             out, quick=quick, seeds=seeds, cases=case or None, observers=observer or None, force=force,
             progress=progress,
         )
@@ -112,7 +112,7 @@ def controllers(
 
     out = out or _folder("controllers", quick, bool(case or controller))
     _compare(
-        out, lambda progress: compare_controllers(
+        out, ("simulation", "identification"), lambda progress: compare_controllers(
             out, quick=quick, seeds=seeds, cases=case or None, controllers=controller or None, force=force,
             progress=progress,
         )
@@ -123,11 +123,13 @@ def _folder(name: str, quick: bool, part: bool) -> Path:
     return Path(f"{name}-part" if part else f"{name}-quick" if quick else name)
 
 
-def _compare(out: Path, work: Callable[[Callable[[float, str], None]], ScoreTable[Any]]) -> None:
-    """Runs a comparison with a line of progress, and prints its table."""
+def _compare(
+    out: Path, kernels: Sequence[str], work: Callable[[Callable[[float, str], None]], ScoreTable[Any]]
+) -> None:
+    """Runs a comparison, which needs those parts of the kernels, with a line of progress, and prints its table."""
     from ..terminal import StageLines
 
-    compile_kernels("simulation", "identification", "observers")
+    compile_kernels(*kernels)
     with interruptible("finished parts", out / "scores", "*.json"), StageLines(every=0.1) as lines:
         lines("compare", 0.0)
         table = work(lambda fraction, text: lines("compare", fraction, text))

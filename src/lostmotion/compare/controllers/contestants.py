@@ -79,13 +79,6 @@ def _pole_placement(s: Setting) -> list[Law]:
     return [controllers.pole_placement(s.model, poles=POLES, dt=s.dt, torque_limit=s.torque_limit)]
 
 
-def _lqi(s: Setting, error: float, oscillation: float) -> DiscreteSystem:
-    return controllers.lqi(
-        s.model, dt=s.dt, largest_error=error, largest_torque=s.torque_limit, largest_oscillation=oscillation,
-        torque_limit=s.torque_limit,
-    )  # fmt: skip
-
-
 def behind(wished: DiscreteSystem, s: Setting, **options: Any) -> DiscreteSystem:
     """A law with soft landing behind it; the law alone where there is no gap."""
     if s.model.backlash == 0.0:
@@ -99,6 +92,39 @@ def behind(wished: DiscreteSystem, s: Setting, **options: Any) -> DiscreteSystem
 
 def _soft(s: Setting, error: float, oscillation: float, **options: Any) -> list[Law]:
     return [behind(_lqi(s, error, oscillation), s, **options)]
+
+
+def _wishes(s: Setting, error: float = 2.0, oscillation: float = 4.0) -> dict[str, Any]:
+    return {
+        "dt": s.dt, "largest_error": error, "largest_oscillation": oscillation, "largest_torque": s.torque_limit,
+        "torque_limit": s.torque_limit,
+    }  # fmt: skip
+
+
+def _lqi(s: Setting, error: float = 2.0, oscillation: float = 4.0) -> DiscreteSystem:
+    return controllers.lqi(s.model, **_wishes(s, error, oscillation))
+
+
+def _h_infinity(s: Setting) -> list[Law]:
+    return [controllers.h_infinity(s.model, load_torque=10.0, margin=3.0, **_wishes(s))]
+
+
+def _flat(s: Setting, acceleration: float, jerk: float) -> list[Law]:
+    # At a long sample time the course is slower.
+    jerk = min(jerk, 0.9 * acceleration / s.dt)
+    return [controllers.flatness(s.model, largest_acceleration=acceleration, largest_jerk=jerk, **_wishes(s))]
+
+
+def _sliding_mode(s: Setting) -> list[Law]:
+    return [controllers.sliding_mode(s.model, dt=s.dt, switching_torque=40.0, torque_limit=s.torque_limit)]
+
+
+def _super_twisting(s: Setting) -> list[Law]:
+    return [
+        controllers.super_twisting(
+            s.model, dt=s.dt, switching_torque=20.0, integral_rate=200.0, torque_limit=s.torque_limit
+        )
+    ]
 
 
 def _damping(s: Setting) -> DiscreteSystem:
@@ -119,13 +145,23 @@ RAMPS = (100.0, 300.0, 400.0, 500.0, 1000.0, 10000.0)
 TIP_RAMP = 5000.0
 TIP_LANDING: dict[str, Any] = {"contact_speed": 0.3, "release": 4.0}
 
+#: Soft landing near the bound of time: all of the torque brakes, and the limit gives way at once (calibrated on the
+#: virtual rigs 1 to 4).
+FAST: dict[str, Any] = {"contact_speed": 0.45, "release": 100.0, "braking_torque": 73.5}
+
 CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("PI, Table II", "speed", _pi, None),
     Contestant("PI, symmetrical optimum", "speed", _pi_optimum, None),
     Contestant("PI, symmetrical optimum, friction", "speed", lambda s: _pi_optimum(s, friction=True), None),
     Contestant("pole placement", "speed", _pole_placement, plain_observer),
-    Contestant("LQI", "speed", lambda s: [_lqi(s, 2.0, 4.0)], load_observer),
+    Contestant("LQI", "speed", lambda s: [_lqi(s)], load_observer),
+    Contestant("H∞", "speed", _h_infinity, load_observer),
+    Contestant("flat, 300 rad/s²", "speed", lambda s: _flat(s, 300.0, 1e5), load_observer),
+    Contestant("flat, 100 rad/s²", "speed", lambda s: _flat(s, 100.0, 1e4), load_observer),
+    Contestant("sliding mode", "speed", _sliding_mode, load_observer),
+    Contestant("super-twisting", "speed", _super_twisting, load_observer),
     Contestant("soft landing", "speed", lambda s: _soft(s, 2.3, 8.0, contact_speed=0.5), load_observer),
+    Contestant("soft landing, fast", "speed", lambda s: _soft(s, 1.0, 6.0, **FAST), load_observer),
     *(
         Contestant(f"ramp {rate:g} Nm/s, active damping", "torque", partial(_ramp, rate=rate), load_observer)
         for rate in RAMPS
