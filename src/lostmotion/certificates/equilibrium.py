@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice, product
 
 import numpy as np
 
@@ -12,8 +13,9 @@ from .lure import LureLoop
 from .rational import Matrix, rational, solve, zeros
 from .static_curves import StaticCurve
 
-#: Rounds in which the segments of all curves must have been found (numerics: each curve has a few).
-ROUNDS = 20
+#: Rounds in which the segments of all curves must have been found, and first guesses of them (numerics: each curve has
+#: a few segments, and the outermost is nearly always right).
+ROUNDS, GUESSES = 20, 81
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,14 +40,32 @@ def equilibrium(loop: LureLoop, speed: Fraction, torque_load: Fraction = Fractio
     linear system; the segments are guessed, then read off the solution until nothing changes.
     """
     curves = (*loop.plant_curves, *loop.law_curves)
-    segments = [len(curve.points) if speed > 0 else 0 for curve in curves]
+    orders = [
+        range(len(curve.points), -1, -1) if speed > 0 else range(len(curve.points) + 1) for curve in curves
+    ]
+    plant = tuple(order[0] for order in orders[: len(loop.plant_curves)])
+    for guess in islice(product(*orders[len(plant) :]), GUESSES):
+        found = _from_guess(loop, curves, (*plant, *guess), speed, torque_load)
+        if found is not None:
+            return found
+    return None
+
+
+def _from_guess(
+    loop: LureLoop,
+    curves: Sequence[StaticCurve],
+    segments: Sequence[int],
+    speed: Fraction,
+    torque_load: Fraction,
+) -> Equilibrium | None:
+    """The rest that the segments lead to, if they lead to one."""
     for _ in range(ROUNDS):
         found = _at_segments(loop, curves, segments, speed, torque_load)
         if found is None:
             return None
         state, arguments, reference = found
         read = [curve.segment(z) for curve, z in zip(curves, arguments, strict=True)]
-        if read == segments:
+        if read == list(segments):
             return Equilibrium(speed, torque_load, state, reference, tuple(arguments), tuple(segments))
         if None in read:
             return None  # on a corner: no sector there
@@ -54,7 +74,11 @@ def equilibrium(loop: LureLoop, speed: Fraction, torque_load: Fraction = Fractio
 
 
 def _at_segments(
-    loop: LureLoop, curves: Sequence[StaticCurve], segments: Sequence[int], speed: Fraction, torque_load: Fraction
+    loop: LureLoop,
+    curves: Sequence[StaticCurve],
+    segments: Sequence[int],
+    speed: Fraction,
+    torque_load: Fraction,
 ) -> tuple[Matrix, list[Fraction], Fraction] | None:
     """State, curve arguments and reference, with every curve continued along one of its segments."""
     n, p, q = len(loop.states), len(loop.plant_curves), len(loop.law_curves)

@@ -17,9 +17,11 @@ from fractions import Fraction
 
 import numpy as np
 
+from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, connect, one_sample_delay, pruned
+from .plant import plant_of
 from .rational import Matrix, identity, rational, zeros
 from .static_curves import StaticCurve, normalised
 
@@ -27,34 +29,6 @@ from .static_curves import StaticCurve, normalised
 MEASURABLE = ("speed_motor", "speed_load", "twist", "torque_shaft")
 
 REFERENCE = "speed_reference"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Plant:
-    """A two-mass drivetrain as a flow with curves; states twist, speed_motor, speed_load (torque_actuator).
-
-    Parameters
-    ----------
-    states : tuple of str
-    A : (n, n) array, B : (n, 1) array of the torque set-point, L : (n, 1) array of the load torque
-    E : (n, m) array
-        Of the curves' values.
-    Z : (m, n) array
-        Of the curves' arguments.
-    curves : tuple of StaticCurve
-        Gap, then friction of motor and load, where they are.
-    measured : mapping of signal → row (n + m,) over states and curve values
-    """
-
-    states: tuple[str, ...]
-    A: Matrix
-    B: Matrix
-    L: Matrix
-    E: Matrix
-    Z: Matrix
-    curves: tuple[StaticCurve, ...]
-    names: tuple[str, ...]
-    measured: dict[str, Matrix]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -107,6 +81,8 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
     InvalidInput
         For another drivetrain or law: a proof says nothing about it.
     """
+    if isinstance(delay, bool) or not isinstance(delay, int) or delay < 0:
+        raise InvalidInput("certify: delay", repr(delay), "a whole number of samples", "Use 0 for none.")
     plant, law = plant_of(drivetrain), _law_alone(drivetrain, law, delay)
     n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)
     size = n + 1 + k
@@ -156,110 +132,50 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
     )  # fmt: skip
 
 
-def plant_of(drivetrain: Drivetrain) -> Plant:
-    """The drivetrain between samples, in exact fractions of its parameters."""
-    _check_drivetrain(drivetrain)
-    shaft = drivetrain.shaft
-    k, d = Fraction(shaft.stiffness), Fraction(shaft.damping)
-    j = [Fraction(inertia) for inertia in drivetrain.inertias]
-    viscous = [Fraction(friction.viscous) for friction in drivetrain.frictions]
-    lag = Fraction(drivetrain.lag)
-    states = ("twist", "speed_motor", "speed_load", *(("torque_actuator",) if lag else ()))
-    n = len(states)
-    a, b, load = zeros(n, n), zeros(n, 1), zeros(n, 1)
-    a[0, 1], a[0, 2] = Fraction(1), Fraction(-1)
-    shaft_torque = zeros(n)
-    shaft_torque[:3] = rational([k, d, -d])
-    a[1] -= shaft_torque / j[0]
-    a[2] += shaft_torque / j[1]
-    a[1, 1] -= viscous[0] / j[0]
-    a[2, 2] -= viscous[1] / j[1]
-    load[2, 0] = 1 / j[1]
-    if lag:
-        a[1, 3], a[3, 3], b[3, 0] = 1 / j[0], -1 / lag, 1 / lag
-    else:
-        b[1, 0] = 1 / j[0]
-    columns, rows, curves, names = [], [], [], []
-    if shaft.has_backlash:
-        # k·dz(z) = k·z - k·backlash·σ(z), σ a saturation of height 1.
-        h = Fraction(shaft.backlash) / 2
-        lead = d / k if shaft.contact == "viscoelastic" else Fraction(0)
-        half = Fraction(1, 2)
-        columns.append(rational([0, 2 * h * k / j[0], -2 * h * k / j[1], *[0] * (n - 3)]))
-        rows.append(rational([1, lead, -lead, *[0] * (n - 3)]))
-        curves.append(StaticCurve(((-h, -half), (h, half))))
-        names.append("gap")
-    for i, friction in enumerate(drivetrain.frictions):
-        plus, minus = Fraction(friction.coulomb_plus), Fraction(friction.coulomb_minus)
-        if plus or minus:
-            height = plus + minus
-            columns.append(rational([0] * n))
-            columns[-1][1 + i] = -height / j[i]
-            rows.append(rational([int(s == 1 + i) for s in range(n)]))
-            zero = Fraction(0)
-            curves.append(StaticCurve(((zero, -minus / height), (zero, plus / height))))
-            names.append(("friction of the motor", "friction of the load")[i])
-    p = len(curves)
-    measured = {
-        name: rational([*(int(s == name) for s in states), *[0] * p])
-        for name in ("speed_motor", "speed_load", "twist")
-    }
-    measured["torque_shaft"] = rational([*shaft_torque, *[0] * p])
-    if shaft.has_backlash:
-        measured["torque_shaft"][n] = -k * Fraction(shaft.backlash)
-    return Plant(
-        states=states, A=a, B=b, L=load,
-        E=rational(np.array(columns, dtype=object).reshape(p, n).T),
-        Z=rational(np.array(rows, dtype=object).reshape(p, n)),
-        curves=tuple(curves), names=tuple(names), measured=measured,
-    )  # fmt: skip
-
-
-def _check_drivetrain(drivetrain: Drivetrain) -> None:
-    """Raise where the Lur'e form is not this drivetrain's."""
-    friction = drivetrain.frictions
-    actuator = drivetrain.actuator
-    wrong = [
-        (len(drivetrain.inertias) != 2, f"{len(drivetrain.inertias)} inertias", "Reduce it to two masses first."),
-        (drivetrain.locked is not None, "a held end", "Free it."),
-        (
-            any(s.has_backlash and s.contact not in ("viscoelastic", "dead_zone") for s in drivetrain.shafts),
-            f"contact law {', '.join(s.contact for s in drivetrain.shafts)}",
-            "Take contact = 'viscoelastic', the law of the observers.",
-        ),
-        (any(f.stribeck for f in friction), "Stribeck friction", "The loop may stick and slip: simulate it."),
-        (
-            any(f.breakaway is not None and f.breakaway > max(f.level_at_rest) for f in friction),
-            "a breakaway level above Coulomb friction",
-            "The loop may stick and slip: simulate it.",
-        ),
-        (np.isfinite(actuator.rate_limit), "a rate limit of the torque", "Leave it out where it never acts."),
-    ]
-    for found, got, remedy in wrong:
-        if found:
-            raise InvalidInput(
-                "certify: drivetrain", got,
-                "two free masses, contact viscoelastic or dead_zone, viscous and Coulomb friction", remedy,
-            )  # fmt: skip
-
-
 def _law_alone(drivetrain: Drivetrain, law: DiscreteSystem, delay: int) -> DiscreteSystem:
     """The law as it acts on the motor: limited and delayed, without checks and without what nothing reads."""
     if "torque_motor" not in law.outputs:
-        raise InvalidInput("certify: law", f"outputs {law.outputs}", "torque_motor", "Connect the controller.")
+        raise InvalidInput(
+            "certify: law", f"outputs {law.outputs}", "torque_motor", "Connect the controller."
+        )
     unknown = sorted(set(law.inputs) - {REFERENCE, *MEASURABLE})
     if unknown:
         raise InvalidInput(
             "certify: law", f"inputs {', '.join(unknown)}", f"{REFERENCE} and any of {', '.join(MEASURABLE)}",
             "Connect observer and controller to one law first.",
         )  # fmt: skip
-    law = pruned(law, ("torque_motor",))
+    law = _limited(pruned(law, ("torque_motor",)), drivetrain.actuator.torque_limit)
     for i in range(delay):
-        later = one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}")
-        law = replace(
-            connect([law, later], inputs=law.inputs, outputs=later.outputs), outputs=("torque_motor",)
-        )
+        law = _followed_by(law, one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}"))
     return law
+
+
+def _limited(law: DiscreteSystem, limit: float) -> DiscreteSystem:
+    """The law with the drive's torque limit as its last curve, unless its own last curve is within it."""
+    own = np.flatnonzero(law.J[0])
+    if not np.any(law.C) and not np.any(law.D) and own.size == 1 and law.J[0, own[0]] == 1.0:
+        curve = law.curves[own[0]]
+        if curve.slope_left == curve.slope_right == 0.0 and all(abs(w) <= limit for _, w in curve.points):
+            return law
+    if not np.isfinite(limit):
+        return law
+    one = np.ones((1, 1))
+    return _followed_by(
+        law,
+        DiscreteSystem(
+            inputs=("torque_motor",),
+            outputs=("torque_limited",),
+            dt=law.dt,
+            curves=(saturation(limit),),
+            G=one,
+            J=one,
+        ),
+    )
+
+
+def _followed_by(law: DiscreteSystem, last: DiscreteSystem) -> DiscreteSystem:
+    """The law whose torque_motor is what the last system makes of it."""
+    return replace(connect([law, last], inputs=law.inputs, outputs=last.outputs), outputs=("torque_motor",))
 
 
 def _below(matrix: Matrix, size: int) -> Matrix:

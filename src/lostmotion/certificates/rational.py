@@ -8,13 +8,13 @@ from math import lcm
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 #: An array of ``Fraction``, or of floats: what proves is written once for both.
 Matrix = NDArray[Any]
 
 
-def rational(values: ArrayLike) -> Matrix:
+def rational(values: Any) -> Matrix:
     """The array as exact fractions, in the same shape."""
     given = np.asarray(values, dtype=object)
     exact = np.empty(given.shape, dtype=object)

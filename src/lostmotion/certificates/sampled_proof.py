@@ -4,8 +4,8 @@
 
     V(ξ, τ) = ξᵀ P(τ) ξ + 2 Σ ηᵢ ∫wᵢ + 2 Σ θⱼ ∫vⱼ        P piecewise linear in the time τ since the last sample
 
-falls between samples and does not rise at a sample: docs/stability.md, section 4, whose equations the comments cite. The
-same lines run in floats for the solver and in fractions for the check.
+falls between samples and does not rise at a sample: docs/stability.md, section 4, whose equations are cited. The same
+lines run in floats for the solver and in fractions for the check.
 """
 
 from __future__ import annotations
@@ -13,10 +13,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from .equilibrium import Equilibrium
 from .lure import LureLoop
 from .rational import Matrix, rational
 from .sectors import Copies, Sector
@@ -45,6 +46,8 @@ class SampledProof:
     Z, S, S_w, S_v, N, N_w, N_v : arrays
         As in ``LureLoop``.
     sectors : (p + q, 2) array
+    slopes : (p + q,) array
+        At the equilibrium.
     steepest : (p + q,) array
         Largest slopes; None for a jump.
     copies : tuple of Copies
@@ -65,6 +68,7 @@ class SampledProof:
     N_w: Matrix
     N_v: Matrix
     sectors: Matrix
+    slopes: Matrix
     steepest: Matrix
     copies: tuple[Copies, ...]
     of_state: tuple[int, ...]
@@ -73,14 +77,12 @@ class SampledProof:
 
     def floats(self) -> SampledProof:
         """The same in floats."""
-        arrays = {
+        arrays: dict[str, Any] = {
             f.name: np.where(value == None, np.inf, value).astype(float)  # noqa: E711 (elementwise)
             for f in fields(self)
             if isinstance(value := getattr(self, f.name), np.ndarray)
         }
-        copies = tuple(
-            c._replace(steepest=float(c.steepest), mismatch=float(c.mismatch)) for c in self.copies
-        )
+        copies = tuple(Copies(c.first, c.second, float(c.steepest), float(c.mismatch)) for c in self.copies)
         return replace(self, **arrays, copies=copies)
 
     @property
@@ -140,7 +142,7 @@ class SampledProof:
         plant = [Evaluation(i, self.Z[i] @ zeta[:n], w[i]) for i in range(p)]
         return (zeta, rate, self.Z @ rate[:n]), plant + self._of_state(zeta[:n], zeta)
 
-    def sample(self) -> tuple[tuple[Matrix, Matrix, dict[int, tuple[Matrix, ...]]], list[Evaluation]]:
+    def sample(self) -> tuple[tuple[Matrix, Matrix, dict[int, Any]], list[Evaluation]]:
         """Rows over (ξ, w seen, v, v after the sample) of ζ and ζ⁺, of the integrals' ends, and all evaluations."""
         n, p, q = self.sizes
         one = self._rows(n + len(self.seen) + q + len(self.of_state))
@@ -194,10 +196,10 @@ class SampledProof:
             form = form - unknowns["theta_minus"][place] * (fall + curvature)
         return -form - self._known(unknowns, "jump", 0, 1, evaluations)
 
-    def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Matrix, Matrix]]:
+    def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any]]:
         """Pairs of evaluations of one curve, or of copies of it, with slope and mismatch."""
         known = {(c.first, c.second): (c.steepest, c.mismatch) for c in self.copies}
-        found = []
+        found: list[tuple[Evaluation, Evaluation, Any, Any]] = []
         for a, b in combinations(evaluations, 2):
             places = min(a.curve, b.curve), max(a.curve, b.curve)
             if a.curve == b.curve:
@@ -210,7 +212,7 @@ class SampledProof:
         self, unknowns: Unknowns, where: str, part: int, parts: int, evaluations: Sequence[Evaluation]
     ) -> Matrix:
         """What is known of the curves, ≥ 0, times its multipliers: sectors and copies (equations 8 and 9)."""
-        total = 0 * _square(evaluations[0].value) if evaluations else 0
+        total: Any = 0
         for multiplier, e in zip(
             unknowns[f"{where}_sectors"].reshape(parts, -1)[part], evaluations, strict=True
         ):
@@ -223,7 +225,7 @@ class SampledProof:
             total = total + multiplier * (_product(rise, steepest * apart) - 2 * _square(rise))
             if mismatch:
                 total = total + multiplier * 2 * mismatch * (_square(a.argument) + _square(b.argument))
-        return total
+        return np.asarray(total)
 
     def _of_state(self, xi: Matrix, zeta: Matrix) -> list[Evaluation]:
         """The law's curves in ζ, by rows of ξ and ζ."""
@@ -239,7 +241,7 @@ class SampledProof:
 
 
 def sampled_proof(
-    loop: LureLoop, sectors: Sequence[Sector], copies: Sequence[Copies], pieces: int = 1
+    loop: LureLoop, corner: Equilibrium, sectors: Sequence[Sector], copies: Sequence[Copies], pieces: int = 1
 ) -> SampledProof:
     """The problem for a loop without the law curves that hang on the set-point alone: they stand still."""
     p = len(loop.plant_curves)
@@ -268,10 +270,12 @@ def sampled_proof(
     bounds = [sectors[i] for i in kept]
     steepest = np.empty(len(curves), dtype=object)
     steepest[:] = [curve.steepest for curve in curves]
+    slopes = [curve.slopes[corner.segments[i]] for i, curve in zip(kept, curves, strict=True)]
     return SampledProof(
         A=loop.A * step, E=loop.E * step, Z=loop.Z, S=loop.S, S_w=loop.S_w, S_v=loop.S_v[:, moving],
         N=n, N_w=n_w, N_v=n_v, sectors=rational([[s.low, s.high] for s in bounds]).reshape(len(curves), 2),
-        steepest=steepest, copies=known, of_state=tuple(of_state), seen=tuple(sorted(read)), pieces=pieces,
+        slopes=rational(slopes), steepest=steepest, copies=known,
+        of_state=tuple(of_state), seen=tuple(sorted(read)), pieces=pieces,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Powers of two that bring states, multipliers and conditions to like sizes for the solver; a proof does not need them."""
+"""Powers of two that bring states and conditions to like sizes for the solver; a proof does not need them."""
 
 from __future__ import annotations
 
@@ -18,19 +18,23 @@ def power_of_two(values: Array) -> Array:
 def state_sizes(proof: SampledProof) -> Array | None:
     """Typical sizes (n,) of the states by how far they move the plant; None if the linear loop is not stable.
 
-    proof in floats. The linear loop from sample to sample, with every curve at rest; W of its observability by the
+    proof in floats. The loop made linear at its equilibrium, from sample to sample; W of its observability by the
     plant's speeds and accelerations: a state of size 1/√Wᵢᵢ moves them by about one.
     """
     from scipy.linalg import expm, solve_discrete_lyapunov
 
-    flow = proof.A * proof.pieces
-    step = proof.S @ expm(flow)
+    p = proof.sizes[1]
+    w = proof.slopes[:p, np.newaxis] * proof.Z
+    slopes = proof.slopes[p:, np.newaxis]
+    v = np.linalg.solve(np.eye(slopes.size) - slopes * proof.N_v, slopes * (proof.N + proof.N_w @ w))
+    flow = (proof.A + proof.E @ w) * proof.pieces
+    step = (proof.S + proof.S_w @ w + proof.S_v @ v) @ expm(flow)
     if not np.max(np.abs(np.linalg.eigvals(step))) < 1.0:
         return None
     turn = np.max(np.abs(np.linalg.eigvals(flow[:3, :3])))
     shown = np.vstack([np.eye(flow.shape[0])[1:3], flow[1:3] / turn])
-    w = np.diag(solve_discrete_lyapunov(step.T, shown.T @ shown))
-    return power_of_two(np.sqrt(np.max(w[1:3]) / w))
+    seen = np.diag(solve_discrete_lyapunov(step.T, shown.T @ shown))
+    return power_of_two(np.sqrt(np.max(seen[1:3]) / seen))
 
 
 def condition_sizes(proof: SampledProof, sizes: Array) -> list[Array]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .equilibrium import Equilibrium
 from .lure import LureLoop
@@ -23,13 +23,13 @@ class Sector:
 class Copies(NamedTuple):
     """Two arguments of one rising curve: (w₁ − w₂)(steepest·(z₁ − z₂) − (w₁ − w₂)) + mismatch·(z₁² + z₂²) ≥ 0.
 
-    ``first`` and ``second`` number the plant's curves, then the law's.
+    ``first`` and ``second`` number the plant's curves, then the law's; the numbers are fractions or floats.
     """
 
     first: int
     second: int
-    steepest: Fraction
-    mismatch: Fraction
+    steepest: Any
+    mismatch: Any
 
 
 def sectors(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Sector, ...] | None:

@@ -54,7 +54,9 @@ class Layout:
 
 
 def largest_margin(
-    conditions: Conditions, layout: Layout, scales: Sequence[Array],
+    conditions: Conditions,
+    layout: Layout,
+    scales: Sequence[Array],
 ) -> tuple[dict[str, Array], float] | None:
     """Unknowns for which every scaled condition minus margin·I is positive semidefinite, with the largest margin.
 

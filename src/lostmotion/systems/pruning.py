@@ -24,8 +24,10 @@ def pruned(law: DiscreteSystem, outputs: Sequence[str] | None = None) -> Discret
     wanted = law.outputs if outputs is None else tuple(outputs)
     unknown = sorted(set(wanted) - set(law.outputs))
     if unknown:
-        raise InvalidInput("pruned.outputs", ", ".join(unknown), f"names out of {law.outputs}", "Check the name.")
-    rows = [law.outputs.index(name) for name in wanted]
+        raise InvalidInput(
+            "pruned.outputs", ", ".join(unknown), f"names out of {law.outputs}", "Check the name."
+        )
+    rows = np.array([law.outputs.index(name) for name in wanted], dtype=int)
     states = np.any(law.C[rows] != 0.0, axis=0)
     curves = np.any(law.J[rows] != 0.0, axis=0)
     while True:
