@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+
 from lostmotion.certificates.rational import is_positive_definite, rational, solve
 
 

@@ -6,9 +6,10 @@ import math
 from fractions import Fraction
 from typing import Any
 
-import lostmotion as lm
 import numpy as np
 import pytest
+
+import lostmotion as lm
 from lostmotion.certificates import prove_running, verdict
 from lostmotion.certificates.equilibrium import equilibrium
 from lostmotion.certificates.lure import lure_loop

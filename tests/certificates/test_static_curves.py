@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+
 from lostmotion.certificates.static_curves import StaticCurve, normalised
 from lostmotion.curves import PiecewiseLinear, dead_zone, saturation
 

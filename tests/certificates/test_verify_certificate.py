@@ -12,9 +12,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import lostmotion as lm
 import numpy as np
 import pytest
+
+import lostmotion as lm
 from lostmotion.certificates import prove_running, verdict, verify_certificate
 from lostmotion.certificates.equilibrium import equilibrium
 from lostmotion.certificates.lure import lure_loop

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from lostmotion.controllers import pole_placement
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput

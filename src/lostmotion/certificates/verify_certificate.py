@@ -14,6 +14,7 @@ import sys
 from fractions import Fraction
 from itertools import combinations
 
+#: Numerics.
 HALF = Fraction(1, 2)
 
 #: Bits behind the point in the test for positive definiteness (numerics): the margins of proofs are above 2^-40.
