@@ -70,7 +70,7 @@ class StageLines:
 class Countdown:
     """A bar on standard error for work of known amount, with the time that is left; call it as (done, all, seconds)."""
 
-    def __init__(self, what: str) -> None:
+    def __init__(self, what: str, shown: bool = True) -> None:
         console = Console(stderr=True, highlight=False)
         self._progress = Progress(
             TextColumn(what),
@@ -79,9 +79,11 @@ class Countdown:
             TimeElapsedColumn(),
             TextColumn("{task.description}"),
             console=console,
-            disable=not console.is_terminal,
+            disable=not shown or not console.is_terminal,
         )
         self._task = self._progress.add_task("", total=None)
+        if shown and not console.is_terminal:
+            console.print(f"{what} …")
 
     def __enter__(self) -> Countdown:
         self._progress.start()
@@ -92,8 +94,8 @@ class Countdown:
     ) -> None:
         self._progress.stop()
 
-    def __call__(self, done: int, everything: int, remaining: float) -> None:
-        left = f"{remaining:.0f} s left" if done < everything else ""
+    def __call__(self, done: int, everything: int, remaining: float | None = None) -> None:
+        left = f"{remaining:.0f} s left" if done < everything and remaining is not None else ""
         self._progress.update(self._task, completed=done, total=everything, description=left)
 
 

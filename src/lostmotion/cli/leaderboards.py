@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from .compiling import compile_kernels
 from .messages import finished, interruptible
 
 
@@ -58,6 +59,7 @@ def observers(
     """All observers over the same recordings of the virtual rig, as a leaderboard."""
     from ..terminal import StageLines
 
+    compile_kernels("simulation", "identification", "observers")
     part = bool(case or observer)
     out = out or Path("leaderboard-part" if part else "leaderboard-quick" if quick else "leaderboard")
     with interruptible("finished parts", out / "scores", "*.json"), StageLines(every=0.1) as lines:

@@ -18,6 +18,7 @@ from numba import cfunc, njit
 from numba.core import caching
 
 from .fresh_cache import source_hashes
+from .quick_start import load_numba
 
 __all__ = ["cfunc", "keep_fresh", "njit"]
 
@@ -64,4 +65,5 @@ def _take_installed(source: Path, kernel: str, cache: Path) -> None:
                 part.replace(target)
 
 
+load_numba()
 keep_fresh(Path(__file__).parent)
