@@ -15,6 +15,6 @@ from .soft_landing import soft_landing
 
 __all__ = [
     "PiTuning", "QuadraticFeedback", "RobustFeedback", "StateFeedback", "active_damping", "flatness", "h_infinity",
-    "lqi", "notch", "pi", "pole_placement", "quadratic_feedback", "quadratic_poles", "robust_feedback", "sliding_mode", "soft_landing",
-    "speed_course", "state_feedback", "super_twisting", "symmetrical_optimum",
+    "lqi", "notch", "pi", "pole_placement", "quadratic_feedback", "quadratic_poles", "robust_feedback", "sliding_mode",
+    "soft_landing", "speed_course", "state_feedback", "super_twisting", "symmetrical_optimum",
 ]  # fmt: skip
