@@ -12,10 +12,23 @@ from hypothesis import strategies as st
 from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
 from table_i import PAPER
 
-from lostmotion.controllers import lqi, pi, pole_placement, soft_landing
+from lostmotion.controllers import (
+    active_damping,
+    flatness,
+    h_infinity,
+    lqi,
+    notch,
+    pi,
+    pole_placement,
+    sliding_mode,
+    soft_landing,
+    speed_course,
+    super_twisting,
+)
 from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Friction
-from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque
+from lostmotion.observers import disturbance_observer, kalman, shaft_torque
+from lostmotion.observers import h_infinity as h_infinity_observer
 from lostmotion.observers.fixed_gain.gates import POSITIVE_PART
 from lostmotion.observers.model import SENSORS
 from lostmotion.systems import DiscreteSystem, connect, minimum, one_sample_delay, rate_limit
@@ -62,7 +75,7 @@ OBSERVERS = {
     "kalman, scheduled": kalman(
         PAPER, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
     ),
-    "H infinity": h_infinity(PAPER.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True),
+    "H infinity": h_infinity_observer(PAPER.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True),
     "shaft torque": shaft_torque(6285.896, dt=1e-3, torque_delay=4e-4),
     "disturbance observer": disturbance_observer(
         PAPER.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True
@@ -88,6 +101,25 @@ CONTROLLERS = {
         largest_torque=73.5,
         torque_limit=73.5,
     ),
+    "flatness": flatness(
+        PAPER, dt=1e-4, largest_acceleration=300.0, largest_jerk=1e5, largest_error=2.0, largest_torque=73.5
+    ),
+    "H infinity": h_infinity(
+        PAPER.with_parameters(lag=3e-4),
+        dt=1e-4,
+        largest_error=2.0,
+        largest_torque=73.5,
+        load_torque=10.0,
+        torque_limit=73.5,
+    ),
+    "notch": notch("torque_wished", "torque_motor", frequency=100.0, dt=1e-4),
+    "sliding mode": sliding_mode(PAPER, dt=1e-4, switching_torque=40.0, torque_limit=73.5),
+    "speed course": speed_course(largest_acceleration=300.0, largest_jerk=1e5, dt=1e-4),
+    "super-twisting": super_twisting(
+        PAPER, dt=1e-4, switching_torque=20.0, torque_limit=73.5, integral_rate=200.0
+    ),
+    "active damping": active_damping(PAPER, dt=1e-4),
+    "active damping with limit": active_damping(PAPER, dt=1e-4, torque_limit=73.5),
     "soft landing": soft_landing(PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
     "observer + lqi + soft landing": soft_landing_behind_lqi(),
     "minimum": minimum("a", "b", "c", 1e-4),
@@ -95,7 +127,7 @@ CONTROLLERS = {
     "delay": one_sample_delay("torque_motor", 1e-4, start=0.5),
     "observer 1 + pole placement": observer_1_with_pole_placement(),
 }
-LAWS = {**OBSERVERS, **CONTROLLERS}
+LAWS = {**OBSERVERS, **{f"controller: {name}": law for name, law in CONTROLLERS.items()}}
 
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 

@@ -102,6 +102,13 @@ def test_a_missing_file_is_not_called_broken(tmp_path: Path) -> None:
     assert caught.value.problem.got == "no such file"
 
 
+def test_another_kind_of_file_is_said_to_be_one(tmp_path: Path) -> None:
+    (tmp_path / "law.json").write_text("{}")
+    with pytest.raises(InvalidInput) as caught:
+        load_drivetrain(tmp_path / "law.json")
+    assert "'.json'" in caught.value.problem.got and "drivetrain.toml" in caught.value.problem.remedy
+
+
 def test_no_part_of_a_file_passes_as_a_whole_one(tmp_path: Path) -> None:
     path = tmp_path / "drivetrain.toml"
     save_drivetrain(PAPER, path)
