@@ -60,7 +60,7 @@ def inertia_contradicts_torque(seen: float, found: float) -> Problem:
         "torque_motor",
         f"a low-frequency acceleration as of {seen:.3g} kg m2",
         f"about {found:.3g} kg m2",
-        "Check sign, scale and unit of torque and speed.",
+        "Check sign, scale and unit in the channels of torque and speed.",
     )
 
 
@@ -73,7 +73,7 @@ def still_moving() -> Problem:
         "identification",
         "a fit that was still moving",
         "convergence",
-        "Check the nameplate values and the sign of the torque.",
+        "Check the values under [nameplate], and the sign of the torque (sign in its channel).",
     )
 
 
@@ -84,8 +84,9 @@ def not_white(excess: float, most: float) -> Problem:
         "identification",
         f"innovations with {excess:.1f} times white noise's share of slow ones",
         f"at most {most:g}",
-        "Friction, load or shaft are not as the model has them: try load_torque=True, another contact law, or "
-        "less speed and torque. The intervals allow for a coloured residual.",
+        "Friction, load or shaft are not as the model has them. If the motor has friction of its own, give "
+        "coulomb_motor under [nameplate]; if a torque acts on the load, set load_torque = true under [identify]. The "
+        "intervals allow for a coloured residual.",
     )
 
 
@@ -96,7 +97,8 @@ def too_coarse(level: float, deviation: float, most: float) -> Problem:
         "speed_motor",
         f"innovations of {level:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s",
         f"at most {100.0 * most:g} %",
-        "The resolution is too low, nothing is identified: take a finer encoder or a longer sample time.",
+        "The resolution is too low, nothing is identified: take a finer encoder, or record faster motion with more "
+        "torque.",
     )
 
 
@@ -124,7 +126,8 @@ def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
         "identification",
         f"a second minimum: {', '.join(texts)} predict nearly as well",
         "one minimum",
-        "Fix what the nameplate knows well, or record more reversals and a wider band of torque.",
+        "Name what the nameplate knows well in fixed = [...] under [identify], or record more reversals and a wider "
+        "band of torque.",
     )
 
 
@@ -160,7 +163,7 @@ def far_from_nameplate(name: str, found: float, nameplate: float, factor: float)
         name,
         f"{found:.4g} {unit}",
         f"within a factor of {factor} of the nameplate's {nameplate:.4g} {unit}",
-        "Check the nameplate, and scale and unit of the torque.",
+        "Check the value under [nameplate], and scale and unit in the channel of the torque.",
     )
 
 
@@ -170,5 +173,6 @@ def correlated(names: Sequence[str], largest: float, limit: float) -> Problem:
         ", ".join(names),
         f"correlations up to {largest:.3f}",
         f"below {limit}",
-        "Only combinations of them are known well: fix one from the nameplate, or record a richer torque.",
+        "Only combinations of them are known well: name the one that the nameplate knows in fixed = [...] under "
+        "[identify], or record a richer torque.",
     )
