@@ -207,7 +207,9 @@ def _loop_problem(name: str, got: str, laws: Design, friction: float = 0.0) -> P
     elif given:
         remedy = f"Leave {key} out of [law]: the default is made for this drivetrain."
     else:
-        remedy = "Give a shorter sample_time under [law]; check whether backlash and stiffness are identified."
+        remedy = (
+            "Give a shorter sample_time under [law]; check whether backlash and stiffness are identified."
+        )
     return Problem(
         "warning",
         f"controller {name} in the simulated loop",
