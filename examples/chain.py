@@ -16,7 +16,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.drivetrain import Gear
-from lostmotion.plot.style import ESTIMATED, MEASURED, SERIES, panels
+from lostmotion.plot import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,20 +85,20 @@ def simulated() -> lm.Recording:
 
 def picture(recording: lm.Recording) -> Figure:
     """Speeds with the table's sticking, both gaps with their impacts, and where the energy went."""
-    figure, (speeds, gaps, energies) = panels(None, 3, size=(10.0, 9.0), sharex=True)
+    figure, (speeds, gaps, energies) = style.panels(None, 3, size=(10.0, 9.0), sharex=True)
     t = recording.time
     speeds.plot(t, recording["speed_motor"] / GEAR.ratio, label="motor / 5", color="#999999", linewidth=0.8)
-    speeds.plot(t, GEAR.behind("speed_load", recording["speed_load"]), label="table", **MEASURED)
+    speeds.plot(t, GEAR.behind("speed_load", recording["speed_load"]), label="table", **style.MEASURED)
     estimate = GEAR.behind("speed_load", recording["speed_load_estimated"])
-    speeds.plot(t, estimate, label="table, estimated from the motor's encoder", **ESTIMATED)
+    speeds.plot(t, estimate, label="table, estimated from the motor's encoder", **style.ESTIMATED)
     for event in recording.events:
         if event.place == "friction 5" and event.kind in ("stick", "slip"):
-            style = (0, (1, 2)) if event.kind == "stick" else "-"
-            speeds.axvline(event.time, color="#777777", linewidth=0.7, linestyle=style)
+            dashes = (0, (1, 2)) if event.kind == "stick" else "-"
+            speeds.axvline(event.time, color="#777777", linewidth=0.7, linestyle=dashes)
     speeds.set_ylim(top=1.5)
     speeds.set_ylabel("speed behind the gear (rad/s)")
     speeds.set_title("Table sticks (dotted) and breaks away (solid line)", fontweight="bold")
-    for (number, name), line in zip(((2, "gear teeth"), (4, "coupling")), SERIES, strict=False):
+    for (number, name), line in zip(((2, "gear teeth"), (4, "coupling")), style.SERIES, strict=False):
         gaps.plot(t, 1e3 * GEAR.behind("twist", recording[f"twist_{number}"]), label=name, **line)
     impacts = recording.impacts(merge=2e-3)
     for event in impacts:
@@ -106,7 +106,7 @@ def picture(recording: lm.Recording) -> Figure:
     gaps.set_ylabel("twist behind the gear (mrad)")
     gaps.set_title(f"Both gaps; {len(impacts)} impacts, bounces within 2 ms merged", fontweight="bold")
     energy = recording.energy()
-    for name, line in zip(("input", "stored", "dissipated"), SERIES, strict=False):
+    for name, line in zip(("input", "stored", "dissipated"), style.SERIES, strict=False):
         energies.plot(t, energy[name], label=name, **line)
     energies.set_ylabel("energy (J)")
     energies.set_xlabel("time (s)")

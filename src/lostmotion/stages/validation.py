@@ -210,13 +210,8 @@ def _loop_problem(name: str, got: str, laws: Design, friction: float = 0.0) -> P
         remedy = (
             "Give a shorter sample_time under [law]; check whether backlash and stiffness are identified."
         )
-    return Problem(
-        "warning",
-        f"controller {name} in the simulated loop",
-        got,
-        "a load speed that settles at the set-point",
-        remedy,
-    )
+    where = f"controller {name} in the simulated loop"
+    return Problem.warning(where, got, "a load speed that settles at the set-point", remedy)
 
 
 def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep) -> Recording:

@@ -8,10 +8,11 @@ from .input_check import InputCheck
 from .limits import maximum, minimum, rate_limit
 from .linearisation import linearised
 from .loop_margin import LoopMargin, loop_margin
+from .pruning import pruned
 from .stepper import Stepper
 
 __all__ = [
     "DesignModel", "DiscreteSystem", "InputCheck", "LoopMargin", "SteadyState", "Stepper", "connect", "design_model",
-    "linearised", "loop_margin", "maximum", "minimum", "one_sample_delay", "rate_limit", "steady_state",
+    "linearised", "loop_margin", "maximum", "minimum", "one_sample_delay", "pruned", "rate_limit", "steady_state",
     "zero_order_hold",
 ]  # fmt: skip

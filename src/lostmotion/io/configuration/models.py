@@ -114,7 +114,11 @@ class LawModel(_Model):
     def _both_gains(self) -> LawModel:
         if (self.kp is None) != (self.ki is None):
             raise InvalidInput(
-                "", f"kp {self.kp}, ki {self.ki}", "both gains of the PI controller or none", "Add it."
+                "",
+                f"{'ki' if self.kp is None else 'kp'} alone",
+                "both gains of the PI controller or none",
+                f"Add {'kp' if self.kp is None else 'ki = 0 for a proportional controller, or another'}, or "
+                "leave both out.",
             )
         return self
 
@@ -168,7 +172,7 @@ def validated(
 
 
 def _check_fixed(model: ConfigurationModel, place: Place) -> None:
-    """Raise ``InputProblems`` for a parameter that shall keep a value that nobody gave."""
+    """Raise ``InputProblems`` for a parameter that shall keep a value that is not given."""
     unknown = [
         Problem(
             "error",

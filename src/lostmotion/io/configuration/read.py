@@ -111,7 +111,12 @@ def read_configuration(path: str | Path) -> Configuration:
     """
     path = Path(path)
     try:
-        content, text = read_toml(path, "a TOML that names recordings")
+        content, text = read_toml(
+            path,
+            "a TOML that names recordings",
+            "A recording is named in a TOML: write one with lostmotion init, with "
+            f'file = "{path.name}" in its [[recording]].',
+        )
         if content.get("kind") == "drivetrain":
             raise InvalidInput(
                 str(path),
