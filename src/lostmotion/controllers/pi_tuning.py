@@ -18,7 +18,7 @@ GAP_SHARES = (1.0, 0.3, 0.1, 0.01)
 LARGEST_SENSITIVITY = 2.0
 #: Kessler's spread; that of a phase margin of 45°, from which on it is searched for (Schröder 2009).
 CLASSICAL_SPREAD, DAMPED_SPREAD = 2.0, 1.0 + math.sqrt(2.0)
-#: By which factor it then grows, and how often (numerics).
+#: By which factor the spread grows in the search, and how often (numerics).
 GROWTH, ATTEMPTS = 1.1, 80
 
 
