@@ -10,6 +10,7 @@ from dataclasses import replace
 from numbers import Integral, Real
 from pathlib import Path
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from ..io.storage.written_files import check_own, replacing
 from .cases import CASES, Case
@@ -27,6 +28,7 @@ Progress = Callable[[float, str], None]
 FULL, QUICK = (20, 3.0), (2, 1.5)
 
 
+@checks_arguments
 def compare_observers(
     out: Path | str | None = None,
     *,

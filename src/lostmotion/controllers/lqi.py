@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import Limit, checks_arguments
 from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -37,13 +38,14 @@ class QuadraticFeedback:
     motor_gain: float
 
 
+@checks_arguments
 def quadratic_feedback(
     drivetrain: Drivetrain,
     dt: float,
     *,
     largest_error: float,
     largest_torque: float,
-    largest_oscillation: float | None = None,
+    largest_oscillation: Limit | None = None,
     largest_twist: float = math.inf,
 ) -> QuadraticFeedback:
     """Gains that minimise Σ (error/largest_error)² + (torque/largest_torque)² + … with the gap closed.
@@ -83,13 +85,14 @@ def _riccati(A: Array, B: Array, Q: Array, r: float) -> Array:
     return np.asarray((B.T @ p @ A)[0] / (r + float((B.T @ p @ B)[0, 0])))
 
 
+@checks_arguments
 def lqi(
     drivetrain: Drivetrain,
     *,
     dt: float,
     largest_error: float,
     largest_torque: float,
-    largest_oscillation: float | None = None,
+    largest_oscillation: Limit | None = None,
     largest_twist: float = math.inf,
     torque_limit: float = math.inf,
     load_torque: bool = True,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DesignModel, design_model
@@ -48,6 +49,7 @@ class PiTuning:
         return {"kp": self.kp, "ki": self.ki, "filter_time": self.filter_time}
 
 
+@checks_arguments
 def symmetrical_optimum(
     drivetrain: Drivetrain, *, dt: float, delay: int = 1, spread: float = 2.0
 ) -> PiTuning:

@@ -8,6 +8,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
@@ -41,6 +42,7 @@ class Truth:
     signals: Recording
 
 
+@checks_arguments
 def record(
     rig: int | Rig | None = 1,
     *,

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...events import KINDS
@@ -70,6 +71,7 @@ class BatchResult:
         return np.asarray(np.nanquantile(self.samples[signal], levels, axis=0))
 
 
+@checks_arguments
 def simulate_batch(
     drivetrains: Sequence[Drivetrain],
     *,
