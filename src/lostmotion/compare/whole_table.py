@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from ..errors import InvalidInput
+from ..io.storage.json_files import read_json
 from .cases import CASES
 from .contestants import CONTESTANTS
 from .leaderboard import Leaderboard
@@ -28,7 +28,7 @@ def keep_whole_table(folder: Path, new: Leaderboard) -> None:
     InvalidInput
     """
     try:
-        old = json.loads((folder / "leaderboard.json").read_text(encoding="utf-8"))
+        old = read_json(folder / "leaderboard.json", "leaderboard")
         settings = old["settings"]
         observers, cases = ({row["name"] for row in old[what]} for what in ("observers", "cases"))
         longer = settings["duration"] > new.settings["duration"]
@@ -37,7 +37,7 @@ def keep_whole_table(folder: Path, new: Leaderboard) -> None:
             "cases": len(cases & {case.name for case in CASES} - {case.name for case in new.cases}),
             "rigs": len(set(old["seeds"]) - set(new.seeds)),
         }
-    except (OSError, ValueError, KeyError, TypeError):
+    except (InvalidInput, KeyError, TypeError):
         return  # no table, or not of this package
     if settings.get("part"):
         return
