@@ -336,14 +336,14 @@ def score_files() -> tuple[bytes, ...]:
     from lostmotion.compare.score_cache import ScoreCache
 
     with tempfile.TemporaryDirectory() as folder:
-        ScoreCache(Path(folder), 1.0).add("ideal", 1, {"kalman": {"speed_load": 0.5, "twist": None}})
+        ScoreCache(Path(folder), "long").add("ideal", 1, {"kalman": {"speed_load": 0.5, "twist": None}})
         return (next(Path(folder).rglob("*.json")).read_bytes(),)
 
 
 def _read_scores(path: Path) -> object:
     from lostmotion.compare.score_cache import ScoreCache
 
-    cache = ScoreCache(path.parent, 1.0)
+    cache = ScoreCache(path.parent, "long")
     assert cache.folder is not None
     path.replace(cache.folder / "ideal__1.json")
     return cache.scores("ideal", 1) or None
@@ -352,7 +352,7 @@ def _read_scores(path: Path) -> object:
 @functools.cache
 def boards() -> tuple[bytes, ...]:
     content = {
-        "observers": [{"name": "kalman"}, {"name": "extended_kalman"}],
+        "observers": [{"name": "an observer of an older version"}],
         "cases": [{"name": "a case of an older version"}],
         "seeds": [],
         "settings": {"duration": 1.0, "part": False},
@@ -364,7 +364,8 @@ def _read_board(path: Path) -> object:
     from lostmotion.compare.leaderboard import Leaderboard
     from lostmotion.compare.whole_table import keep_whole_table
 
-    keep_whole_table(path.parent, Leaderboard({}, (), (), {}, {"duration": 1.0}))
+    new = Leaderboard({}, (), (), {}, {"duration": 1.0})
+    keep_whole_table(path.parent, new, "observers", ["kalman"], ["nominal"])
     return path
 
 

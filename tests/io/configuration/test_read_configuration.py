@@ -87,7 +87,7 @@ def test_defaults(tmp_path: Path) -> None:
     found = read(tmp_path, MINIMAL)
     assert dict(found.nameplate) == {}
     assert found.recordings == (RecordingSource(tmp_path / "rig.csv"),)
-    assert found.law == LawSettings(None, None, (-400.0, -400.0, -400.0), None, None)
+    assert found.law == LawSettings(None, None, None, None, None)
     assert found.run == RunSettings(1)
 
 

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from ...controllers.pole_placement import DEFAULT_POLES
 from ...drivetrain import PARAMETER_UNITS
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
@@ -85,16 +84,18 @@ class LawModel(_Model):
     sample_time: Annotated[
         float | None, value.positive("s", "default: that of the recording", 1e-7, 10.0)
     ] = None
-    torque_limit: Annotated[float | None, value.positive("Nm", "default: none", 1e-9, 1e12)] = None
+    torque_limit: Annotated[
+        float | None, value.positive("Nm", "default: the largest recorded motor torque", 1e-9, 1e12)
+    ] = None
     poles: Annotated[
-        tuple[float, ...],
+        tuple[float, ...] | None,
         value.POLES,
-        Field(description="1/s, three negative numbers: of the state feedback"),
-    ] = DEFAULT_POLES
+        Field(description="1/s, three negative numbers: of the state feedback; default: from the drive"),
+    ] = None
     kp: Annotated[
         float | None,
         value.PROPORTIONAL_GAIN,
-        Field(description="Nm s/rad, PI speed controller to compare with"),
+        Field(description="Nm s/rad, PI speed controller to compare with; default: symmetrical optimum"),
     ] = None
     ki: Annotated[float | None, value.GAIN, Field(description="Nm/rad, of the same controller")] = None
 

@@ -11,7 +11,6 @@ from types import MappingProxyType
 from typing import Any
 
 from ...argument_checks import checks_arguments
-from ...controllers.pole_placement import DEFAULT_POLES
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
@@ -72,7 +71,7 @@ class LawSettings:
 
     sample_time: float | None = None
     torque_limit: float | None = None
-    poles: tuple[float, ...] = DEFAULT_POLES
+    poles: tuple[float, ...] | None = None
     kp: float | None = None
     ki: float | None = None
 
