@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..curves import PiecewiseLinear, saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -40,6 +41,7 @@ _INPUTS = (
 )
 
 
+@checks_arguments
 def soft_landing(
     drivetrain: Drivetrain,
     *,
