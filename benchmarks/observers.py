@@ -8,7 +8,6 @@ it was stopped. Parts can be chosen: --only leaderboard targets torque-sensor we
 
 from __future__ import annotations
 
-import argparse
 import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from shared import parser_of
 
 import lostmotion as lm
 from lostmotion.compare import CASES, CONTESTANTS, Leaderboard, compare_observers
@@ -287,7 +287,7 @@ def print_targets(board: Leaderboard) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=20, help="rigs 1 to SEEDS")
     parser.add_argument("--out", type=Path, help="folder for files and figures")
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER, TABLE_I
 
 import lostmotion as lm
 from lostmotion.rig import (
@@ -148,17 +149,8 @@ def test_channels_are_withheld():
 
 
 def test_equivalent_of_a_two_mass_drivetrain_is_itself():
-    values = dict(
-        inertia_motor=0.02,
-        inertia_load=0.1,
-        stiffness=5000.0,
-        damping=0.3,
-        backlash=0.01,
-        coulomb=1.0,
-        viscous=0.02,
-    )
-    found = two_mass_equivalent(lm.Drivetrain.two_mass(**values, lag=1e-3), np.linspace(-5.0, 5.0, 101))
-    for name, value in {**values, "lag": 1e-3}.items():
+    found = two_mass_equivalent(PAPER.with_parameters(lag=1e-3), np.linspace(-5.0, 5.0, 101))
+    for name, value in {**TABLE_I, "lag": 1e-3}.items():
         assert found[name] == pytest.approx(value, rel=1e-9)
 
 
@@ -198,19 +190,10 @@ def test_a_load_that_never_moves_is_recorded():
 
 
 def test_finer_rig_lies_within_the_intervals():
-    model = lm.Drivetrain.two_mass(
-        inertia_motor=0.0182,
-        inertia_load=0.111,
-        stiffness=6285.896,
-        damping=0.397,
-        backlash=0.012,
-        coulomb=2.0,
-        viscous=0.0175,
-    )
     intervals = {"inertia_load": (0.1, 0.12), "backlash": (0.011, 0.013), "stiffness": (6000.0, 6500.0)}
     drawn = []
     for seed in range(20):
-        rig = finer_rig(model, intervals, seed).drivetrain
+        rig = finer_rig(PAPER, intervals, seed).drivetrain
         found = two_mass_equivalent(rig, np.array([-20.0, -10.0, 10.0, 20.0]))
         drawn.append([found[name] for name in intervals])
         for name, (low, high) in intervals.items():
