@@ -52,6 +52,8 @@ class RunningProof:
         Set-point (rad/s) that leads to ``speed``.
     torque_load : (float, float), Nm
         Range of constant load torques, positive in the direction of the motion.
+    delay : int
+        Computing delay in samples that is part of the loop.
     both_directions : bool
         Whether it also holds for the opposite speeds and load torques.
     certificate : dict or None
@@ -64,6 +66,7 @@ class RunningProof:
     fastest: float
     reference: float | None
     torque_load: tuple[float, float]
+    delay: int
     both_directions: bool
     certificate: dict[str, Any] | None
     reason: str
@@ -108,7 +111,9 @@ def prove_running(
     search = _Search(
         drivetrain, law, delay, torque_load, fastest, pieces, progress or (lambda share, text: None)
     )
-    return search.smallest()
+    proof = search.smallest()
+    search.progress(1.0, "")
+    return proof
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +163,9 @@ class _Search:
                 return self.checked(speeds[place], found[place])
             except Unproved as error:
                 self.reason = str(error)
-        return RunningProof(None, self.fastest, None, self.torque_load, self.loop.is_odd, None, self.reason)
+        return RunningProof(
+            None, self.fastest, None, self.torque_load, self.delay, self.loop.is_odd, None, self.reason
+        )
 
     def at(self, speed: float) -> _Candidate:
         """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
@@ -190,7 +197,14 @@ class _Search:
         if reason is not None:
             raise Unproved(f"the exact check failed: {reason}")
         return RunningProof(
-            speed, self.fastest, float(rest.reference), self.torque_load, self.loop.is_odd, data, self.reason
+            speed,
+            self.fastest,
+            float(rest.reference),
+            self.torque_load,
+            self.delay,
+            self.loop.is_odd,
+            data,
+            self.reason,
         )
 
     def solved(self, problem: SampledProof) -> Unknowns:

@@ -515,6 +515,7 @@ class Proof:
 
 def verify(certificate, law=None):
     """The claim that is proved; raises ``NotProved``."""
+    demand(certificate["claim"] is not None, "the file claims nothing")
     claim, own = certificate["claim"], certificate["law"]
     if law is not None:
         demand(pruned(law) == pruned(own) and law["dt"] == own["dt"], "the certificate is about another law")

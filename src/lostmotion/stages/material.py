@@ -99,20 +99,25 @@ def from_rig(seed: int, dt: float = 1e-4) -> tuple[Material, rig.Truth]:
     return material, truth
 
 
-def from_configuration(configuration: Configuration, seed: int | None = None, split: bool = True) -> Material:
-    """The user's recordings; raises ``InputProblems`` with all errors of all files.
-
-    With one recording only, its last part is kept for the validation if `split`.
-    """
-    loaded = load_recordings(configuration)
+def settings_of(configuration: Configuration) -> Settings:
+    """``[law]`` of a TOML, with defaults where it says nothing."""
     law = configuration.law
-    settings = Settings(
+    return Settings(
         sample_time=law.sample_time,
         torque_limit=np.inf if law.torque_limit is None else law.torque_limit,
         poles=law.poles,
         kp=Settings.kp if law.kp is None else law.kp,
         ki=Settings.ki if law.ki is None else law.ki,
     )
+
+
+def from_configuration(configuration: Configuration, seed: int | None = None, split: bool = True) -> Material:
+    """The user's recordings; raises ``InputProblems`` with all errors of all files.
+
+    With one recording only, its last part is kept for the validation if `split`.
+    """
+    loaded = load_recordings(configuration)
+    settings = settings_of(configuration)
     problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
     first = {use: next((r for u, r in loaded if u == use), None) for use in ("identify", "validate")}
     for use in first:
