@@ -20,7 +20,7 @@ import numpy as np
 from .equilibrium import Equilibrium
 from .lure import LureLoop
 from .rational import Matrix, rational
-from .sectors import Copies, Sector
+from .sectors import Copies, Region, Sector
 from .semidefinite import Layout, Unknowns
 
 
@@ -56,6 +56,13 @@ class SampledProof:
     seen : tuple of int
         Plant curves that count at a sample: the law reads them, or has copies of them.
     pieces : int
+    limit : int or None
+        Law curve that is the torque limit, where the proof holds in a sublevel set of V alone: its sector is that of a
+        region of its argument.
+    reach : (1, 1) array or None
+        Half the width of that region, in the argument's unit.
+    start : (1, n) array or None
+        Deviation of the state from which V must stay in the region.
     """
 
     A: Matrix
@@ -74,6 +81,9 @@ class SampledProof:
     of_state: tuple[int, ...]
     seen: tuple[int, ...]
     pieces: int
+    limit: int | None = None
+    reach: Matrix | None = None
+    start: Matrix | None = None
 
     def floats(self) -> SampledProof:
         """The same in floats."""
@@ -115,8 +125,16 @@ class SampledProof:
                 "flow_copies": ends * len(self.pairs(flowing)),
                 "jump_sectors": len(jumping),
                 "jump_copies": len(self.pairs(jumping)),
+                **self._region_layout(),
             },
         )
+
+    def _region_layout(self) -> dict[str, int]:
+        """Multipliers of ``contains``."""
+        if self.limit is None:
+            return {}
+        _, before = self.before_sample()
+        return {"level": 1, "region_sectors": len(before), "region_copies": len(self.pairs(before))}
 
     def conditions(self, unknowns: Unknowns) -> list[Matrix]:
         """Matrices that must be positive definite: V at each knot, its fall along each piece, and at the sample."""
@@ -125,6 +143,7 @@ class SampledProof:
             *(self.positive(unknowns, k) for k in knots),
             *(self.falls(unknowns, k, end) for k in range(self.pieces) for end in (0, 1)),
             self.does_not_rise(unknowns),
+            *([] if self.limit is None else [self.contains(unknowns), self.starts_inside(unknowns)]),
         ]
 
     def rest(self) -> tuple[Matrix, list[Evaluation]]:
@@ -163,16 +182,48 @@ class SampledProof:
         kept = list(self.of_state)
         return (np.vstack([xi, v[kept]]), np.vstack([jumped, later[kept]]), ends), evaluations
 
+    def before_sample(self) -> tuple[Matrix, list[Evaluation]]:
+        """Rows over (ξ, w seen, v) of ξ, and all evaluations."""
+        n, p, q = self.sizes
+        one = self._rows(n + len(self.seen) + q)
+        xi, v, w = one[:n], one[n + len(self.seen) :], 0 * one[:p]
+        for place, i in enumerate(self.seen):
+            w[i] = one[n + place]
+        s = self.N @ xi + self.N_w @ w + self.N_v @ v
+        plant = [Evaluation(i, self.Z[i] @ xi, w[i]) for i in self.seen]
+        return xi, plant + [Evaluation(p + j, s[j], v[j]) for j in range(q)]
+
     def positive(self, unknowns: Unknowns, k: int) -> Matrix:
         """V at knot k over ζ, with each negative integral at its largest (equation 12)."""
         zeta, evaluations = self.rest()
-        xi = zeta[: self.A.shape[0]]
-        form = 1 * unknowns[f"P{k}"]
+        form = self._least(unknowns, k, zeta[: self.A.shape[0]], evaluations)
+        return form - self._known(unknowns, "rest", k, self.pieces + 1, evaluations)
+
+    def contains(self, unknowns: Unknowns) -> Matrix:
+        """V before a sample minus level times the square of the limit's argument (equation 17)."""
+        xi, evaluations = self.before_sample()
+        p = self.sizes[1]
+        laws = {e.curve - p: e for e in evaluations if e.curve >= p}
+        form = self._least(unknowns, self.pieces, xi, [laws[j] for j in self.of_state])
+        form = form - unknowns["level"][0] * _square(laws[self.limit or 0].argument)
+        return form - self._known(unknowns, "region", 0, 1, evaluations)
+
+    def starts_inside(self, unknowns: Unknowns) -> Matrix:
+        """What the level leaves for V at the start, where every curve rests on its segment (equation 18)."""
+        assert self.reach is not None and self.start is not None
+        n = self.A.shape[0]
+        v = self.start @ unknowns[f"P{self.pieces}"][:n, :n] @ self.start.T
+        return unknowns["level"][0] * self.reach**2 - v
+
+    def _least(self, unknowns: Unknowns, k: int, xi: Matrix, of_state: Sequence[Evaluation]) -> Matrix:
+        """What V at knot k is at least, by rows of ξ and the law's curves in it (equation 11)."""
+        zeta = np.vstack([xi, *(e.value for e in of_state)])
+        form = zeta.T @ unknowns[f"P{k}"] @ zeta
         for i, eta in enumerate(unknowns["eta_minus"]):
             form = form - eta * self.sectors[i, 1] * _square(self.Z[i] @ xi)
-        for theta, e in zip(unknowns["theta_minus"], evaluations, strict=True):
+        for theta, e in zip(unknowns["theta_minus"], of_state, strict=True):
             form = form - theta * self.sectors[e.curve, 1] * _square(e.argument)
-        return form - self._known(unknowns, "rest", k, self.pieces + 1, evaluations)
+        return form
 
     def falls(self, unknowns: Unknowns, k: int, end: int) -> Matrix:
         """−dV/dτ over (ζ, w) at one end of piece k, in the sectors (equation 13)."""
@@ -241,9 +292,17 @@ class SampledProof:
 
 
 def sampled_proof(
-    loop: LureLoop, corner: Equilibrium, sectors: Sequence[Sector], copies: Sequence[Copies], pieces: int = 1
+    loop: LureLoop,
+    corner: Equilibrium,
+    sectors: Sequence[Sector],
+    copies: Sequence[Copies],
+    pieces: int = 1,
+    region: Region | None = None,
 ) -> SampledProof:
-    """The problem for a loop without the law curves that hang on the set-point alone: they stand still."""
+    """The problem for a loop without the law curves that hang on the set-point alone: they stand still.
+
+    With a region, the sector of the torque limit among ``sectors`` is that of the region.
+    """
     p = len(loop.plant_curves)
     moving: list[int] = []
     for j in range(len(loop.law_curves)):
@@ -257,7 +316,8 @@ def sampled_proof(
     for j, curve in enumerate(curves[p:]):
         alone = not np.any(n[j, : loop.plant_size + 1]) and not np.any(n_w[j])
         inside = set(map(int, np.flatnonzero(n_v[j])))
-        if alone and inside <= set(of_state) and curve.rises and curve.steepest:
+        integrated = alone and inside <= set(of_state) and curve.rises and curve.steepest
+        if integrated and not (region and moving[j] == loop.limit):
             of_state.append(j)
     known = tuple(
         Copies(kept[c.first], kept[c.second], c.steepest, c.mismatch)
@@ -276,6 +336,9 @@ def sampled_proof(
         N=n, N_w=n_w, N_v=n_v, sectors=rational([[s.low, s.high] for s in bounds]).reshape(len(curves), 2),
         slopes=rational(slopes), steepest=steepest, copies=known,
         of_state=tuple(of_state), seen=tuple(sorted(read)), pieces=pieces,
+        limit=None if region is None else moving.index(region.limit),
+        reach=None if region is None else rational([[region.reach]]),
+        start=None if region is None else region.start[np.newaxis],
     )  # fmt: skip
 
 

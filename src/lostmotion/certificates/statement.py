@@ -20,9 +20,12 @@ def headline(proof: RunningProof) -> str:
     if proof.speed is None:
         return f"Stability is not proved: {proof.reason}."
     directions = "in both directions" if proof.both_directions else "in the positive direction"
+    where = f"at every load speed from {proof.speed:g} to {proof.fastest:g} rad/s, {directions}"
+    if proof.step is None:
+        return f"Proved: {where}, the loop returns to its rest from every state, with the whole gap and friction."
     return (
-        f"Proved: at every load speed from {proof.speed:g} to {proof.fastest:g} rad/s, {directions}, the loop returns "
-        "to its rest from every state, with the whole gap and Coulomb friction."
+        f"Proved: {where}, the loop comes to its rest after every step by up to {proof.step:g} rad/s between them, "
+        "with the whole gap, friction and torque limit."
     )
 
 
@@ -46,6 +49,7 @@ def stability(proof: RunningProof) -> dict[str, Any]:
         "speed_from": proof.speed,
         "speed_to": proof.fastest,
         "reference": proof.reference,
+        "step": proof.step,
         "torque_load": list(proof.torque_load),
         "conditions": conditions(proof),
         "not_below": proof.reason,
