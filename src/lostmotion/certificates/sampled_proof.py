@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -109,9 +110,9 @@ class SampledProof:
         """Names and sizes of the unknowns of ``conditions``."""
         _, p, _ = self.sizes
         knots, ends = self.pieces + 1, 2 * self.pieces
-        _, still = self.rest()
-        _, flowing = self.flow()
-        _, jumping = self.sample()
+        _, still = self.rest
+        _, flowing = self.flow
+        _, jumping = self.sample
         return Layout(
             {f"P{k}": self.size for k in range(knots)},
             {
@@ -133,7 +134,7 @@ class SampledProof:
         """Multipliers of ``contains``."""
         if self.limit is None:
             return {}
-        _, before = self.before_sample()
+        _, before = self.before_sample
         return {"level": 1, "region_sectors": len(before), "region_copies": len(self.pairs(before))}
 
     def conditions(self, unknowns: Unknowns) -> list[Matrix]:
@@ -146,11 +147,13 @@ class SampledProof:
             *([] if self.limit is None else [self.contains(unknowns), self.starts_inside(unknowns)]),
         ]
 
+    @cached_property
     def rest(self) -> tuple[Matrix, list[Evaluation]]:
         """Rows of ζ over itself, and the law's curves in it."""
         zeta = self._rows(self.size)
         return zeta, self._of_state(zeta[: self.A.shape[0]], zeta)
 
+    @cached_property
     def flow(self) -> tuple[tuple[Matrix, Matrix, Matrix], list[Evaluation]]:
         """Rows over (ζ, w) of ζ, of its rate times the length of a piece, and of z's; all curves."""
         n, p, _ = self.sizes
@@ -161,6 +164,7 @@ class SampledProof:
         plant = [Evaluation(i, self.Z[i] @ zeta[:n], w[i]) for i in range(p)]
         return (zeta, rate, self.Z @ rate[:n]), plant + self._of_state(zeta[:n], zeta)
 
+    @cached_property
     def sample(self) -> tuple[tuple[Matrix, Matrix, dict[int, Any]], list[Evaluation]]:
         """Rows over (ξ, w seen, v, v after the sample) of ζ and ζ⁺, of the integrals' ends, and all evaluations."""
         n, p, q = self.sizes
@@ -182,6 +186,7 @@ class SampledProof:
         kept = list(self.of_state)
         return (np.vstack([xi, v[kept]]), np.vstack([jumped, later[kept]]), ends), evaluations
 
+    @cached_property
     def before_sample(self) -> tuple[Matrix, list[Evaluation]]:
         """Rows over (ξ, w seen, v) of ξ, and all evaluations."""
         n, p, q = self.sizes
@@ -195,18 +200,18 @@ class SampledProof:
 
     def positive(self, unknowns: Unknowns, k: int) -> Matrix:
         """V at knot k over ζ, with each negative integral at its largest (equation 12)."""
-        zeta, evaluations = self.rest()
+        zeta, evaluations = self.rest
         form = self._least(unknowns, k, zeta[: self.A.shape[0]], evaluations)
-        return form - self._known(unknowns, "rest", k, self.pieces + 1, evaluations)
+        return form - self._known(unknowns, "rest", k, self.pieces + 1)
 
     def contains(self, unknowns: Unknowns) -> Matrix:
         """V before a sample minus level times the square of the limit's argument (equation 17)."""
-        xi, evaluations = self.before_sample()
+        xi, evaluations = self.before_sample
         p = self.sizes[1]
         laws = {e.curve - p: e for e in evaluations if e.curve >= p}
         form = self._least(unknowns, self.pieces, xi, [laws[j] for j in self.of_state])
         form = form - unknowns["level"][0] * _square(laws[self.limit or 0].argument)
-        return form - self._known(unknowns, "region", 0, 1, evaluations)
+        return form - self._known(unknowns, "region", 0, 1)
 
     def starts_inside(self, unknowns: Unknowns) -> Matrix:
         """What the level leaves for V at the start, where every curve rests on its segment (equation 18)."""
@@ -227,17 +232,17 @@ class SampledProof:
 
     def falls(self, unknowns: Unknowns, k: int, end: int) -> Matrix:
         """−dV/dτ over (ζ, w) at one end of piece k, in the sectors (equation 13)."""
-        (zeta, rate, z_rate), evaluations = self.flow()
+        (zeta, rate, z_rate), evaluations = self.flow
         form = zeta.T @ (unknowns[f"P{k + 1}"] - unknowns[f"P{k}"]) @ zeta
         form = form + _twice(unknowns[f"P{k + end}"] @ zeta, rate)
         eta = unknowns["eta_plus"] - unknowns["eta_minus"]
         for i in range(self.sizes[1]):
             form = form + eta[i] * _product(evaluations[i].value, z_rate[i])
-        return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.pieces, evaluations)
+        return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.pieces)
 
     def does_not_rise(self, unknowns: Unknowns) -> Matrix:
         """V before minus V after a sample, in the sectors and with the curves' copies (equations 14 to 16)."""
-        (zeta, jumped, ends), evaluations = self.sample()
+        (zeta, jumped, ends), _ = self.sample
         form = jumped.T @ unknowns["P0"] @ jumped - zeta.T @ unknowns[f"P{self.pieces}"] @ zeta
         p = self.sizes[1]
         for place, (j, (s, v, s_later, later)) in enumerate(ends.items()):
@@ -245,7 +250,7 @@ class SampledProof:
             rise, fall = _product(later, s_later - s), _product(v, s_later - s)
             form = form + unknowns["theta_plus"][place] * (rise - curvature)
             form = form - unknowns["theta_minus"][place] * (fall + curvature)
-        return -form - self._known(unknowns, "jump", 0, 1, evaluations)
+        return -form - self._known(unknowns, "jump", 0, 1)
 
     def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any]]:
         """Pairs of evaluations of one curve, or of copies of it, with slope and mismatch."""
@@ -259,24 +264,32 @@ class SampledProof:
                 found.append((a, b, *known[places]))
         return found
 
-    def _known(
-        self, unknowns: Unknowns, where: str, part: int, parts: int, evaluations: Sequence[Evaluation]
-    ) -> Matrix:
-        """What is known of the curves, ≥ 0, times its multipliers: sectors and copies (equations 8 and 9)."""
-        total: Any = 0
-        for multiplier, e in zip(
-            unknowns[f"{where}_sectors"].reshape(parts, -1)[part], evaluations, strict=True
-        ):
+    @cached_property
+    def facts(self) -> dict[str, Matrix]:
+        """What is known of the curves at rest, in the flow, at and before a sample: forms ≥ 0, sectors then copies."""
+        where = {"rest": self.rest, "flow": self.flow, "jump": self.sample, "region": self.before_sample}
+        return {name: self._forms(evaluations) for name, (_, evaluations) in where.items()}
+
+    def _forms(self, evaluations: Sequence[Evaluation]) -> Matrix:
+        """Twice the products of equations 7 and 8, one matrix for each multiplier."""
+        forms = []
+        for e in evaluations:
             low, high = self.sectors[e.curve]
-            total = total + multiplier * _product(e.value - low * e.argument, high * e.argument - e.value)
-        pairs = self.pairs(evaluations)
-        multipliers = unknowns[f"{where}_copies"].reshape(parts, -1)[part]
-        for multiplier, (a, b, steepest, mismatch) in zip(multipliers, pairs, strict=True):
+            forms.append(_product(e.value - low * e.argument, high * e.argument - e.value))
+        for a, b, steepest, mismatch in self.pairs(evaluations):
             rise, apart = a.value - b.value, a.argument - b.argument
-            total = total + multiplier * (_product(rise, steepest * apart) - 2 * _square(rise))
+            forms.append(_product(rise, steepest * apart - rise))
             if mismatch:
-                total = total + multiplier * 2 * mismatch * (_square(a.argument) + _square(b.argument))
-        return np.asarray(total)
+                forms[-1] = forms[-1] + 2 * mismatch * (_square(a.argument) + _square(b.argument))
+        return np.array(forms)
+
+    def _known(self, unknowns: Unknowns, where: str, part: int, parts: int) -> Matrix:
+        """What is known of the curves times its multipliers, in one of the parts of a condition."""
+        each = [unknowns[f"{where}_{kind}"].reshape(parts, -1)[part] for kind in ("sectors", "copies")]
+        multipliers = np.concatenate(each)
+        if not multipliers.size:
+            return np.asarray(0)
+        return np.asarray(np.tensordot(multipliers, self.facts[where], 1))
 
     def _of_state(self, xi: Matrix, zeta: Matrix) -> list[Evaluation]:
         """The law's curves in ζ, by rows of ξ and ζ."""
