@@ -26,6 +26,7 @@ from .kernels.compiled import is_compiled, mark_compiled
 from .kernels.estimators import MODULES
 from .recording import Recording
 from .simulation import Sensor, simulate, simulate_batch
+from .simulation.sensors import measure
 from .systems import DiscreteSystem
 
 #: A few samples: physics and numerics do not matter here.
@@ -36,6 +37,8 @@ PLANT = Drivetrain.two_mass(
 )  # fmt: skip
 #: A law without states.
 LAW = DiscreteSystem(inputs=("speed_motor",), outputs=("torque_motor",), D=np.array([[-0.1]]), dt=DT)
+COUNTS = Sensor("angle_motor", resolution=1e-3, difference=True)
+#: Nm and rad/s (numerics: any).
 TORQUE, SPEED = np.full(SAMPLES, 5.0), np.linspace(0.0, 1.0, SAMPLES)
 
 
@@ -43,9 +46,12 @@ def _open_loop() -> None:
     simulate(replace(PLANT, actuator=Actuator(rate_limit=1e5)), torque_motor=TORQUE, dt=DT, energy=True)
 
 
+def _sensors() -> None:
+    measure({"speed_motor": COUNTS}, {"angle_motor": SPEED}, DT, 0)
+
+
 def _closed_loop() -> None:
-    counts = Sensor("angle_motor", resolution=1e-3, difference=True)
-    simulate(PLANT, law=LAW, torque_load=TORQUE, sensors={"speed_motor": counts}, dt=DT)
+    simulate(PLANT, law=LAW, torque_load=TORQUE, sensors={"speed_motor": COUNTS}, dt=DT)
 
 
 def _batches() -> None:
@@ -83,6 +89,7 @@ def _estimator(kind: str) -> Callable[[], None]:
 PARTS: dict[str, dict[str, Callable[[], None]]] = {
     "simulation": {
         "simulation": _open_loop,
+        "sensors": _sensors,
         "closed loop": _closed_loop,
         "variants": _batches,
         "closed-loop variants": _batches_with_a_law,

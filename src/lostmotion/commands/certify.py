@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..certificates import prove_running, stability, verify_certificate
+from ..certificates import prove_running, stability
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..io import load_law, read_configuration, save_json
-from ..io.storage.whole_files import read_bytes, write_bytes
-from ..stages.design import target_law
-from ..stages.material import settings_of
+from ..io import load_law, read_configuration
+from ..io.storage.certificate_files import save_certificate
+from ..io.storage.whole_files import read_bytes
+from ..stages.target_law import default_poles, target_law
 from ..systems import DiscreteSystem
 from .outputs import outputs
 from .recordings import drivetrain_of
@@ -46,11 +47,8 @@ def certify_file(
         proof = prove_running(
             plant, system, delay=delay, torque_load=torque_load, fastest=fastest, progress=progress
         )
-        result = stability(proof)
-        certificate = proof.certificate or {"claim": None}
-        save_json(file, "certificate", {**certificate, "statement": result})
-        write_bytes(script, Path(verify_certificate.__file__).read_bytes())
-    return result
+        save_certificate(proof, file, script)
+    return stability(proof)
 
 
 def law_beside(drivetrain: Path, law: Path | None) -> Path | None:
@@ -73,5 +71,8 @@ def law_of(drivetrain: Path, plant: Drivetrain, law: Path | None) -> DiscreteSys
         )  # fmt: skip
     if b"[nameplate]" not in read_bytes(drivetrain):
         raise InvalidInput(str(drivetrain), "no law.json beside it", "a law", "Give it with --law.")
-    settings = settings_of(read_configuration(drivetrain))
-    return target_law(plant, settings, settings.sample_time or SAMPLE_TIME, False, ("torque_motor",))
+    settings = read_configuration(drivetrain).law
+    dt = settings.sample_time or SAMPLE_TIME
+    poles = settings.poles or default_poles(plant, dt, False).values
+    limit = math.inf if settings.torque_limit is None else settings.torque_limit
+    return target_law(plant, poles, limit, dt, False)

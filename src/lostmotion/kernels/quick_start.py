@@ -7,15 +7,15 @@ import gc
 from collections.abc import Iterator
 from typing import Any
 
-from numba.core.registry import cpu_target
-from numba.np import linalg
-
 
 def load_numba() -> None:
     """Load what a kernel's first call would load."""
-    with _without_collection(), _blas_later():
-        cpu_target.typing_context.refresh()
-        cpu_target.target_context.refresh()
+    with _without_collection():
+        from numba.core.registry import cpu_target
+
+        with _blas_later():
+            cpu_target.typing_context.refresh()
+            cpu_target.target_context.refresh()
 
 
 @contextlib.contextmanager
@@ -33,6 +33,8 @@ def _without_collection() -> Iterator[None]:
 @contextlib.contextmanager
 def _blas_later() -> Iterator[None]:
     """numba imports scipy.linalg, 0.13 s, only to ask whether there is a BLAS; it asks again before it uses it."""
+    from numba.np import linalg
+
     asks: Any = getattr(linalg, "ensure_blas", None)
     linalg.ensure_blas = lambda: None
     try:
