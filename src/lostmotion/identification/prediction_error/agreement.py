@@ -41,11 +41,16 @@ def confirmed(
         flt = ContactFilter.of(predictor, POLES * start.pole_frequency)
     except InvalidInput:
         return predictor, stage, told
-    found = estimate(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece)
-    away = np.abs(found.theta - told.theta)[stage.free]
+
+    def agrees(theta: Array) -> bool:
+        away = np.abs(theta - told.theta)[stage.free]
+        return bool(stage.free) and bool(np.all(away <= told.half))
+
+    fitted = predictor.drivetrain(told.theta)
+    found = estimate(flt, start, fitted, fixed, predictor.joint_piece, agrees)
     if found.explained:
-        agree = bool(stage.free) and bool(np.all(away <= told.half))
-        return (predictor, stage, told) if agree else _taken(predictor, stage, start, found)
+        return (predictor, stage, told) if agrees(found.theta) else _taken(predictor, stage, start, found)
+    away = np.abs(found.theta - told.theta)[stage.free]
     keep = away <= np.maximum(told.half, APART)
     if _excess(predictor, stage, flt) > UNEXPLAINED:
         keep[:] = False

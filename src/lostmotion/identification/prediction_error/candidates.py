@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..statistics.block_covariance import sandwich, student_factor
 from .contact_filter import INDEX, LAWS, NAMES, ContactFilter, pole_of
 from .initial_values import DAMPING_RATIO
 from .innovations import NAMES as TOLD
-from .likelihood import FIRST_LEVEL, Box, Candidate, descend, inverse_hessian, minimise, polish
+from .likelihood import Box, Candidate, descend, inverse_hessian, minimise, polish
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,8 @@ ALIKE, ALIKE_SHARE = 0.003, 0.2
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
+#: And up to which it leaves nothing but the noise (numerics: 5 % above it).
+NOISE_ALONE = 0.05
 #: A cost from which on no other minima are looked for (numerics: moves gain less).
 HOPELESS = 1.0
 
@@ -81,6 +83,7 @@ def estimate(
     fitted: Drivetrain,
     fixed: Collection[str],
     piece: tuple[float, float] | None,
+    agrees: Callable[[Array], bool],
 ) -> Estimate:
     """What the contact-switching filter tells.
 
@@ -92,15 +95,18 @@ def estimate(
         Nameplate; what the observer of constant gain has found.
     fixed : names that keep the nameplate's value
     piece : share and compliance of a third inertia, if that was found.
+    agrees : callable
+        Whether a vector (8,) is within the intervals of what was found: no more is looked for if that leaves nothing
+        but the sensor's noise.
     """
     starts = _starts(flt, start, fitted, fixed)
     box = Box.around(flt, starts["nameplate"], FAR).including(starts["fitted"], FAR)
     rows = int(np.clip(PERIODS / (flt.dt * pole_of(starts["nameplate"])), FEWEST, MOST))
     part, free = flt.liveliest(rows), _free(start, fixed)
-    found = [
-        descend(name, part, one, free, box, FITTED_LEVEL if name == "fitted" else FIRST_LEVEL)
-        for name, one in starts.items()
-    ]
+    found = [descend("fitted", part, starts.pop("fitted"), free, box, FITTED_LEVEL)]
+    if found[0].cost < NOISE_ALONE and agrees(_eight(found[0])):
+        return Estimate(_eight(found[0]), np.full(len(TOLD), np.inf), np.empty((0, 0)), found[0], True)
+    found += [descend(name, part, one, free, box) for name, one in starts.items()]
     if min(one.cost for one in found) < HOPELESS:
         found += _hops(min(found, key=lambda one: one.cost), box)
     others = plausible(found)
@@ -109,7 +115,7 @@ def estimate(
         if found[0].cost < EXPLAINED:
             return _told(found[0], [*plausible(found), *others], box, fixed)
     # An unknown load torque makes up for much that the model lacks, and the load inertia with it.
-    near = _with(starts["fitted"], flt, torque_rate=0.0)
+    near = _with(flt.theta(_values(flt, fitted, start, fixed)), flt, torque_rate=0.0)
     second = descend("fitted", part, near, free, box, FITTED_LEVEL)
     theta = _eight(second)
     for name in ("coulomb", "viscous"):
@@ -251,7 +257,7 @@ def _apart(found: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
-    """Values of the best candidate; half widths from the sandwich covariance, and what plausible ones disagree about."""
+    """Values of the best candidate; half widths from the sandwich covariance, and where plausible ones disagree."""
     run = best.flt.run(best.theta, best.free)
     gather = _gather(best)
     white = inverse_hessian(run.jacobian) * np.mean(run.weighted**2)
