@@ -13,7 +13,6 @@ So windows that differ by more than 1e-9 are judged again with steps of at most 
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
@@ -21,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from rich.progress import track
+from shared import parser_of
 
 from lostmotion.drivetrain import CONTACT_LAWS
 
@@ -49,9 +49,7 @@ def row(name: str, windows: list[Judged]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--windows", type=int, default=60, help="windows of each number of masses and law")
     parser.add_argument("--seed", type=int, default=0, help="seed of the first window")
     parser.add_argument("--workers", type=int, default=os.cpu_count())

@@ -10,10 +10,11 @@ every case.
 
 from __future__ import annotations
 
-import argparse
 import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+
+from shared import parser_of
 
 from lostmotion.compare import CASES, CONTESTANTS, Case
 from lostmotion.compare.cases import PARAMETERS
@@ -117,7 +118,7 @@ def print_summary(rigs: list[dict[tuple[str, str], Row]], names: list[str]) -> N
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=20, help="how many rigs")
     parser.add_argument("--first", type=int, default=1, help="the first of them")
     parser.add_argument("--slow", action="store_true", help="the moving horizon too")

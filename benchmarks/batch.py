@@ -10,7 +10,6 @@ in the same run.
 
 from __future__ import annotations
 
-import argparse
 import json
 import resource
 import subprocess
@@ -18,20 +17,12 @@ import sys
 import time
 
 import numpy as np
+from shared import TABLE_I, parser_of
 
 import lostmotion as lm
 from lostmotion.simulation import simulate_batch
 
 DT, SAMPLES = 1e-4, 10_000
-TABLE_I = dict(
-    inertia_motor=0.0182,
-    inertia_load=0.111,
-    stiffness=6285.896,
-    damping=0.397,
-    backlash=0.012,
-    coulomb=2.0,
-    viscous=0.0175,
-)
 
 
 def variants(count: int) -> list[lm.Drivetrain]:
@@ -75,7 +66,7 @@ def apart(count: int, workers: int) -> dict[str, float]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--variants", type=int, default=10_000)
     parser.add_argument("--runs", type=int, default=3, help="The fastest of so many.")
     parser.add_argument("--here", type=int, default=0, help="Run in this process with so many threads.")

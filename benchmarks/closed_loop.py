@@ -10,7 +10,6 @@ what does not grow with the length; the whole call stands beside it.
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import subprocess
 import tempfile
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from shared import TABLE_I, parser_of
 
 import lostmotion as lm
 from lostmotion.kernels.law.step import law_run
@@ -29,26 +29,12 @@ from lostmotion.simulation.plant_run import PlantRun
 from lostmotion.systems import DiscreteSystem
 
 DT, N, SHORT = 1e-4, 20_000, 2_000
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, contact="dead_zone",
-)  # fmt: skip
+PLANT = lm.Drivetrain.two_mass(**TABLE_I, contact="dead_zone")
 MODEL = PLANT.with_contact("viscoelastic")
 REFERENCE = np.where(np.arange(N) * DT % 0.2 < 0.1, -2.0, 2.0)
 
-_DRIVER = """
-#include "law.h"
-void run(const law_real *in, law_real *out, unsigned long *faults, long n);
-void run(const law_real *in, law_real *out, unsigned long *faults, long n)
-{
-    law_state state;
-    long k;
-    law_init(&state);
-    for (k = 0; k < n; k++) {
-        faults[k] = law_step(&state, (const law_in *)in + k, (law_out *)out + k);
-    }
-}
-"""
+#: C that runs an exported law over all rows of its inputs.
+_DRIVER = Path(__file__).parents[1] / "tests" / "fixtures" / "law_driver.c"
 
 
 def law() -> DiscreteSystem:
@@ -72,7 +58,7 @@ def seconds(work: Callable[[], object], runs: int) -> tuple[float, float]:
 def c_run(joined: DiscreteSystem, inputs: np.ndarray, folder: Path) -> Callable[[], object]:
     """The exported C over all inputs, compiled as its README says."""
     lm.export.c(joined, folder, name="law", vectors=2)
-    (folder / "driver.c").write_text(_DRIVER)
+    (folder / "driver.c").write_bytes(_DRIVER.read_bytes())
     library = folder / "law.so"
     command = ["cc", *lm.export.C_FLAGS, "-shared", "-fPIC", "-o", str(library), "law.c", "driver.c"]
     subprocess.run(command, cwd=folder, check=True)
@@ -191,9 +177,7 @@ def observer_rows(runs: int) -> list[tuple[str, float, float]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--runs", type=int, default=25)
     parser.add_argument("--observers", action="store_true")
     arguments = parser.parse_args()

@@ -8,9 +8,8 @@ width, then the half width found on each rig over the predicted one.
 
 from __future__ import annotations
 
-import argparse
-
 import numpy as np
+from shared import parser_of
 
 import lostmotion as lm
 from lostmotion.experiment import design_excitation
@@ -25,7 +24,7 @@ NOMINAL = {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=10, help="rigs 1 to SEEDS")
     parser.add_argument("--kind", default="levels")
     parser.add_argument("--nameplate", choices=("nominal", "rough"), default="nominal")

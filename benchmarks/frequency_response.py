@@ -8,11 +8,11 @@ with gap and with the gap closed, the random-input describing function's predict
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from shared import TABLE_I, parser_of
 
 import lostmotion as lm
 from lostmotion import structure
@@ -78,7 +78,7 @@ def table(duration: float, seeds: range) -> None:
 
 def coverage(seeds: int) -> None:
     """Coverage of the fit's intervals: Table I without gap and friction, with sensor noise."""
-    values = {"inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397}
+    values = {n: TABLE_I[n] for n in ("inertia_motor", "inertia_load", "stiffness", "damping")}
     plant = lm.Drivetrain.two_mass(**values)
     true = {
         **values,
@@ -145,7 +145,7 @@ def figures(folder: Path, duration: float, rms: float = 16.0) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--seconds", type=float, default=120.0, help="length of each recording")
     parser.add_argument("--seeds", type=int, default=3, help="torques 1 to SEEDS for each amplitude")
     parser.add_argument(

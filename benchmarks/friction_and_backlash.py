@@ -8,12 +8,12 @@ coverage: the share of the seeds whose 95 % interval contains the truth.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from shared import parser_of
 
 import lostmotion as lm
 from lostmotion.identification import (
@@ -149,7 +149,7 @@ def rows(case: str, outcomes: list[Outcome]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=40)
     parser.add_argument("--only", default="", help="cases whose name contains this text")
     arguments = parser.parse_args()

@@ -10,21 +10,18 @@ identified. The start values are off by exactly a factor of two, up or down at r
 
 from __future__ import annotations
 
-import argparse
 import time
 
 import numpy as np
+from shared import TABLE_I, parser_of
 
 import lostmotion as lm
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.innovations import NAMES
 
 DT = 1e-4
-#: Table I of Fietzek & Rinderknecht, and a torque lag.
-TABLE_I = {
-    "inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397, "backlash": 0.012,
-    "coulomb": 2.0, "viscous": 0.0175, "lag": 3e-4,
-}  # fmt: skip
+#: Table I and a torque lag.
+LAGGED = {**TABLE_I, "lag": 3e-4}
 
 
 def start_off_by(truth: dict[str, float], factor: float, seed: int) -> lm.Drivetrain:
@@ -85,7 +82,7 @@ def on_the_rig(seeds: int, factor: float, closed: bool) -> None:
 def exact_recording(seed: int) -> lm.Recording:
     """Two masses, excitation of the seed, torque and speed from 20 bit counts: no model error."""
     torque = lm.signals.excitation(10.0, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
-    run = lm.simulate(lm.Drivetrain.two_mass(**TABLE_I), torque_motor=torque, dt=DT)
+    run = lm.simulate(lm.Drivetrain.two_mass(**LAGGED), torque_motor=torque, dt=DT)
     count = 2.0 * np.pi / 2**20
     counts = np.floor(run["angle_motor"] / count + np.random.default_rng([seed, 5]).uniform())
     speed = np.diff(counts, prepend=counts[0]) * count / DT
@@ -95,18 +92,16 @@ def exact_recording(seed: int) -> lm.Recording:
 def coverage(seeds: int) -> None:
     """Share of the 95 % intervals that contain the truth, in %, and their median half widths."""
     hits, statistical, half = [], [], []
-    start = lm.Drivetrain.two_mass(**TABLE_I)
+    start = lm.Drivetrain.two_mass(**LAGGED)
     for seed in range(1, seeds + 1):
         found = lm.identify(exact_recording(seed), start=start)
         low, high = np.array([found.intervals[n] for n in NAMES]).T
-        truth = np.array([TABLE_I[n] for n in NAMES])
+        truth = np.array([LAGGED[n] for n in NAMES])
         hits.append((low <= truth) & (truth <= high))
         half.append(50.0 * (high - low) / truth)
         value = np.array([found.values[n] for n in NAMES])
         # The covariance is that of the logarithms, of lag + sample time for the lag.
-        shift = np.log(value + DT * (truth == TABLE_I["lag"])) - np.log(
-            truth + DT * (truth == TABLE_I["lag"])
-        )
+        shift = np.log(value + DT * (truth == LAGGED["lag"])) - np.log(truth + DT * (truth == LAGGED["lag"]))
         statistical.append(np.abs(shift) <= 2.18 * np.sqrt(np.diag(found.covariance)))
     print("| | " + " | ".join(NAMES) + " | pooled |")
     print("|---" * (len(NAMES) + 2) + "|")
@@ -117,7 +112,7 @@ def coverage(seeds: int) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=20, help="rigs 1 to SEEDS")
     parser.add_argument("--factor", type=float, default=2.0, help="how far the start values are off")
     parser.add_argument("--closed", action="store_true", help="under PI control with dither")

@@ -8,7 +8,6 @@ it was stopped. Parts can be chosen: --only leaderboard targets torque-sensor we
 
 from __future__ import annotations
 
-import argparse
 import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from shared import parser_of
 
 import lostmotion as lm
 from lostmotion.compare import CASES, CONTESTANTS, Leaderboard, compare_observers
@@ -270,9 +270,7 @@ def print_targets(board: Leaderboard) -> None:
         ["the same, shaft torque %", "≤ 1.5", at("Observer 1", "identified", "torque_shaft")],
         ["the same, F1 of the gap", "≥ 0.9", at("Observer 1", "identified", "f1_gap")],
     ]
-    best = max(
-        board.observers, key=lambda n: (board.median(n, "identified", "f1_gap") or median([0.0])).value
-    )
+    best = max(board.entries, key=lambda n: (board.median(n, "identified", "f1_gap") or median([0.0])).value)
     rows.append([f"best F1 after identification: {best}", "≥ 0.95", at(best, "identified", "f1_gap")])
     off = [case.name for case in board.cases if case.factors]
     for name in ("Observer 1", "load torque", "H∞, load torque", "Observer 2, load torque"):
@@ -289,7 +287,7 @@ def print_targets(board: Leaderboard) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=20, help="rigs 1 to SEEDS")
     parser.add_argument("--out", type=Path, help="folder for files and figures")
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))

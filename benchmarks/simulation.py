@@ -10,7 +10,6 @@ installed (pip install control).
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import math
 import subprocess
@@ -23,6 +22,7 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from shared import TABLE_I, parser_of
 
 import lostmotion as lm
 from lostmotion.kernels.loop.any_plant import run_open_loop
@@ -33,15 +33,6 @@ from lostmotion.simulation.plant_run import PlantRun
 
 HERE = Path(__file__).parent
 DT = 1e-4
-TABLE_I = dict(
-    inertia_motor=0.0182,
-    inertia_load=0.111,
-    stiffness=6285.896,
-    damping=0.397,
-    backlash=0.012,
-    coulomb=2.0,
-    viscous=0.0175,
-)
 PAPER = lm.Drivetrain.two_mass(**TABLE_I, contact="dead_zone")
 
 
@@ -293,7 +284,7 @@ def six_masses() -> lm.Drivetrain:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument(
         "--reference", type=Path, default=HERE.parent / "tests" / "simulation" / "reference_windows.npz"
     )

@@ -10,12 +10,12 @@ three cases of the leaderboard: hard reversals, a load that rests half of the ti
 
 from __future__ import annotations
 
-import argparse
 import os
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
 import numpy as np
+from shared import parser_of
 
 import lostmotion as lm
 from lostmotion.compare import CASES
@@ -122,9 +122,7 @@ def on_the_rig(work: str, seed: int) -> dict[str, list[tuple[float, float]]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=20)
     seeds = range(1, parser.parse_args().seeds + 1)
     rig = ((f"virtual rig, {work}", partial(on_the_rig, work)) for work in WORK)

@@ -10,13 +10,13 @@ Cost: process time per sample, median of the seeds.
 
 from __future__ import annotations
 
-import argparse
 import os
 import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+from shared import parser_of
 
 import lostmotion as lm
 from lostmotion.recording import Recording
@@ -118,9 +118,7 @@ def print_wear(seeds: range) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--wear", action="store_true")
     arguments = parser.parse_args()

@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from shared import TABLE_I
 
 import lostmotion as lm
 from lostmotion.simulation import Sensor, measure
 
 DT, SECONDS, FIRST = 1e-4, 3.0, 3000
-STIFFNESS = (6285.896, 2e4, 5e4, 1e5)
+STIFFNESS = (TABLE_I["stiffness"], 2e4, 5e4, 1e5)
 LEVELS = (4.0, 10.0, -4.0, -10.0, 6.0, -6.0)
 MAKERS = (
     lm.observers.kalman,
@@ -31,10 +32,8 @@ MAKERS = (
 
 def errors(stiffness: float, seed: int) -> tuple[float, list[float]]:
     """Torque that winds the shaft by its backlash over the working torque; load speed in % of range, each observer."""
-    parameters = {
-        "inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": stiffness, "backlash": 0.012, "coulomb": 2.0,
-        "damping": 0.397 * math.sqrt(stiffness / STIFFNESS[0]), "viscous": 0.0175,
-    }  # fmt: skip
+    damping = TABLE_I["damping"] * math.sqrt(stiffness / TABLE_I["stiffness"])
+    parameters = {**TABLE_I, "stiffness": stiffness, "damping": damping}
     torque = lm.signals.excitation(
         SECONDS, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175, levels=LEVELS, ramp=0.1,
         noise_rms=7.0, limit=1e9,

@@ -9,7 +9,6 @@ are those of ``lostmotion.rig.SETS``; the test set is run once for each change o
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from collections.abc import Iterable
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from shared import parser_of
 from zoo_tables import Scores, picture, summary, tables
 
 import lostmotion as lm
@@ -73,7 +73,7 @@ def read(results: Path) -> list[dict[str, Any]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("set", choices=list(lm.rig.SETS))
     parser.add_argument("--drives", type=int, default=0, help="the first so many of the set; 0: tables alone")
     parser.add_argument("--first", type=int, default=0, help="first of them")

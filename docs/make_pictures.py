@@ -16,15 +16,16 @@ IMAGES = Path(__file__).parent / "images"
 def main() -> None:
     material, _ = from_rig(1)
     found = find_parameters(material)
-    validation = validate(material, found, design(material, found))
+    laws = design(material, found)
+    validation = validate(material, found, laws)
     figure = plot.control_step(
         {
-            "PI": validation.responses["pi"],
+            "PI of the paper": validation.responses["pi"],
             "Observer 1 + pole placement": validation.responses["pole_placement"],
         },
         start=0.97,
         stop=1.16,
-        torque_limit=material.settings.torque_limit,
+        torque_limit=laws.torque_limit,
         title="Step of the load speed on the virtual rig, the load not measured (simulated)",
     )
     figure.savefig(IMAGES / "step.png", dpi=110, facecolor="white")

@@ -7,19 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.drivetrain import PARAMETER_UNITS, Actuator, Drivetrain, Friction, Gear, Shaft
-
-TABLE_I = dict(
-    inertia_motor=0.0182,
-    inertia_load=0.111,
-    stiffness=6285.896,
-    damping=0.397,
-    backlash=0.012,
-    coulomb=2.0,
-    viscous=0.0175,
-)
 
 
 def test_derived_values_of_table_i():

@@ -42,6 +42,14 @@ def test_kinds_are_found_without_making_objects():
         events.time[0] = 1.0
 
 
+@pytest.mark.parametrize("kind", ["bump", 3, None, ["impact"]])
+def test_an_unknown_kind_is_refused(kind):
+    with pytest.raises(lm.InvalidInput, match="one of impact, separation"):
+        Events.of([Event(0.1, kind, "shaft 1", 0.0)])
+    with pytest.raises(lm.InvalidInput, match=r"Event\.kind"):
+        Events.of(ROWS).of_kind(kind)
+
+
 def test_they_survive_pickling():
     assert pickle.loads(pickle.dumps(Events.of(ROWS))) == ROWS
 

@@ -34,8 +34,8 @@ def test_results_have_the_stated_form(finished_run: Finished) -> None:
     written = load_json(out / "results.json", "results")
     assert written == json.loads(json.dumps(results))
     assert set(written) >= {
-        "seed", "version", "inputs", "parameters", "truth", "observers", "controllers", "export", "problems",
-        "timing_s",
+        "seed", "version", "inputs", "parameters", "truth", "design", "observers", "controllers", "export",
+        "problems", "timing_s",
     }  # fmt: skip
     for entry in written["parameters"].values():
         assert set(entry) == {"value", "low", "high", "unit", "source"}

@@ -9,6 +9,7 @@ from .version import VERSION
 
 if TYPE_CHECKING:
     from . import (
+        certificates,
         compare,
         controllers,
         curves,
@@ -85,18 +86,19 @@ _HOME = {
 }
 #: The public rooms. What the documentation uses is importable from here or from one of these.
 _ROOMS = (
-    "compare", "controllers", "curves", "drivetrain", "errors", "experiment", "export", "identification", "io",
-    "metrics", "observers", "plot", "recording", "report", "rig", "signals", "simulation", "structure", "systems",
+    "certificates", "compare", "controllers", "curves", "drivetrain", "errors", "experiment", "export",
+    "identification", "io", "metrics", "observers", "plot", "recording", "report", "rig", "signals", "simulation",
+    "structure", "systems",
 )  # fmt: skip
 
 __all__ = [
-    "Actuator", "BatchResult", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Gear",
-    "Identification", "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem",
-    "Recording", "Sensor", "Shaft", "Stepper", "compare", "connect", "controllers", "curves", "drivetrain",
-    "errors", "experiment", "export", "identification", "identify", "io", "load_drivetrain", "load_law",
-    "load_recording", "metrics", "observers", "one_sample_delay", "plot", "read_recording", "recording", "report",
-    "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness", "signals", "simulate",
-    "simulate_batch", "simulation", "structure", "systems",
+    "Actuator", "BatchResult", "DiscreteSystem", "Drivetrain", "Event", "Friction", "Gear", "Identification",
+    "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem", "Recording", "Sensor",
+    "Shaft", "Stepper", "certificates", "compare", "connect", "controllers", "curves", "drivetrain", "errors",
+    "experiment", "export", "identification", "identify", "io", "load_drivetrain", "load_law",
+    "load_recording", "metrics", "observers", "one_sample_delay", "plot", "read_recording", "recording",
+    "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
+    "signals", "simulate", "simulate_batch", "simulation", "structure", "systems",
 ]  # fmt: skip
 
 

@@ -39,6 +39,14 @@ class Problem:
         for part in ("where", "got"):
             object.__setattr__(self, part, _presentable(getattr(self, part)))
 
+    @classmethod
+    def error(cls, where: str, got: str, expected: str, remedy: str) -> Problem:
+        return cls("error", where, got, expected, remedy)
+
+    @classmethod
+    def warning(cls, where: str, got: str, expected: str, remedy: str) -> Problem:
+        return cls("warning", where, got, expected, remedy)
+
     def __str__(self) -> str:
         return f"{self.where}: got {self.got}, expected {self.expected}. {self.remedy}"
 

@@ -8,11 +8,21 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import InvalidInput
+from .plain_data import shown
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 #: Kinds of events, in the order of their numbers.
 KINDS = ("impact", "separation", "stick", "slip")
+
+
+def _number_of(kind: str) -> int:
+    """Place of a kind in ``KINDS``."""
+    if kind not in KINDS:
+        raise InvalidInput("Event.kind", shown(kind), f"one of {', '.join(KINDS)}", "Correct it.")
+    return KINDS.index(kind)
 
 
 class Event(NamedTuple):
@@ -68,14 +78,14 @@ class Events(Sequence[Event]):
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> Events:
-        """The same events as columns."""
+        """The same events as columns; raises ``InvalidInput`` where one is of an unknown kind."""
         if isinstance(events, Events):
             return events
         rows = tuple(events)
         places = tuple(dict.fromkeys(event.place for event in rows))
         return cls(
             np.array([event.time for event in rows], dtype=float),
-            np.array([KINDS.index(event.kind) for event in rows], dtype=np.int64),
+            np.array([_number_of(event.kind) for event in rows], dtype=np.int64),
             np.array([places.index(event.place) for event in rows], dtype=np.int64),
             np.array([event.speed for event in rows], dtype=float),
             np.array([event.energy for event in rows], dtype=float),
@@ -95,11 +105,11 @@ class Events(Sequence[Event]):
 
     def of_kind(self, kind: str) -> Events:
         """The events of one kind."""
-        return self.only(self.kind == KINDS.index(kind))
+        return self.only(self.kind == _number_of(kind))
 
     def count_of(self, kind: str) -> int:
         """How many events of one kind there are."""
-        return int(np.count_nonzero(self.kind == KINDS.index(kind)))
+        return int(np.count_nonzero(self.kind == _number_of(kind)))
 
     def __len__(self) -> int:
         return int(self.time.size)

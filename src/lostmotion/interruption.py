@@ -21,7 +21,7 @@ Handler = Callable[[int, FrameType | None], Any]
 def _of_a_worker() -> None:
     """A forked worker has nothing to put away: it ends at once when its pool ends it."""
     for number in _ENDS:
-        if signal.getsignal(number) is _ended:
+        if isinstance(signal.getsignal(number), _Ended):
             signal.signal(number, signal.SIG_DFL)
 
 
@@ -48,17 +48,35 @@ def _exit(number: int, frame: FrameType | None) -> None:
 
 @contextlib.contextmanager
 def as_exceptions() -> Iterator[None]:
-    """In the block Ctrl-C is a KeyboardInterrupt, and SIGTERM a SystemExit: what was begun is put away."""
+    """In the block Ctrl-C is a KeyboardInterrupt, and SIGTERM a SystemExit: what was begun is put away.
+
+    An error that another package makes of them (numba, where a compilation is interrupted) becomes that again.
+    """
+    ended = _Ended()
     with contextlib.ExitStack() as stack:
-        stack.enter_context(_handled(signal.SIGINT, signal.default_int_handler))
-        for number in _ENDS:
-            stack.enter_context(_handled(number, _ended))
-        yield
+        for number in (signal.SIGINT, *_ENDS):
+            stack.enter_context(_handled(number, ended))
+        try:
+            yield
+        except Exception as error:
+            if ended.raised is None:
+                raise
+            raise ended.raised from error
 
 
-def _ended(number: int, frame: FrameType | None) -> None:
-    signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the tidying up
-    raise SystemExit(128 + number)
+class _Ended:
+    """Handler of the signals; remembers what it raised."""
+
+    def __init__(self) -> None:
+        self.raised: BaseException | None = None
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        if number == signal.SIGINT:
+            self.raised = KeyboardInterrupt()
+        else:
+            signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the tidying up
+            self.raised = SystemExit(128 + number)
+        raise self.raised
 
 
 @contextlib.contextmanager

@@ -87,7 +87,7 @@ def run(
             write_report(
                 folder / "report.html",
                 {**results, **_report_only(material)},
-                figures(material, found, validation, true_parameters),
+                figures(material, found, laws, validation, true_parameters),
                 command=_command(configuration, material.seed),
             )
         save_json(folder / "results.json", "results", results)
@@ -124,6 +124,7 @@ def _results(
         "inputs": dict(material.inputs),
         "parameters": dict(found.table),
         "fits": fits,
+        "design": dict(laws.taken),
         "observers": dict(validation.observers),
         "controllers": dict(validation.controllers),
         "export": dict(code),

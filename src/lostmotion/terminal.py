@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -17,7 +17,22 @@ from .display import parameters as parameter_table
 SHOWN = 3
 
 
-class StageLines:
+class _Shown:
+    """A progress display that runs within ``with``."""
+
+    _progress: Progress
+
+    def __enter__(self) -> Self:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+
+class StageLines(_Shown):
     """A progress line for each stage on standard error; call it as ``run.Progress``.
 
     Without a terminal: a line where a stage starts and ends, and with ``every`` one for each such part of it.
@@ -39,15 +54,6 @@ class StageLines:
         self._tasks: dict[str, Any] = {}
         self._started: dict[str, float] = {}
 
-    def __enter__(self) -> StageLines:
-        self._progress.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._progress.stop()
-
     def __call__(self, stage: str, fraction: float, text: str = "") -> None:
         if stage not in self._tasks:
             self._tasks[stage] = self._progress.add_task("", total=1.0, stage=stage)
@@ -67,10 +73,10 @@ class StageLines:
             self._console.print(f"{stage} {100.0 * fraction:.0f} % in {spent:.0f} s")
 
 
-class Countdown:
+class Countdown(_Shown):
     """A bar on standard error for work of known amount, with the time that is left; call it as (done, all, seconds)."""
 
-    def __init__(self, what: str) -> None:
+    def __init__(self, what: str, shown: bool = True) -> None:
         console = Console(stderr=True, highlight=False)
         self._progress = Progress(
             TextColumn(what),
@@ -79,21 +85,14 @@ class Countdown:
             TimeElapsedColumn(),
             TextColumn("{task.description}"),
             console=console,
-            disable=not console.is_terminal,
+            disable=not shown or not console.is_terminal,
         )
         self._task = self._progress.add_task("", total=None)
+        if shown and not console.is_terminal:
+            console.print(f"{what} …")
 
-    def __enter__(self) -> Countdown:
-        self._progress.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._progress.stop()
-
-    def __call__(self, done: int, everything: int, remaining: float) -> None:
-        left = f"{remaining:.0f} s left" if done < everything else ""
+    def __call__(self, done: int, everything: int, remaining: float | None = None) -> None:
+        left = f"{remaining:.0f} s left" if done < everything and remaining is not None else ""
         self._progress.update(self._task, completed=done, total=everything, description=left)
 
 

@@ -96,6 +96,26 @@ def test_handlers_are_put_back_and_other_threads_have_none() -> None:
     assert seen == [before]
 
 
+@pytest.mark.parametrize(
+    ("number", "expected"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)]
+)
+def test_what_another_package_makes_of_an_interruption_is_one(
+    number: signal.Signals, expected: type[BaseException]
+) -> None:
+    """numba, interrupted while it compiles, ends with an error of its own."""
+    with pytest.raises(expected), as_exceptions():
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(5.0)
+        except BaseException:
+            raise RuntimeError("no compiled object yet") from None
+
+
+def test_an_error_that_no_signal_caused_stays_one() -> None:
+    with pytest.raises(RuntimeError), as_exceptions():
+        raise RuntimeError("a defect")
+
+
 def test_a_forked_worker_ends_at_once() -> None:
     with as_exceptions():
         process = os.fork()

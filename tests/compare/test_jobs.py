@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from lostmotion.compare import jobs
+from lostmotion.compare.jobs import run_jobs
 
 
 def slow_but_the_first(job):
@@ -15,9 +15,8 @@ def slow_but_the_first(job):
 
 
 @pytest.mark.parametrize("interrupt", [KeyboardInterrupt, GeneratorExit])
-def test_leaving_ends_the_jobs_that_run(monkeypatch, interrupt):
-    monkeypatch.setattr(jobs, "run_job", slow_but_the_first)
-    results = jobs.run_jobs([("nominal", seed, 3.0, ()) for seed in range(1, 7)], 2)
+def test_leaving_ends_the_jobs_that_run(interrupt):
+    results = run_jobs(slow_but_the_first, [("nominal", seed, 3.0, ()) for seed in range(1, 7)], 2)
     assert next(results) == ("nominal", 1, {})
     before = time.monotonic()
     with pytest.raises(interrupt):

@@ -42,7 +42,7 @@ def board(cases=CASES, rigs=6, names=("Observer 1", "steady", "with sensor")):
         }
 
     return Leaderboard(
-        observers=dict.fromkeys(names, "fixed gain"),
+        entries=dict.fromkeys(names, "fixed gain"),
         cases=cases,
         seeds=seeds,
         scores={c.name: {s: {n: score(n, c, s) for n in names} for s in seeds} for c in cases},

@@ -26,7 +26,7 @@ OBSERVER_NAMES = [entry.name for entry in CONTESTANTS]
     ],
 )
 def test_what_a_keyboard_has_is_enough(typed, known, meant):
-    assert known_names("cases", [typed], known) == [meant]
+    assert known_names("observers", "cases", [typed], known) == [meant]
 
 
 @pytest.mark.parametrize("known", [CASE_NAMES, OBSERVER_NAMES])
@@ -34,7 +34,7 @@ def test_no_two_names_are_typed_alike_and_all_in_ascii(known):
     typed = [plain(name) for name in known]
     assert len(set(typed)) == len(known)
     assert all(word.isascii() for word in typed)
-    assert known_names("cases", known, known) == known
+    assert known_names("observers", "cases", known, known) == known
 
 
 @pytest.mark.parametrize(
@@ -42,10 +42,10 @@ def test_no_two_names_are_typed_alike_and_all_in_ascii(known):
 )
 def test_the_nearest_name_is_suggested(typed, near):
     with pytest.raises(InvalidInput, match=f"Did you mean {near}.*--list"):
-        known_names("cases", ["sticking", typed], CASE_NAMES)
+        known_names("observers", "cases", ["sticking", typed], CASE_NAMES)
 
 
 @pytest.mark.parametrize("given", ["nominal", [], None, 5, [5], ["wild"]])
 def test_what_is_no_list_of_names_is_told_so(given):
     with pytest.raises(InvalidInput, match=r"compare_observers\.cases.*a list of names of cases"):
-        known_names("cases", given, CASE_NAMES)
+        known_names("observers", "cases", given, CASE_NAMES)

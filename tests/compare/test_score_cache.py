@@ -39,7 +39,8 @@ def changed(tmp_path):
 @pytest.mark.parametrize(
     "name",
     ["observers/fixed_gain/kalman", "kernels/plant/event_loop", "compare/experiment",
-     "compare/contestants", "compare/scores", "compare/jobs",
+     "compare/contestants", "compare/scores", "compare/jobs", "compare/score_observers",
+     "compare/controllers/contestants", "compare/controllers/scores", "controllers/lqi",
      "rig/nominal", "simulation/sensors", "identification/prediction_error/identify", "systems/__init__",
      "drivetrain/__init__", "curves"],
 )  # fmt: skip
@@ -75,22 +76,22 @@ def test_what_is_left_out_lies_above_all_that_is_judged():
 
 
 def test_other_code_starts_over_the_same_code_goes_on(tmp_path, monkeypatch):
-    ScoreCache(tmp_path, 3.0).add("nominal", 1, FOUND)
-    assert ScoreCache(tmp_path, 3.0).scores("nominal", 1) == FOUND
+    ScoreCache(tmp_path, "long").add("nominal", 1, FOUND)
+    assert ScoreCache(tmp_path, "long").scores("nominal", 1) == FOUND
     monkeypatch.setattr(score_cache, "source_hash", lambda: "other")
-    assert ScoreCache(tmp_path, 3.0).scores("nominal", 1) == {}
+    assert ScoreCache(tmp_path, "long").scores("nominal", 1) == {}
 
 
 def test_another_duration_has_files_of_its_own(tmp_path):
-    ScoreCache(tmp_path, 3.0).add("nominal", 1, FOUND)
-    short = ScoreCache(tmp_path, 1.5)
+    ScoreCache(tmp_path, "long").add("nominal", 1, FOUND)
+    short = ScoreCache(tmp_path, "short")
     assert short.scores("nominal", 1) == {}
     short.add("nominal", 1, {"Observer 1": {"speed_load": 0.2}})
-    assert ScoreCache(tmp_path, 3.0).scores("nominal", 1) == FOUND
+    assert ScoreCache(tmp_path, "long").scores("nominal", 1) == FOUND
 
 
 def test_without_a_folder_nothing_is_written():
-    cache = ScoreCache(None, 3.0)
+    cache = ScoreCache(None)
     cache.add("nominal", 1, FOUND)
     assert cache.scores("nominal", 1) == FOUND and cache.folder is None
 

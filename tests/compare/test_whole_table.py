@@ -23,6 +23,10 @@ def table(observers=EVERYONE, cases=CASES, seeds=(1, 2, 3), duration=3.0, part=F
 WHOLE = table()
 
 
+def keep(folder, new):
+    keep_whole_table(folder, new, "observers", EVERYONE, [case.name for case in CASES])
+
+
 @pytest.mark.parametrize(
     "new, lost",
     [
@@ -35,23 +39,23 @@ WHOLE = table()
 def test_the_whole_table_is_kept(tmp_path, new, lost):
     WHOLE.write(tmp_path)
     with pytest.raises(InvalidInput, match=f"would lose {lost}, expected.*--force"):
-        keep_whole_table(tmp_path, new)
+        keep(tmp_path, new)
 
 
 @pytest.mark.parametrize("new", [WHOLE, table(seeds=(1, 2, 3, 4)), table(duration=4.0)])
 def test_a_table_of_the_same_or_more_takes_its_place(tmp_path, new):
     WHOLE.write(tmp_path)
-    keep_whole_table(tmp_path, new)
+    keep(tmp_path, new)
 
 
 def test_a_part_may_be_replaced_and_what_is_no_table_is_nothing_to_keep(tmp_path):
     small = table({"Observer 1": "fixed gain"}, cases=QUICK, part=True)
-    keep_whole_table(tmp_path, small)
+    keep(tmp_path, small)
     table(part=True).write(tmp_path)
-    keep_whole_table(tmp_path, small)
+    keep(tmp_path, small)
     for content in ("", "[]", "{}", '{"settings": 5}'):
         (tmp_path / "leaderboard.json").write_text(content)
-        keep_whole_table(tmp_path, small)
+        keep(tmp_path, small)
 
 
 def test_a_table_from_before_parts_were_marked_counts_as_whole_and_names_that_are_gone_as_nothing(tmp_path):
@@ -60,9 +64,9 @@ def test_a_table_from_before_parts_were_marked_counts_as_whole_and_names_that_ar
     del old["settings"]["part"]
     old["observers"].append({"name": "an observer that was renamed"})
     (tmp_path / "leaderboard.json").write_text(json.dumps(old))
-    keep_whole_table(tmp_path, WHOLE)
+    keep(tmp_path, WHOLE)
     with pytest.raises(InvalidInput, match="1 of its rigs"):
-        keep_whole_table(tmp_path, replace(WHOLE, seeds=(1, 2)))
+        keep(tmp_path, replace(WHOLE, seeds=(1, 2)))
 
 
 def test_it_is_refused_before_any_work(tmp_path):

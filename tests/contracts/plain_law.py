@@ -17,19 +17,8 @@ from lostmotion.systems import DiscreteSystem, InputCheck
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
-_DRIVER = """
-#include "law.h"
-void run(const law_real *inputs, law_real *outputs, unsigned long *faults, long n);
-void run(const law_real *inputs, law_real *outputs, unsigned long *faults, long n)
-{
-    law_state state;
-    long k;
-    law_init(&state);
-    for (k = 0; k < n; k++) {
-        faults[k] = law_step(&state, (const law_in *)inputs + k, (law_out *)outputs + k);
-    }
-}
-"""
+#: C that runs an exported law over all rows of its inputs.
+_DRIVER = Path(__file__).parents[1] / "fixtures" / "law_driver.c"
 
 
 def numba_run(
@@ -187,7 +176,7 @@ def c_run(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     export.c(law, folder, name="law", real=real, vectors=2)
     number = np.float64 if real == "double" else np.float32
-    (folder / "driver.c").write_text(_DRIVER)
+    (folder / "driver.c").write_bytes(_DRIVER.read_bytes())
     library = folder / "law.so"
     command = [COMPILER, *export.C_FLAGS, "-shared", "-fPIC", "-o", str(library), "law.c", "driver.c"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)

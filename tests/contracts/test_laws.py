@@ -10,32 +10,42 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_law import COMPILER, c_run, numba_run, python_run, random_inputs
+from table_i import PAPER
 
-from lostmotion.controllers import lqi, pi, pole_placement, soft_landing
+from lostmotion.controllers import (
+    active_damping,
+    flatness,
+    h_infinity,
+    lqi,
+    notch,
+    pi,
+    pole_placement,
+    sliding_mode,
+    soft_landing,
+    speed_course,
+    super_twisting,
+)
 from lostmotion.curves import PiecewiseLinear
-from lostmotion.drivetrain import Drivetrain, Friction
-from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque
+from lostmotion.drivetrain import Friction
+from lostmotion.observers import disturbance_observer, kalman, shaft_torque
+from lostmotion.observers import h_infinity as h_infinity_observer
 from lostmotion.observers.fixed_gain.gates import POSITIVE_PART
 from lostmotion.observers.model import SENSORS
 from lostmotion.systems import DiscreteSystem, connect, minimum, one_sample_delay, rate_limit
 
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
-ONE_SIDED = replace(TABLE_1, frictions=(Friction(0.3, 0.001), Friction((2.5, 0.0), 0.0175)))
+ONE_SIDED = replace(PAPER, frictions=(Friction(0.3, 0.001), Friction((2.5, 0.0), 0.0175)))
 
 
 def observer_1_with_pole_placement() -> DiscreteSystem:
-    observer = kalman(TABLE_1, dt=1e-4)
-    controller = pole_placement(TABLE_1, dt=1e-4, torque_limit=73.5)
+    observer = kalman(PAPER, dt=1e-4)
+    controller = pole_placement(PAPER, dt=1e-4, torque_limit=73.5)
     return connect(
         [observer, controller], inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",)
     )
 
 
 def soft_landing_behind_lqi() -> DiscreteSystem:
-    plant = TABLE_1.with_parameters(lag=3e-4)
+    plant = PAPER.with_parameters(lag=3e-4)
     observer = kalman(plant, dt=1e-4, load_torque=True, speed_from_counts=True)
     speed = lqi(plant, dt=1e-4, largest_error=2.0, largest_torque=73.5, torque_limit=73.5)
     limiter = soft_landing(plant, dt=1e-4, contact_speed=0.6, torque_limit=73.5)
@@ -51,24 +61,24 @@ def soft_landing_behind_lqi() -> DiscreteSystem:
 
 
 OBSERVERS = {
-    **{f"kalman on {sensor}": kalman(TABLE_1, measured=(sensor,), dt=1e-4) for sensor in SENSORS},
-    "kalman on all": kalman(TABLE_1, measured=SENSORS, dt=1e-4),
-    "observer 2": kalman(TABLE_1, measured=("torque_shaft", "speed_motor"), dt=1e-4),
-    "kalman at 1 ms": kalman(TABLE_1, dt=1e-3),
-    "kalman, dead zone": kalman(TABLE_1.with_contact("dead_zone"), dt=1e-4),
-    "kalman, linear": kalman(TABLE_1.with_parameters(backlash=0.0, coulomb=0.0), dt=1e-4),
-    "kalman, lag": kalman(TABLE_1.with_parameters(lag=5e-4), dt=1e-4, speed_from_counts=True),
-    "kalman, load torque": kalman(TABLE_1, dt=1e-4, load_torque=True),
+    **{f"kalman on {sensor}": kalman(PAPER, measured=(sensor,), dt=1e-4) for sensor in SENSORS},
+    "kalman on all": kalman(PAPER, measured=SENSORS, dt=1e-4),
+    "observer 2": kalman(PAPER, measured=("torque_shaft", "speed_motor"), dt=1e-4),
+    "kalman at 1 ms": kalman(PAPER, dt=1e-3),
+    "kalman, dead zone": kalman(PAPER.with_contact("dead_zone"), dt=1e-4),
+    "kalman, linear": kalman(PAPER.with_parameters(backlash=0.0, coulomb=0.0), dt=1e-4),
+    "kalman, lag": kalman(PAPER.with_parameters(lag=5e-4), dt=1e-4, speed_from_counts=True),
+    "kalman, load torque": kalman(PAPER, dt=1e-4, load_torque=True),
     "kalman, guarded": kalman(
-        TABLE_1, measured=("speed_motor", "torque_shaft"), dt=1e-4, largest_innovation={"speed_motor": 4.0}
+        PAPER, measured=("speed_motor", "torque_shaft"), dt=1e-4, largest_innovation={"speed_motor": 4.0}
     ),
     "kalman, scheduled": kalman(
-        TABLE_1, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
+        PAPER, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
     ),
-    "H infinity": h_infinity(TABLE_1.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True),
+    "H infinity": h_infinity_observer(PAPER.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True),
     "shaft torque": shaft_torque(6285.896, dt=1e-3, torque_delay=4e-4),
     "disturbance observer": disturbance_observer(
-        TABLE_1.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True
+        PAPER.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True
     ),
     "kalman, one-sided friction": kalman(ONE_SIDED, measured=("angle_motor", "speed_load"), dt=2e-4),
 }
@@ -77,13 +87,13 @@ CONTROLLERS = {
     "pi with limit": pi(dt=1e-4, torque_limit=20.0),
     "pi with filter and friction": pi(dt=1e-4, filter_time=0.02, friction_of=ONE_SIDED),
     "pi with all": pi(dt=1e-4, torque_limit=20.0, filter_time=0.02, friction_of=ONE_SIDED),
-    "pole placement": pole_placement(TABLE_1, dt=1e-4),
-    "pole placement with limit": pole_placement(TABLE_1, dt=1e-4, torque_limit=73.5),
+    "pole placement": pole_placement(PAPER, dt=1e-4),
+    "pole placement with limit": pole_placement(PAPER, dt=1e-4, torque_limit=73.5),
     "pole placement, by reference": pole_placement(
         ONE_SIDED, dt=1e-4, torque_limit=73.5, friction_compensation="reference"
     ),
-    "pole placement, uncompensated": pole_placement(TABLE_1, dt=1e-4, friction_compensation="none"),
-    "lqi": lqi(TABLE_1, dt=1e-4, largest_error=2.0, largest_torque=73.5),
+    "pole placement, uncompensated": pole_placement(PAPER, dt=1e-4, friction_compensation="none"),
+    "lqi": lqi(PAPER, dt=1e-4, largest_error=2.0, largest_torque=73.5),
     "lqi with limit, lag and friction of the motor": lqi(
         ONE_SIDED.with_parameters(lag=3e-4),
         dt=1e-4,
@@ -91,14 +101,33 @@ CONTROLLERS = {
         largest_torque=73.5,
         torque_limit=73.5,
     ),
-    "soft landing": soft_landing(TABLE_1, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
+    "flatness": flatness(
+        PAPER, dt=1e-4, largest_acceleration=300.0, largest_jerk=1e5, largest_error=2.0, largest_torque=73.5
+    ),
+    "H infinity": h_infinity(
+        PAPER.with_parameters(lag=3e-4),
+        dt=1e-4,
+        largest_error=2.0,
+        largest_torque=73.5,
+        load_torque=10.0,
+        torque_limit=73.5,
+    ),
+    "notch": notch("torque_wished", "torque_motor", frequency=100.0, dt=1e-4),
+    "sliding mode": sliding_mode(PAPER, dt=1e-4, switching_torque=40.0, torque_limit=73.5),
+    "speed course": speed_course(largest_acceleration=300.0, largest_jerk=1e5, dt=1e-4),
+    "super-twisting": super_twisting(
+        PAPER, dt=1e-4, switching_torque=20.0, torque_limit=73.5, integral_rate=200.0
+    ),
+    "active damping": active_damping(PAPER, dt=1e-4),
+    "active damping with limit": active_damping(PAPER, dt=1e-4, torque_limit=73.5),
+    "soft landing": soft_landing(PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
     "observer + lqi + soft landing": soft_landing_behind_lqi(),
     "minimum": minimum("a", "b", "c", 1e-4),
     "rate limit": rate_limit("a", "b", rate=1e4, dt=1e-4),
     "delay": one_sample_delay("torque_motor", 1e-4, start=0.5),
     "observer 1 + pole placement": observer_1_with_pole_placement(),
 }
-LAWS = {**OBSERVERS, **CONTROLLERS}
+LAWS = {**OBSERVERS, **{f"controller: {name}": law for name, law in CONTROLLERS.items()}}
 
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 

@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from table_i import TABLE_I
 
 from lostmotion import observers
 from lostmotion.drivetrain import Drivetrain
@@ -37,10 +38,6 @@ STEPPERS = {
 }
 EVERY = {**FIXED, **STEPPERS}
 
-TABLE_1 = {
-    "inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397, "backlash": 0.012,
-    "coulomb": 2.0, "viscous": 0.0175,
-}  # fmt: skip
 DT, SECONDS = 1e-4, 1.5
 
 
@@ -57,7 +54,7 @@ def recorded(parameters, torque, dt, counts=COUNTS, torque_noise=0.0):
 
 
 WORK = excitation(SECONDS, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
-SHOWN, _ = recorded(TABLE_1, WORK, DT, torque_noise=0.3)
+SHOWN, _ = recorded(TABLE_I, WORK, DT, torque_noise=0.3)
 #: By how much a signal grows with the torques and with the angles.
 GROWS = {"torque": (1, 1), "friction": (1, 1), "coulomb": (1, 1), "probability": (0, 0)} | {
     "stiffness": (1, 0), "inertia": (1, 0), "twist": (0, 1), "speed": (0, 1), "backlash": (0, 1), "angle": (0, 1),
@@ -72,10 +69,10 @@ def test_a_similar_drivetrain_has_similar_estimates(name, torques, angles):
     A default in Nm, rad or rad/s that does not follow the drivetrain shows here.
     """
     grown = {"backlash": angles, "coulomb": torques * angles}
-    other = {n: v * grown.get(n, torques) for n, v in TABLE_1.items()}
+    other = {n: v * grown.get(n, torques) for n, v in TABLE_I.items()}
     counts = {} if name in FIXED else {"speed_motor": speed_of_counts(DT) * angles}
     found = []
-    for parameters, torque, angle in ((TABLE_1, 1.0, 1.0), (other, torques, angles)):
+    for parameters, torque, angle in ((TABLE_I, 1.0, 1.0), (other, torques, angles)):
         size = {"torque_motor": torque * angle, "torque_shaft": torque * angle, "speed_motor": angle}
         tuning = (
             {"sensor_noise": {n: v if angle != 1.0 else v / angles for n, v in counts.items()}}

@@ -10,20 +10,36 @@ from pathlib import Path
 import lostmotion
 
 SOURCES = Path(lostmotion.__file__).parent
+MAKERS = ("Problem", "Problem.error", "Problem.warning")
 
 
-def problems(folder: Path) -> Iterator[tuple[Path, ast.Call]]:
-    """Every call of ``Problem`` below a folder."""
+def problems(folder: Path) -> Iterator[tuple[Path, ast.Call, tuple[str, ...]]]:
+    """Every call that makes a ``Problem`` below a folder, and the expressions that it gets.
+
+    A local name counts as what the function assigns to it: ``remedy = "…"`` above the call.
+    """
     for path in sorted(folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Problem":
-                yield path, node
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+        owner = {id(node): function for function in functions for node in ast.walk(function)}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in MAKERS:
+                function = owner.get(id(node))
+                yield path, node, tuple(expression(argument, function) for argument in node.args)
+
+
+def expression(argument: ast.expr, function: ast.FunctionDef | None) -> str:
+    if isinstance(argument, ast.Name) and function is not None:
+        for node in ast.walk(function):
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == argument.id:
+                return ast.unparse(node.value)
+    return ast.unparse(argument)
 
 
 def test_no_text_is_written_twice() -> None:
     places = defaultdict(list)
-    for path, call in problems(SOURCES):
-        *_, expected, remedy = [ast.unparse(argument) for argument in call.args] or ["", ""]
+    for path, call, arguments in problems(SOURCES):
+        *_, expected, remedy = arguments or ("", "")
         if max(len(expected), len(remedy)) > 30:
             places[expected, remedy].append(f"{path.relative_to(SOURCES)}:{call.lineno}")
     assert len(places) > 40
@@ -31,5 +47,5 @@ def test_no_text_is_written_twice() -> None:
 
 
 def test_a_room_of_the_identification_has_its_messages_in_one_file() -> None:
-    found = [path for path, _ in problems(SOURCES / "identification")]
+    found = [path for path, *_ in problems(SOURCES / "identification")]
     assert len(found) > 30 and {path.name for path in found} == {"problems.py"}

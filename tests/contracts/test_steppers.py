@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from all_steppers import STEPPERS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,20 +20,11 @@ from lostmotion.signals import excitation
 from lostmotion.simulation import Sensor
 
 DT = 1e-4
-MAKERS = (
-    observers.extended_kalman,
-    observers.unscented_kalman,
-    observers.interacting_models,
-    observers.moving_horizon,
-    observers.sliding_mode,
-    observers.super_twisting,
-    observers.neural_network,
-)
 
 TORQUE = excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
 RECORDING, TRUTH = rig.record(1, torque_motor=TORQUE)
 DRIVETRAIN = Drivetrain.two_mass(**TRUTH.parameters, torque_limit=rig.TORQUE_LIMIT)
-EVERY = pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
+EVERY = pytest.mark.parametrize("make", STEPPERS, ids=lambda make: make.__name__)
 
 #: First row of each burst of bad samples.
 STARTS = np.arange(6000, 20000, 2000)
@@ -133,7 +125,7 @@ def test_a_missing_motor_torque_does_not_last(make):
 
 
 @pytest.mark.parametrize(
-    ("make", "seed"), [*((make, 3) for make in MAKERS), *((make, 2) for make in MAKERS[:4])]
+    ("make", "seed"), [*((make, 3) for make in STEPPERS), *((make, 2) for make in STEPPERS[:4])]
 )
 def test_with_all_inputs_missing_at_once_it_is_back_soon(make, seed):
     """20 ms of nothing under hard reversals: nobody knows what the torque did, nor on which side the joint is.
@@ -155,7 +147,7 @@ def test_with_all_inputs_missing_at_once_it_is_back_soon(make, seed):
 
 
 @pytest.mark.parametrize("seed", [1, 7])
-@pytest.mark.parametrize("make", MAKERS[:4], ids=lambda make: make.__name__)
+@pytest.mark.parametrize("make", STEPPERS[:4], ids=lambda make: make.__name__)
 def test_a_long_loss_of_the_speed_at_a_long_sample_time_does_not_last(make, seed):
     """100 ms at 1 ms. A filter that was sure of a wrong side of the gap had 130 to 490 times its error after some."""
     dt = 1e-3
@@ -216,7 +208,7 @@ WILDEST = np.array([np.nan, np.inf, 0.0, 1e300, 1e30, -1e30, 1e28, 1e20, 1e15, 1
 
 
 @pytest.mark.parametrize("measured", SENSORS, ids="-".join)
-@pytest.mark.parametrize("make", MAKERS[:4], ids=lambda make: make.__name__)
+@pytest.mark.parametrize("make", STEPPERS[:4], ids=lambda make: make.__name__)
 def test_never_a_nan_whatever_is_measured(make, measured):
     stepper = make(Drivetrain.two_mass(**TRUTH.parameters), dt=DT, measured=measured)
     rng = np.random.default_rng(1)
@@ -255,7 +247,7 @@ def _coarse(make, dt, bits):
     recording, truth = rig.record(plant, torque_motor=torque, dt=dt, channels=("speed_motor",))
     found = {**truth.parameters, "viscous": 0.0175}  # too short a recording to tell it
     noise = speed_of_counts(dt, 2**bits)
-    given = {"sensor_noise": noise if make in MAKERS[4:] else {"speed_motor": noise}}
+    given = {"sensor_noise": noise if make in STEPPERS[4:] else {"speed_motor": noise}}
     stepper = make(Drivetrain.two_mass(**found, torque_limit=73.5), dt=dt, speed_from_counts=True, **given)
     result = stepper.run(recording)
     exact = truth.signals["speed_load"]

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 from lostmotion.controllers import pi, pole_placement, state_feedback
 from lostmotion.drivetrain import Drivetrain, Friction
@@ -13,16 +14,12 @@ from lostmotion.errors import InvalidInput
 from lostmotion.observers import kalman
 from lostmotion.systems import DiscreteSystem, connect, zero_order_hold
 
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
-LINEAR = TABLE_1.with_parameters(backlash=0.0, coulomb=0.0, viscous_motor=0.003)
+LINEAR = PAPER.with_parameters(backlash=0.0, coulomb=0.0, viscous_motor=0.003)
 DT = 1e-4
 
 
 def test_the_paper_s_gains_in_continuous_time():
-    found = state_feedback(TABLE_1.with_parameters(viscous=0.0), poles=(-400.0, -400.0, -400.0))
+    found = state_feedback(PAPER.with_parameters(viscous=0.0), poles=(-400.0, -400.0, -400.0))
     np.testing.assert_allclose(found.gain, [1345.88, 21.378, -0.80919], rtol=5e-6)
     assert found.prefilter == pytest.approx(20.5687, rel=2e-6)
     assert found.friction_gain == pytest.approx(1.2141, rel=1e-5)
@@ -31,12 +28,12 @@ def test_the_paper_s_gains_in_continuous_time():
 @pytest.mark.parametrize("poles", [(-400, -300, -200), (-50, -300 + 200j, -300 - 200j)])
 @pytest.mark.parametrize("dt", [None, 1e-4, 1e-3])
 def test_the_poles_are_where_they_were_wanted(poles, dt):
-    a, b = TABLE_1.linear()
+    a, b = PAPER.linear()
     wanted = np.array(poles, dtype=complex)
     if dt is not None:
         a, b = zero_order_hold(a, b, dt)
         wanted = np.exp(wanted * dt)
-    found = np.linalg.eigvals(a - b @ state_feedback(TABLE_1, poles, dt).gain[None, :])
+    found = np.linalg.eigvals(a - b @ state_feedback(PAPER, poles, dt).gain[None, :])
     np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(wanted), rtol=1e-6)
 
 
@@ -105,7 +102,7 @@ def run_loop(plant, law, fine, n, at, levels):
 
 @pytest.mark.parametrize("compensation, peak", [("estimated", 75.6), ("reference", 80.2)])
 def test_step_of_the_paper_with_observer_1(compensation, peak):
-    load, torque = step_with(pole_placement(TABLE_1, dt=DT, friction_compensation=compensation), TABLE_1)
+    load, torque = step_with(pole_placement(PAPER, dt=DT, friction_compensation=compensation), PAPER)
     assert load[2999] == pytest.approx(-2.0, abs=1e-4)
     assert load[-1] == pytest.approx(2.0, abs=1e-4)
     assert np.max(load) < 2.0 + 0.01 * 4.0
@@ -119,46 +116,46 @@ def test_the_paper_s_peak_torques_with_its_continuous_gains(monkeypatch):
     module = sys.modules["lostmotion.controllers.pole_placement"]
     monkeypatch.setattr(module, "state_feedback", lambda d, poles, dt=None: state_feedback(d, poles))
     for compensation, peak in (("estimated", 80.0), ("reference", 85.0)):
-        _, torque = step_with(pole_placement(TABLE_1, dt=DT, friction_compensation=compensation), TABLE_1)
+        _, torque = step_with(pole_placement(PAPER, dt=DT, friction_compensation=compensation), PAPER)
         assert np.max(torque) == pytest.approx(peak, abs=0.5)
 
 
 def test_pi_overshoots_as_in_the_paper():
-    load, torque = step_with(pi(dt=DT), TABLE_1, seconds=0.9, at=0.5, observer=False)
+    load, torque = step_with(pi(dt=DT), PAPER, seconds=0.9, at=0.5, observer=False)
     assert (np.max(load) - 2.0) / 4.0 == pytest.approx(0.086, abs=0.003)
     assert np.max(torque[5000:]) == pytest.approx(38.0, abs=0.3)
 
 
 def test_feeding_back_the_whole_twist_would_leave_the_load_below_the_set_point():
-    controller = pole_placement(TABLE_1, dt=DT).renamed({"twist_elastic_estimated": "twist_estimated"})
-    load, _ = step_with(controller, TABLE_1)
-    gains = state_feedback(TABLE_1, dt=DT)
+    controller = pole_placement(PAPER, dt=DT).renamed({"twist_elastic_estimated": "twist_estimated"})
+    load, _ = step_with(controller, PAPER)
+    gains = state_feedback(PAPER, dt=DT)
     assert load[-1] == pytest.approx(2.0 - gains.gain[0] * 0.006 / gains.prefilter, abs=1e-3)
 
 
 def test_without_compensation_the_load_stays_below_the_set_point():
-    load, _ = step_with(pole_placement(TABLE_1, dt=DT, friction_compensation="none"), TABLE_1)
+    load, _ = step_with(pole_placement(PAPER, dt=DT, friction_compensation="none"), PAPER)
     # friction gain · 2 Nm / prefilter
-    gains = state_feedback(TABLE_1, dt=DT)
+    gains = state_feedback(PAPER, dt=DT)
     assert load[-1] == pytest.approx(2.0 - 2.0 * gains.friction_gain / gains.prefilter, abs=1e-3)
 
 
 def test_the_load_comes_to_rest_at_a_set_point_of_zero():
-    load, torque = step_with(pole_placement(TABLE_1, dt=DT), TABLE_1, levels=(2.0, 0.0))
+    load, torque = step_with(pole_placement(PAPER, dt=DT), PAPER, levels=(2.0, 0.0))
     assert np.min(load) > -0.02
     assert np.max(np.abs(load[-500:])) < 1e-9
     assert np.ptp(torque[-500:]) < 1e-6
 
 
 def test_the_torque_limit_holds_and_the_observer_knows_it():
-    load, torque = step_with(pole_placement(TABLE_1, dt=DT, torque_limit=30.0), TABLE_1)
+    load, torque = step_with(pole_placement(PAPER, dt=DT, torque_limit=30.0), PAPER)
     assert np.max(np.abs(torque)) == 30.0
     assert np.sum(torque == 30.0) > 50
     assert load[-1] == pytest.approx(2.0, abs=1e-3)
 
 
 def test_one_sided_friction_and_friction_of_the_motor():
-    plant = replace(TABLE_1, frictions=(Friction(0.4, 0.002), Friction((2.5, 1.0), 0.0175)))
+    plant = replace(PAPER, frictions=(Friction(0.4, 0.002), Friction((2.5, 1.0), 0.0175)))
     for compensation in ("estimated", "reference"):
         law = pole_placement(plant, dt=DT, friction_compensation=compensation)
         load, _ = step_with(law, plant)
@@ -180,4 +177,4 @@ def test_one_sided_friction_and_friction_of_the_motor():
 )
 def test_misuse(arguments, complaint):
     with pytest.raises(InvalidInput, match=complaint):
-        pole_placement(TABLE_1, **{"dt": DT, **arguments})
+        pole_placement(PAPER, **{"dt": DT, **arguments})

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion import export
@@ -26,11 +27,7 @@ needs_compiler = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def law():
-    plant = Drivetrain.two_mass(
-        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012,
-        coulomb=2.0, viscous=0.0175,
-    )  # fmt: skip
-    systems = [kalman(plant, dt=1e-4), pole_placement(plant, dt=1e-4, torque_limit=73.5)]
+    systems = [kalman(PAPER, dt=1e-4), pole_placement(PAPER, dt=1e-4, torque_limit=73.5)]
     return connect(systems, inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",))
 
 

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from lostmotion.report import ReportFigure, render, write_report
 from lostmotion.report.images import MAX_SVG_BYTES
+from lostmotion.report.summary import cards
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 
@@ -77,6 +78,12 @@ RESULTS: dict[str, Any] = {
         "observer_2": observer(1.2),
         "baselines": {"motor_speed": {"speed_load": errors(0.61, 5.0)}, "no_backlash": observer(11.0)},
     },
+    "design": {
+        "torque_limit": {"value": 73.5, "unit": "Nm", "source": "largest recorded motor torque"},
+        "poles": {"value": ["-230 + 588j", "-230 − 588j", "-124"], "unit": "1/s", "source": "from the drive"},
+        "pi_kp": {"value": 13.4, "unit": "Nm s/rad", "source": "symmetrical optimum"},
+        "step": {"value": [-2.0, 2.0], "unit": "rad/s", "source": "recorded speeds"},
+    },
     "controllers": {"pi": metrics(8.63), "pole_placement": metrics(0.42)},
     "export": {"max_difference": 0.0, "compiler": "cc 12.2"},
     "problems": [
@@ -133,12 +140,13 @@ def test_the_page_contains_every_part():
         render(RESULTS, [("A title", "A caption", figure(), "observers")], command="lostmotion run x")
     )
     for text in (
-        "8.6 % under PI", "12.13 mrad", "12.05 … 12.21", "outside", "not excited", "nameplate",
+        "PI: 8.6 % at 38.2 Nm", "12.13 mrad", "12.05 … 12.21", "outside", "not excited", "nameplate",
         "Load speed Observer 1", "Shaft torque Observer 1", "Observer 2",
         "Motor speed taken as estimate", "Observer without backlash",
         "0.16 %", "1.2 %", "20 µs", "does not settle within 2 %", "38.2 Nm", "bit-equal", "cc 12.2",
         "Record longer.", "ab" * 32, "seed 7", "lostmotion 0.1.0", "lostmotion run x", "1.7 s", "converged",
-        "A title.", "A caption", "20 000",
+        "A title.", "A caption", "20 000", "PI, symmetrical optimum",
+        "largest recorded motor torque", "-230 − 588j, -124 1/s",
     ):  # fmt: skip
         assert text in page.words, text
     assert "Skipped" not in page.words
@@ -258,6 +266,44 @@ def test_user_text_is_escaped(tmp_path):
     page = path.read_text(encoding="utf-8")
     assert "<script" not in page
     assert bad in Balanced(page).words
+
+
+def card(results: dict[str, Any], label: str) -> dict[str, str]:
+    return next(c for c in cards(results) if label in c["label"])
+
+
+@pytest.mark.parametrize(
+    ("signal", "label"), [("speed_load", "Load speed"), ("torque_shaft", "Shaft torque")]
+)
+def test_an_observer_is_green_only_where_it_beats_every_naive_estimate(signal, label):
+    assert card(RESULTS, label)["state"] == "good"
+    beaten = copy.deepcopy(RESULTS)
+    beaten["observers"]["baselines"]["no_backlash"][signal] = dict(
+        beaten["observers"]["observer_1"][signal],
+        rmse=0.9 * beaten["observers"]["observer_1"][signal]["rmse"],
+    )
+    assert card(beaten, label)["state"] == "bad"
+    assert "observer without backlash" in card(beaten, label)["note"]
+    alone = copy.deepcopy(RESULTS)
+    alone["observers"]["baselines"] = {}
+    assert card(alone, label)["state"] == "plain"
+
+
+@pytest.mark.parametrize(
+    ("overshoot", "torque", "state"),
+    [(0.4, 38.0, "good"), (0.4, 73.5, "plain"), (9.0, 38.0, "plain"), (12.0, 38.0, "bad")],
+)
+def test_less_overshoot_is_green_only_without_more_torque(overshoot, torque, state):
+    results = copy.deepcopy(RESULTS)
+    results["controllers"]["pole_placement"] |= {"overshoot": overshoot, "peak_torque": torque}
+    found = card(results, "Overshoot")
+    assert found["state"] == state
+    assert f"{torque:.1f}" in found["note"] and "at 38.2\u00a0Nm" in found["note"]
+
+
+def test_the_observers_are_explained_before_their_first_number():
+    words = Balanced(render(RESULTS)).words
+    assert words.index("Observer 2 measures the shaft torque") < words.index("Load speed error, Observer 1")
 
 
 def test_the_first_problem_stands_beside_what_is_praised():

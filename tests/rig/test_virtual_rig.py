@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER, TABLE_I
 
 import lostmotion as lm
 from lostmotion.rig import (
@@ -148,17 +149,8 @@ def test_channels_are_withheld():
 
 
 def test_equivalent_of_a_two_mass_drivetrain_is_itself():
-    values = dict(
-        inertia_motor=0.02,
-        inertia_load=0.1,
-        stiffness=5000.0,
-        damping=0.3,
-        backlash=0.01,
-        coulomb=1.0,
-        viscous=0.02,
-    )
-    found = two_mass_equivalent(lm.Drivetrain.two_mass(**values, lag=1e-3), np.linspace(-5.0, 5.0, 101))
-    for name, value in {**values, "lag": 1e-3}.items():
+    found = two_mass_equivalent(PAPER.with_parameters(lag=1e-3), np.linspace(-5.0, 5.0, 101))
+    for name, value in {**TABLE_I, "lag": 1e-3}.items():
         assert found[name] == pytest.approx(value, rel=1e-9)
 
 
@@ -198,19 +190,10 @@ def test_a_load_that_never_moves_is_recorded():
 
 
 def test_finer_rig_lies_within_the_intervals():
-    model = lm.Drivetrain.two_mass(
-        inertia_motor=0.0182,
-        inertia_load=0.111,
-        stiffness=6285.896,
-        damping=0.397,
-        backlash=0.012,
-        coulomb=2.0,
-        viscous=0.0175,
-    )
     intervals = {"inertia_load": (0.1, 0.12), "backlash": (0.011, 0.013), "stiffness": (6000.0, 6500.0)}
     drawn = []
     for seed in range(20):
-        rig = finer_rig(model, intervals, seed).drivetrain
+        rig = finer_rig(PAPER, intervals, seed).drivetrain
         found = two_mass_equivalent(rig, np.array([-20.0, -10.0, 10.0, 20.0]))
         drawn.append([found[name] for name in intervals])
         for name, (low, high) in intervals.items():
@@ -218,3 +201,49 @@ def test_finer_rig_lies_within_the_intervals():
         assert len(rig.inertias) == 4
         assert rig.shafts[-1].contact == "physical"
     assert np.all(np.ptp(drawn, axis=0) > 0.0)
+
+
+# Laws in the loop, load torque, start.
+
+
+def test_a_list_of_laws_does_what_the_joined_law_does():
+    model = lm.Drivetrain.two_mass(
+        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
+        viscous=0.0175,
+    )  # fmt: skip
+    observer = lm.observers.kalman(model, dt=1e-4)
+    control = lm.controllers.pole_placement(model, dt=1e-4, torque_limit=73.5)
+    reference = np.where(np.arange(2000) < 500, -2.0, 2.0)
+    joined = lm.connect(
+        [observer.renamed({"torque_motor": "torque_motor_acting"}), control,
+         lm.one_sample_delay("torque_motor", 1e-4, "torque_motor_acting")],
+        inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",),
+    )  # fmt: skip
+    one, _ = lm.rig.record(3, law=joined, speed_reference=reference)
+    # As an input, torque_motor is what acts in this sample: with one sample of delay that of the last step.
+    several, truth = lm.rig.record(3, law=[observer, control], speed_reference=reference)
+    np.testing.assert_allclose(several["torque_motor"], one["torque_motor"], atol=1e-9)
+    assert "speed_load_estimated" in truth.signals and "speed_load_estimated" not in several
+
+
+def test_a_load_torque_acts_and_no_sensor_shows_it():
+    pull = np.where(np.arange(1000) < 200, 0.0, 8.0)
+    recording, truth = lm.rig.record(1, torque_motor=np.zeros(1000), torque_load=pull)
+    np.testing.assert_array_equal(truth.signals["torque_load"], pull)
+    assert "torque_load" not in recording
+    assert truth.signals["speed_load"][200] == 0.0 and truth.signals["speed_load"][-1] > 1.0
+
+
+def test_it_starts_where_an_earlier_recording_ended():
+    whole, _ = lm.rig.record(1, torque_motor=torque(600))
+    _, first = lm.rig.record(1, torque_motor=torque(600)[:250])
+    rest, _ = lm.rig.record(1, torque_motor=torque(600)[250:], state=first.signals.final_state)
+    # The first count difference of a recording has no sample before it.
+    np.testing.assert_allclose(rest["twist"][1:], whole["twist"][251:], atol=1e-9)
+
+
+@pytest.mark.parametrize("delay", [0, 1, 3])
+def test_a_torque_acts_after_its_delay(delay):
+    law = lm.controllers.pi(dt=1e-4)
+    _, truth = lm.rig.record(1, law=law, speed_reference=np.ones(50), delay=delay)
+    assert np.flatnonzero(truth.signals["torque_motor"])[0] == delay

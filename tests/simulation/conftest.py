@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from plants import TABLE_I
+from table_i import TABLE_I
 
 from lostmotion import Drivetrain
 

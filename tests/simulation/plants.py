@@ -6,17 +6,6 @@ import numpy as np
 
 from lostmotion import Recording
 
-#: Table I of Fietzek & Rinderknecht.
-TABLE_I = dict(
-    inertia_motor=0.0182,
-    inertia_load=0.111,
-    stiffness=6285.896,
-    damping=0.397,
-    backlash=0.012,
-    coulomb=2.0,
-    viscous=0.0175,
-)
-
 
 def trajectory(recording: Recording) -> np.ndarray:
     """(n + 1, 2 N − 1) twists and speeds, the final state included."""

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from long_double import Rows, build_mode, delta_over, doubled, friction_segment, taylor_terms
-from plants import TABLE_I
 from scipy.linalg import expm
+from table_i import TABLE_I
 
 from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft
 from lostmotion.kernels.plant.layout import ELEMENT_ROWS, HEADER

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 from independent import Independent
-from plants import TABLE_I, trajectory
+from plants import trajectory
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.drivetrain import CONTACT_LAWS, Drivetrain, Friction, Shaft

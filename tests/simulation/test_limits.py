@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from plants import TABLE_I, trajectory
+from plants import trajectory
 from scipy.linalg import expm
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.drivetrain import CONTACT_LAWS, Drivetrain, Friction, Shaft

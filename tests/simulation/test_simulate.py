@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from plants import TABLE_I
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.drivetrain import Drivetrain, Friction, Shaft

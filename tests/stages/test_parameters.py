@@ -53,7 +53,7 @@ def test_without_motor_torque_nothing_is_invented(speed_load: bool) -> None:
     assert found.table["backlash"]["value"] is None
     assert found.table["stiffness"]["value"] == 100.0
     assert found.table["stiffness"]["source"] == "nameplate"
-    assert "inertia_motor, inertia_load, damping, backlash not known" in found.missing
+    assert "inertia_motor, inertia_load, backlash not known" in found.missing
 
 
 def test_a_complete_nameplate_is_enough_for_a_design() -> None:

@@ -57,7 +57,7 @@ def test_user_plant_is_finer_than_the_model_and_within_the_intervals(prepared) -
         low, high = found.intervals["inertia_load"]
         assert low <= plant.inertias[3] <= high
     assert len({plant.shafts[1].stiffness for plant in plants}) == 20
-    table, _, _ = validate_controllers(replace(material, virtual=False), found, design(material, found))
+    table, _, _, _ = validate_controllers(replace(material, virtual=False), found, design(material, found))
     assert "simulated" in table["plant"]
     assert table["pole_placement"]["overshoot"] < 3.0
 
@@ -65,7 +65,7 @@ def test_user_plant_is_finer_than_the_model_and_within_the_intervals(prepared) -
 def test_no_gap_and_no_friction_validate_as_well(prepared) -> None:
     material, found, _ = prepared
     plain = replace(found, drivetrain=found.drivetrain.with_parameters(backlash=0.0, coulomb=0.0), table={})
-    table, _, _ = validate_controllers(replace(material, virtual=False), plain, design(material, plain))
+    table, _, _, _ = validate_controllers(replace(material, virtual=False), plain, design(material, plain))
     assert table["pi"]["steady_error"] < 0.01
 
 
@@ -96,7 +96,7 @@ def test_a_loop_that_runs_away_is_a_result_with_a_warning(prepared) -> None:
         material, virtual=False, settings=replace(material.settings, kp=400.0, torque_limit=np.inf)
     )
     unlimited = replace(found, drivetrain=found.drivetrain.with_parameters(torque_limit=np.inf))
-    table, responses, problems = validate_controllers(wild, unlimited, design(wild, unlimited))
+    table, responses, _, problems = validate_controllers(wild, unlimited, design(wild, unlimited))
     assert "unstable" in table["pi"]["skipped"]
     assert set(responses) == {"pole_placement"}
     assert any("pi" in p.where for p in problems)
@@ -107,7 +107,7 @@ def test_a_loop_that_never_arrives_has_no_overshoot(prepared) -> None:
     """A torque limit below the friction: the load does not follow, on any processor."""
     material, found, _ = prepared
     weak = replace(material, settings=replace(material.settings, torque_limit=0.5 * found.drivetrain.coulomb))
-    table, _, problems = validate_controllers(weak, found, design(weak, found))
+    table, _, _, problems = validate_controllers(weak, found, design(weak, found))
     assert table["pole_placement"]["overshoot"] is None
     assert any("pole_placement" in p.where for p in problems)
 
@@ -123,10 +123,11 @@ def test_a_pi_that_cannot_be_designed_leaves_the_law(prepared) -> None:
 
 def test_nothing_of_the_virtual_rig_is_called_measured(prepared) -> None:
     material, found, _ = prepared
-    validation = validate(material, found, design(material, found))
+    laws = design(material, found)
+    validation = validate(material, found, laws)
     for recording in (*material.recordings.values(), *validation.responses.values()):
         assert set(recording.origin.values()) <= {"simulated", "reference", "estimated"}
-    shown = figures(material, found, validation, None)
+    shown = figures(material, found, laws, validation, None)
     labels = {str(line.get_label()) for one in shown for axis in one.image.axes for line in axis.lines}
     assert {"simulated", "virtual rig (simulated)"} <= labels
     assert not [text for text in (*labels, *(one.caption for one in shown)) if "measured" in text.lower()]

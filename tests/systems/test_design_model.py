@@ -6,16 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain, Friction
+from lostmotion.drivetrain import Friction
 from lostmotion.errors import InvalidInput
 from lostmotion.simulation import simulate
 from lostmotion.systems import design_model, steady_state
 
-PLANT = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, viscous=0.0175,
-    viscous_motor=0.004, lag=3e-4,
-)  # fmt: skip
+PLANT = PAPER.with_parameters(backlash=0.0, coulomb=0.0, viscous_motor=0.004, lag=3e-4)
 DT = 1e-4
 
 

@@ -10,7 +10,7 @@ import typer
 
 from .. import __version__
 from ..errors import InputProblems, LostMotionError, Problem
-from .leaderboards import observers
+from .leaderboards import controllers, observers
 from .main_job import check, init, run
 from .messages import INPUT_ERROR, show
 from .single_steps import excite, frf, identify, simulate
@@ -66,7 +66,8 @@ for command in (check, init, identify, frf, excite, simulate):
     app.command(epilog=EXIT_CODES)(command)
 
 compare_app = typer.Typer(help="Leaderboards.", no_args_is_help=True)
-compare_app.command(epilog=EXIT_CODES)(observers)
+for comparison in (observers, controllers):
+    compare_app.command(epilog=EXIT_CODES)(comparison)
 app.add_typer(compare_app, name="compare")
 
 

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from ..errors import InvalidInput
+from .compiling import compile_kernels
 from .messages import INPUT_ERROR, interruptible, show
 
 #: What ``init --schema`` writes beside the TOML.
@@ -38,7 +39,9 @@ def run(
     from ..run import silent
     from ..terminal import StageLines, summary
 
-    with interruptible(), StageLines(shown=not (quiet or as_json)) as lines:
+    shown = not (quiet or as_json)
+    compile_kernels("simulation", "identification", shown=shown)
+    with interruptible(), StageLines(shown=shown) as lines:
         results = do_run(file, out=out, seed=seed, force=force, progress=lines if lines.shown else silent)
     if as_json:
         typer.echo(json.dumps(results, indent=1, allow_nan=False))

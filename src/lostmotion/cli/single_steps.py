@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from .compiling import compile_kernels
 from .messages import announce, finished, interruptible
 from .options import (
     KINDS,
@@ -36,6 +37,7 @@ def identify(
     from ..commands.identify import identify_file
     from ..terminal import StageLines, parameters
 
+    compile_kernels("simulation", "identification")
     with interruptible(), StageLines() as lines:
         result = identify_file(
             file, out, seed, lambda fraction, text: lines("identify", fraction, text), force
@@ -63,6 +65,8 @@ def frf(
     """Frequency response with coherence and the two masses that fit it."""
     from ..commands.frf import frequency_response_file
 
+    if file is None:
+        compile_kernels("simulation")
     with interruptible():
         result = frequency_response_file(
             file, out, seed, signal_in, signal_out, known_method(method), reference, (low, high), force
@@ -103,6 +107,7 @@ def excite(
     """Design the torque of a test within limits, and say beforehand how well it will tell each parameter."""
     from ..commands.excite import excitation_file
 
+    compile_kernels("simulation", "identification")
     with interruptible():
         result = excitation_file(
             file, out, kind=kind, duration=duration, dt=dt, torque_limit=torque_limit, speed_limit=speed_limit,
@@ -148,6 +153,7 @@ def simulate(
     force: ForceOption = False,
 ) -> None:
     """Simulate a drivetrain exactly, from event to event; or variants of it, going on after an interruption."""
+    compile_kernels("simulation")
     if variants is not None:
         _simulate_variants(drivetrain, out, variants, spread, torque, duration, dt, seed, force)
         return

@@ -74,7 +74,7 @@ def experiment(case: Case, seed: int, duration: float) -> Experiment:
     }  # the speeds identify all
     shown = _disturbed(recording, true, plant, case, seed)
     truth = _truth(plant, true)
-    given = _identified(seed, parameters) if case.parameters == "identified" else parameters
+    given = identified(seed, parameters) if case.parameters == "identified" else parameters
     given = {name: value * case.factors.get(name, 1.0) for name, value in given.items()}
     first, last = round(SETTLING / case.dt), len(shown)
     if case.wrong_start:
@@ -180,7 +180,7 @@ def _truth(plant: rig.Rig, true: Recording) -> dict[str, Array]:
     }
 
 
-def _identified(seed: int, truth: dict[str, float]) -> dict[str, float]:
+def identified(seed: int, truth: dict[str, float]) -> dict[str, float]:
     """Parameters from a recording of their own, from start values that are off by START_OFF, up or down."""
     recording, _ = rig.record(seed, noise_seed=7)
     signs = np.random.default_rng([seed, 43]).choice([-1.0, 1.0], len(truth))

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 from .. import __version__
-from ..io.storage.whole_files import write_bytes
 from .cases import CASES, Case
 from .contestants import REFERENCE
-from .scores import METRICS, Score
-from .statistics import FEWEST_SEEDS, Estimate, median, overall, ratio, verdict
+from .score_table import ScoreTable, plain
+from .scores import METRICS
+from .statistics import FEWEST_SEEDS, Estimate, overall, ratio, verdict
 
 #: Groups of cases in one table, so that it fits on a screen (option).
 SCREEN = 4
@@ -26,40 +21,11 @@ RANKED_BY = "speed_load"
 _PERCENT = ("speed_load", "torque_shaft", "twist_elastic", "backlash_error")
 
 
-@dataclass(frozen=True, eq=False)
-class Leaderboard:
-    """Scores of all observers over all cases and seeds.
+class Leaderboard(ScoreTable[Case]):
+    """Scores of all observers over all cases and seeds."""
 
-    Parameters
-    ----------
-    observers : mapping of name → kind
-        In the order of the list of contestants.
-    cases : tuple of Case
-    seeds : tuple of int
-    scores : mapping case → seed → observer → score
-    settings : mapping
-        Duration, whether quick, and whether the table is a part (cases or observers were chosen).
-    """
-
-    observers: Mapping[str, str]
-    cases: tuple[Case, ...]
-    seeds: tuple[int, ...]
-    scores: Mapping[str, Mapping[int, Mapping[str, Score]]]
-    settings: Mapping[str, Any]
-
-    def values(self, observer: str, case: str, metric: str) -> dict[int, float]:
-        """The metric by seed, where the observer has it."""
-        found = {}
-        for seed, row in self.scores[case].items():
-            value = row.get(observer, {}).get(metric)
-            if value is not None and math.isfinite(value):
-                found[seed] = float(value)
-        return found
-
-    def median(self, observer: str, case: str, metric: str) -> Estimate | None:
-        """Median over seeds with its 95 % interval; None where the observer has no such estimate."""
-        values = self.values(observer, case, metric)
-        return median(list(values.values())) if values else None
+    ENTRY = "observer"
+    METRICS = METRICS
 
     def against_reference(self, observer: str, case: str, metric: str = RANKED_BY) -> Estimate | None:
         """Error divided by that of Observer 1 on the same recordings: median over seeds."""
@@ -118,12 +84,8 @@ class Leaderboard:
 
     def ranking(self) -> list[str]:
         """Observers from the best to the worst by ``overall``."""
-        places = {name: self.overall(name) for name in self.observers}
-        return sorted(self.observers, key=lambda n: places[n].value if places[n] is not None else math.inf)  # type: ignore[union-attr]
-
-    def groups(self) -> tuple[str, ...]:
-        """Groups of cases, in their order."""
-        return tuple(dict.fromkeys(case.group for case in self.cases))
+        places = {name: self.overall(name) for name in self.entries}
+        return sorted(self.entries, key=lambda n: places[n].value if places[n] is not None else math.inf)  # type: ignore[union-attr]
 
     def worst_of_group(self, observer: str, group: str, metric: str) -> float | None:
         """The largest median of the group's cases (for F1 the smallest)."""
@@ -144,9 +106,9 @@ class Leaderboard:
             "observers": [
                 {
                     "name": name,
-                    "kind": self.observers[name],
+                    "kind": self.entries[name],
                     "needs_torque_sensor": self.needs_torque_sensor(name),
-                    "overall_ratio": _plain(self.overall(name)),
+                    "overall_ratio": plain(self.overall(name)),
                     "wins": self.wins(name),
                     "wins_torque_shaft": self.wins(name, "torque_shaft"),
                     "time_per_sample": self.time_per_sample(name),
@@ -161,28 +123,15 @@ class Leaderboard:
                     "column": self.column(case.group),
                     "observers": {
                         name: {
-                            "ratio_to_reference": _plain(self.against_reference(name, case.name)),
-                            **{m: _plain(self.median(name, case.name, m)) for m in METRICS},
+                            "ratio_to_reference": plain(self.against_reference(name, case.name)),
+                            **{m: plain(self.median(name, case.name, m)) for m in METRICS},
                         }
-                        for name in self.observers
+                        for name in self.entries
                     },
                 }
                 for case in self.cases
             ],
         }
-
-    def to_csv(self) -> str:
-        """One line for each case, seed and observer."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["case", "group", "seed", "observer", *METRICS])
-        for case in self.cases:
-            for seed, row in sorted(self.scores[case.name].items()):
-                for name in self.observers:
-                    if name in row:
-                        cells = ["" if (v := row[name].get(m)) is None else repr(v) for m in METRICS]
-                        writer.writerow([case.name, case.group, seed, name, *cells])
-        return text.getvalue()
 
     def to_markdown(self) -> str:
         """Ranking, tables of the load speed by group of cases, and a table of the nominal case."""
@@ -199,7 +148,7 @@ class Leaderboard:
             count = " – ".join(map(str, wins.values())) if wins and name != REFERENCE else "–"
             times = " | ".join(map(_micro, (self.time_per_sample(name), self.largest_time_per_sample(name))))
             sensor = "yes" if self.needs_torque_sensor(name) else "no"
-            lines.append(f"| {name} | {self.observers[name]} | {sensor} | {place} | {count} | {times} |")
+            lines.append(f"| {name} | {self.entries[name]} | {sensor} | {place} | {count} | {times} |")
         return "\n".join([*lines, "", *self._remarks()])
 
     def _remarks(self) -> list[str]:
@@ -253,13 +202,6 @@ class Leaderboard:
             lines.append(f"| {name} | " + " | ".join(cells) + " |")
         return "\n".join(lines)
 
-    def write(self, folder: Path) -> None:
-        """leaderboard.json, leaderboard.csv and leaderboard.md."""
-        content = json.dumps(self.to_dict(), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
-        texts = {"json": content, "csv": self.to_csv(), "md": self.to_markdown()}
-        for ending, text in texts.items():
-            write_bytes(folder / f"leaderboard.{ending}", text.encode())
-
 
 def _torque_sensor_alone(case: Case) -> bool:
     """Whether the case differs from the nominal one in the noise of the torque sensor alone."""
@@ -269,10 +211,6 @@ def _torque_sensor_alone(case: Case) -> bool:
 
 def _micro(time: float | None) -> str:
     return "–" if time is None else f"{1e6 * time:.2f}"
-
-
-def _plain(found: Estimate | None) -> list[float] | None:
-    return None if found is None else [found.value, found.low, found.high]
 
 
 def _percent(value: float | None) -> str:

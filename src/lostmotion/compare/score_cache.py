@@ -19,8 +19,11 @@ ABOVE = (
 )  # fmt: skip
 TABLES = tuple(
     f"compare/{name}"
-    for name in ("compare_observers", "leaderboard", "names", "score_cache", "statistics", "whole_table")
-)
+    for name in (
+        "compare_observers", "comparison", "leaderboard", "names", "score_cache", "score_table", "statistics",
+        "whole_table", "controllers/compare_controllers", "controllers/leaderboard",
+    )
+)  # fmt: skip
 
 
 @functools.cache
@@ -37,13 +40,14 @@ def source_hash(package: Path = Path(__file__).parents[1]) -> str:
 
 
 class ScoreCache:
-    """Scores per case and seed for one length of the recordings, kept in files if there is a folder.
+    """Scores per case and seed, kept in files if there is a folder.
 
     Parameters
     ----------
     folder : Path or None
-        Files go to ``scores/duration_…`` in it: each duration has its own files.
-    duration : float, s
+        Files go to ``scores`` in it.
+    apart : str, optional
+        Folder in ``scores``, for scores of other settings than those of other calls.
 
     Raises
     ------
@@ -51,8 +55,8 @@ class ScoreCache:
         If the folder cannot be made.
     """
 
-    def __init__(self, folder: Path | None, duration: float) -> None:
-        self.folder = None if folder is None else folder / "scores" / f"duration_{duration!r}"
+    def __init__(self, folder: Path | None, apart: str | None = None) -> None:
+        self.folder = None if folder is None else folder / "scores" / (apart or "")
         self._found: dict[tuple[str, int], Scores] = {}
         if self.folder is not None:
             try:

@@ -1,27 +1,33 @@
-"""Keeps the table of all observers and cases in a folder: hours of work, not replaced by a part of it unasked."""
+"""Keeps the table of all entries and cases in a folder: hours of work, not replaced by a part of it unasked."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from pathlib import Path
+from typing import Any
 
 from ..errors import InvalidInput
-from .cases import CASES
-from .contestants import CONTESTANTS
-from .leaderboard import Leaderboard
+from .score_table import ScoreTable
 
 
-def keep_whole_table(folder: Path, new: Leaderboard) -> None:
-    """Raise if the folder contains a whole table that would lose observers, cases, rigs or length.
+def keep_whole_table(
+    folder: Path, new: ScoreTable[Any], subject: str, entries: Collection[str], cases: Collection[str]
+) -> None:
+    """Raise if the folder contains a whole table that would lose entries, cases, rigs or length.
 
-    Whole is a table of all observers and cases of a comparison, quick or not. A part of one may be replaced: its scores
-    stay. Observers and cases that the package no longer has are ignored.
+    Whole is a table of all entries and cases of a comparison, quick or not. A part of one may be replaced: its scores
+    stay. Entries and cases that the package no longer has are ignored.
 
     Parameters
     ----------
     folder : Path
-    new : Leaderboard
+    new : ScoreTable
         Its scores may still be missing.
+    subject : str
+        "observers" or "controllers": the key of the entries.
+    entries, cases : collection of str
+        Names that the package has.
 
     Raises
     ------
@@ -30,11 +36,11 @@ def keep_whole_table(folder: Path, new: Leaderboard) -> None:
     try:
         old = json.loads((folder / "leaderboard.json").read_text(encoding="utf-8"))
         settings = old["settings"]
-        observers, cases = ({row["name"] for row in old[what]} for what in ("observers", "cases"))
-        longer = settings["duration"] > new.settings["duration"]
+        old_entries, old_cases = ({row["name"] for row in old[what]} for what in (subject, "cases"))
+        longer = settings.get("duration", 0.0) > new.settings.get("duration", 0.0)
         lost = {
-            "observers": len(observers & {entry.name for entry in CONTESTANTS} - set(new.observers)),
-            "cases": len(cases & {case.name for case in CASES} - {case.name for case in new.cases}),
+            subject: len(old_entries & set(entries) - set(new.entries)),
+            "cases": len(old_cases & set(cases) - {case.name for case in new.cases}),
             "rigs": len(set(old["seeds"]) - set(new.seeds)),
         }
     except (OSError, ValueError, KeyError, TypeError):

@@ -1,12 +1,20 @@
 """Controllers: each file makes one control law, as a DiscreteSystem."""
 
-from .lqi import QuadraticFeedback, lqi, quadratic_feedback
+from .active_damping import active_damping
+from .feedback_law import QuadraticFeedback
+from .flatness import flatness, speed_course
+from .h_infinity import RobustFeedback, h_infinity, robust_feedback
+from .lqi import lqi, quadratic_feedback
+from .notch import notch
 from .pi import pi
 from .pi_tuning import PiTuning, symmetrical_optimum
 from .pole_placement import StateFeedback, pole_placement, state_feedback
+from .quadratic_poles import quadratic_poles
+from .sliding_mode import sliding_mode, super_twisting
 from .soft_landing import soft_landing
 
 __all__ = [
-    "PiTuning", "QuadraticFeedback", "StateFeedback", "lqi", "pi", "pole_placement", "quadratic_feedback",
-    "soft_landing", "state_feedback", "symmetrical_optimum",
+    "PiTuning", "QuadraticFeedback", "RobustFeedback", "StateFeedback", "active_damping", "flatness", "h_infinity",
+    "lqi", "notch", "pi", "pole_placement", "quadratic_feedback", "quadratic_poles", "robust_feedback", "sliding_mode",
+    "soft_landing", "speed_course", "state_feedback", "super_twisting", "symmetrical_optimum",
 ]  # fmt: skip

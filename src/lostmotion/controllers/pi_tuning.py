@@ -5,12 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..systems import DesignModel, design_model
+from ..systems import design_model, loop_margin
 from ..systems.checks import sample_time
+from .pi import pi
+
+#: Share of the stiffness that a shaft with backlash shows to a small oscillation (its describing function): closed,
+#: half open, at the edges of the gap, and the motor all but alone (numerics).
+GAP_SHARES = (1.0, 0.3, 0.1, 0.01)
+#: Largest sensitivity (Åström & Hägglund 2006, Advanced PID Control, section 4.6: 1.4 to 2 are usual).
+LARGEST_SENSITIVITY = 2.0
+#: Kessler's spread; that of a phase margin of 45°, from which on it is searched for (Schröder 2009); by which factor it
+#: then grows, and how often (numerics).
+CLASSICAL_SPREAD, DAMPED_SPREAD = 2.0, 1.0 + math.sqrt(2.0)
+GROWTH, ATTEMPTS = 1.1, 80
 
 
 @dataclass(frozen=True)
@@ -29,9 +38,9 @@ class PiTuning:
         Sum of all small time constants, of which ``shaft_time`` is that of the shaft and ``delay_time`` that of current
         loop, computing delay and hold.
     shaft_time, delay_time : float, s
-    stable : bool
-        Whether the sampled loop is stable with the gap closed, torsional mode included. The optimum does not know the
-        mode: late drives with little damping need a larger spread.
+    spread : float
+    sensitivity : float
+        Largest of the sampled loop, torsional mode included, with the gap closed and at its edges. inf: unstable.
     """
 
     kp: float
@@ -41,7 +50,13 @@ class PiTuning:
     time_constant: float
     shaft_time: float
     delay_time: float
-    stable: bool
+    spread: float
+    sensitivity: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether the sampled loop is stable, torsional mode and backlash included."""
+        return math.isfinite(self.sensitivity)
 
     def gains(self) -> dict[str, float]:
         """The arguments of ``pi``: kp, ki and filter_time."""
@@ -49,7 +64,13 @@ class PiTuning:
 
 
 def symmetrical_optimum(
-    drivetrain: Drivetrain, *, dt: float, delay: int = 1, spread: float = 2.0
+    drivetrain: Drivetrain,
+    *,
+    dt: float,
+    delay: int = 1,
+    spread: float | None = CLASSICAL_SPREAD,
+    speed_from_counts: bool = False,
+    largest_noise_gain: float = math.inf,
 ) -> PiTuning:
     """Symmetrical optimum of the motor-speed loop, with the shaft as its largest small time constant.
 
@@ -68,8 +89,14 @@ def symmetrical_optimum(
     dt : float, s
     delay : int
         Samples of computing delay; half a sample of hold comes on top.
-    spread : float
-        a: 2 is the classical choice, larger is slower and better damped.
+    spread : float, optional
+        a: 2 is the classical choice, larger is slower and better damped. The optimum does not know the torsional mode:
+        late drives with little damping need a larger one. None: the smallest from 1 + √2 on (phase margin 45°) with a
+        sensitivity of at most ``LARGEST_SENSITIVITY`` and within the noise gain.
+    speed_from_counts : bool
+        Whether the measured speed is a mean over the sample, for the sensitivity.
+    largest_noise_gain : float, Nm s/rad
+        With ``spread=None``: standard deviation of the torque over that of the measured speed's noise, at most.
 
     Raises
     ------
@@ -86,14 +113,34 @@ def symmetrical_optimum(
         raise InvalidInput(
             "symmetrical_optimum.delay", repr(delay), "zero or more samples", "Give a whole number."
         )
-    if not (math.isfinite(spread) and spread > 1.0):
-        raise InvalidInput("symmetrical_optimum.spread", repr(spread), "a number above 1", "2 is usual.")
+    if spread is not None:
+        if not (math.isfinite(spread) and spread > 1.0):
+            raise InvalidInput("symmetrical_optimum.spread", repr(spread), "a number above 1", "2 is usual.")
+        return _tuning(drivetrain, dt, delay, spread, speed_from_counts)[0]
+    for attempt in range(ATTEMPTS):
+        tuning, noise = _tuning(drivetrain, dt, delay, DAMPED_SPREAD * GROWTH**attempt, speed_from_counts)
+        if tuning.sensitivity <= LARGEST_SENSITIVITY and noise <= largest_noise_gain:
+            break
+    return tuning
+
+
+def _tuning(
+    drivetrain: Drivetrain, dt: float, delay: int, spread: float, speed_from_counts: bool
+) -> tuple[PiTuning, float]:
+    """The gains of a spread, and their noise gain, Nm s/rad."""
     shaft = math.sqrt(drivetrain.inertia_load / drivetrain.stiffness)
     delays = drivetrain.lag + (delay + 0.5) * dt
     time = shaft + delays
     kp = drivetrain.inertia_total / (spread * time)
     ki = kp / (spread**2 * time)
-    return PiTuning(
+    law = pi(dt=dt, kp=kp, ki=ki)
+    shares = GAP_SHARES if drivetrain.backlash > 0.0 else GAP_SHARES[:1]
+    softer = (
+        drivetrain.with_parameters(stiffness=s * drivetrain.stiffness, damping=s * drivetrain.damping)
+        for s in shares
+    )
+    margins = [loop_margin(law, design_model(d, dt, delay), speed_from_counts) for d in softer]
+    tuning = PiTuning(
         kp=kp,
         ki=ki,
         filter_time=spread**2 * time,
@@ -101,15 +148,7 @@ def symmetrical_optimum(
         time_constant=time,
         shaft_time=shaft,
         delay_time=delays,
-        stable=_is_stable(design_model(drivetrain, dt, delay), kp, ki),
+        spread=spread,
+        sensitivity=max(margin.sensitivity for margin in margins),
     )
-
-
-def _is_stable(model: DesignModel, kp: float, ki: float) -> bool:
-    """Poles of the sampled loop of ``pi`` around the design model."""
-    speed, n = model.row(speed_motor=1.0), len(model.states)
-    loop = np.eye(n + 1)
-    loop[:n, :n] = model.A - kp * np.outer(model.B, speed)
-    loop[:n, n] = model.B
-    loop[n, :n] = -model.dt * ki * speed
-    return bool(np.max(np.abs(np.linalg.eigvals(loop))) < 1.0)
+    return tuning, max(margin.torque_per_speed_noise for margin in margins)

@@ -84,6 +84,7 @@ def pole_placement(
     dt: float,
     torque_limit: float = math.inf,
     friction_compensation: FrictionCompensation = "estimated",
+    load_torque: bool = False,
 ) -> DiscreteSystem:
     """Speed control of the load by feedback of the estimated **elastic** twist and speeds.
 
@@ -103,12 +104,15 @@ def pole_placement(
         load sticks and therefore cannot chatter; or the Coulomb level in the direction of the set-point,
         linear within ±0.1 rad/s. Coulomb friction of the motor is compensated by the direction of the set-point
         in both.
+    load_torque : bool
+        Feed back the load torque of an observer that estimates it: the integral action. Without it a load torque, or
+        friction that is not as in the model, leaves a steady error.
 
     Returns
     -------
     DiscreteSystem
-        Inputs speed_reference, twist_elastic_estimated, speed_motor_estimated, speed_load_estimated and, with
-        "estimated", friction_load_estimated; output torque_motor.
+        Inputs speed_reference, twist_elastic_estimated, speed_motor_estimated, speed_load_estimated, with "estimated"
+        friction_load_estimated, and with ``load_torque`` torque_load_estimated; output torque_motor.
 
     Raises
     ------
@@ -135,6 +139,9 @@ def pole_placement(
         # The prefilter compensates the viscous part, so only the Coulomb part of the estimate is used.
         row[3] -= design.friction_gain * drivetrain.viscous
         row.append(design.friction_gain)
+    if load_torque:
+        inputs.append("torque_load_estimated")
+        row.append(-design.friction_gain)
     curves = []
     levels = _levels_by_reference(drivetrain, design.friction_gain, friction_compensation)
     if max(levels) > 0.0:

@@ -14,10 +14,13 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from numba import cfunc, njit
-from numba.core import caching
-
 from .fresh_cache import source_hashes
+from .quick_start import load_numba
+
+load_numba()
+
+from numba import cfunc, njit  # noqa: E402
+from numba.core import caching  # noqa: E402
 
 __all__ = ["cfunc", "keep_fresh", "njit"]
 

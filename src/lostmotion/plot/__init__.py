@@ -20,7 +20,7 @@ from .observers.observer_step import observer_step
 from .observers.sensor_worth import sensor_worth
 from .quantile_bands import quantile_bands
 from .recording_overview import recording_overview
-from .style import source_of
+from .style import source_of, words
 
 __all__ = [
     "backlash_locked",
@@ -42,4 +42,5 @@ __all__ = [
     "sensor_worth",
     "source_of",
     "stiffness_fit",
+    "words",
 ]

@@ -1,11 +1,12 @@
-"""The report's headline: what the user may rely on and what not, from the results alone."""
+"""The report's headline: one sentence on what the user may rely on and what not, from the results alone."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from ..display.numbers import is_number, percent
+from ..display.numbers import is_number, percent, quantity
 from ..drivetrain import PARAMETER_UNITS
 from . import tables
 from .tables import mapping, skip_reason
@@ -23,81 +24,99 @@ _PARAMETERS = {
     "viscous_motor": "the motor's viscous friction",
     "lag": "torque lag",
 }
-#: Signals by which Observer 1 is judged, the first one that was recorded, and the naive estimate it must beat.
-_JUDGED_BY = (("speed_load", "motor_speed"), ("torque_shaft", "no_backlash"))
+#: Signals by which Observer 1 is judged: the first one that was recorded.
+_JUDGED_BY = ("speed_load", "torque_shaft")
+#: Steady error (fraction of the step) and overshoot (%) up to which a law is relied on (option: the project's target).
+STEADY, OVERSHOOT = 0.005, 10.0
+
+
+@dataclass(frozen=True)
+class _Verdict:
+    """A thing in words, with the number that says so, and whether the user may rely on it."""
+
+    text: str
+    reliable: bool
 
 
 def headline(results: Mapping[str, Any]) -> str:
-    """What the user may rely on, one sentence each on parameters, observer and controller, as far as there are results.
+    """What the user may rely on and what not, in one sentence.
 
     Parameters
     ----------
     results : mapping
         As in ``results.json``.
     """
-    sentences = [*_parameters(results), *_observer(results), *_controller(results), *_code(results)]
-    return " ".join(sentences) if sentences else "No stage gave a result."
+    verdicts = [*_parameters(results), *_observer(results), *_controller(results), *_code(results)]
+    sure = [verdict.text for verdict in verdicts if verdict.reliable]
+    unsure = [verdict.text for verdict in verdicts if not verdict.reliable]
+    if sure and unsure:
+        return f"You may rely on {_list(sure)}, but not on {_list(unsure)}."
+    if sure:
+        return f"You may rely on {_list(sure)}."
+    return f"Do not rely on {_list(unsure)}." if unsure else "No stage gave a result."
 
 
-def _parameters(results: Mapping[str, Any]) -> Iterator[str]:
-    """Which parameters are identified and how well, which are uncertain, given, or not identified."""
+def _parameters(results: Mapping[str, Any]) -> Iterator[_Verdict]:
+    """The parameters that are known well, those that are not, and those that were not identified."""
     entries = {name: mapping(entry) for name, entry in mapping(results.get("parameters")).items()}
     known = [name for name in PARAMETER_UNITS if entries.get(name)]
     widths = {name: _relative_half_width(entries[name]) for name in known}
     reliable = [name for name in known if (w := widths[name]) is not None and w <= RELIABLE]
-    uncertain = [name for name in known if (w := widths[name]) is not None and w > RELIABLE]
-    others = [name for name in known if widths[name] is None]
-    given = [name for name in others if entries[name].get("source") == "nameplate"]
-    missing = [name for name in others if entries[name].get("source") == "not excited"]
-    clauses = []
     if reliable:
         largest = max(w for name in reliable if (w := widths[name]) is not None)
-        clauses.append(f"{_list(reliable)} {_are(reliable)} identified within ±{percent(largest)}")
-    if uncertain:
-        remarks = {name: f" (±{percent(widths[name])})" for name in uncertain}
-        clauses.append(f"{_list(uncertain, remarks)} {_are(uncertain)} uncertain")
-    if given:
-        clauses.append(f"{_list(given)} {_are(given)} taken from the nameplate")
-    if missing:
-        clauses.append(f"{_list(missing)} {_are(missing)} not identified")
-    if clauses:
-        yield _sentence("; ".join(clauses))
+        yield _Verdict(f"{_list([_words(name) for name in reliable])} (±{percent(largest)})", True)
+    reasons = {"nameplate": "from the nameplate", "not excited": "not identified"}
+    for name in known:
+        if name in reliable:
+            continue
+        width, source = widths[name], str(entries[name].get("source"))
+        reason = reasons.get(source) if width is None else f"±{percent(width)}"
+        if reason is not None:
+            yield _Verdict(f"{_words(name)} ({reason})", False)
 
 
-def _observer(results: Mapping[str, Any]) -> Iterator[str]:
-    """How well Observer 1 estimates what it does not measure, or that it does no better than a naive estimate."""
-    name = "Observer 1, the Kalman observer that measures the motor speed alone,"
-    for signal, naive in _JUDGED_BY:
-        error, naive_error = (tables.error_of(results, group, signal) for group in ("observer_1", naive))
+def _observer(results: Mapping[str, Any]) -> Iterator[_Verdict]:
+    """Observer 1, by the first signal that was recorded: it counts only if it beats every naive estimate."""
+    for signal in _JUDGED_BY:
+        error = tables.error_of(results, "observer_1", signal)
         if error is None:
             continue
-        words = tables.signal_words(signal).lower()
-        if naive_error is not None and error >= naive_error:
-            naive_words = tables.words(naive).lower()
-            yield f"{name} does not beat {naive_words} for the {words}: {percent(error)} of its range."
+        words = f"the {tables.signal_words(signal).lower()} that Observer 1 estimates from motor torque and motor speed"
+        naive = tables.best_naive(results, signal)
+        if naive is not None and error >= naive[1]:
+            yield _Verdict(
+                f"{words} (error {percent(error)} of its range; {naive[0]}: {percent(naive[1])})", False
+            )
         else:
-            yield f"{name} follows the {words} with an error of {percent(error)} of its range."
+            yield _Verdict(f"{words} (error {percent(error)} of its range)", True)
         return
 
 
-def _controller(results: Mapping[str, Any]) -> Iterator[str]:
-    """How far the load speed overshoots in simulation, or that the controller must not be used."""
-    controllers = mapping(results.get("controllers"))
-    reason = skip_reason(controllers.get("pole_placement"))
-    new, old = tables.overshoot_of(results, "pole_placement"), tables.overshoot_of(results, "pi")
+def _controller(results: Mapping[str, Any]) -> Iterator[_Verdict]:
+    """The target's law in simulation: its overshoot always together with its peak torque."""
+    law = mapping(results.get("controllers")).get("pole_placement")
+    reason, figures = skip_reason(law), mapping(law)
     if reason is not None:
-        yield f"There is no controller to use: {reason}."
-    elif new is not None:
-        against = "" if old is None else f" and {percent(old / 100.0)} under PI"
-        yield f"In simulation the load speed overshoots by {percent(new / 100.0)} with pole placement{against}."
-    elif mapping(controllers.get("pole_placement")):
-        yield "In simulation the load speed does not reach the set-point with pole placement."
+        yield _Verdict(f"a control law, of which there is none: {reason}", False)
+    elif figures:
+        overshoot, steady = figures.get("overshoot"), figures.get("steady_error")
+        settles = is_number(figures.get("settling_time")) and is_number(steady) and steady <= STEADY
+        if is_number(overshoot) and overshoot <= OVERSHOOT and settles:
+            peak = quantity(figures.get("peak_torque"), "Nm")
+            yield _Verdict(
+                f"the control law (in simulation {percent(overshoot / 100.0)} overshoot at {peak})", True
+            )
+        elif is_number(overshoot):
+            remark = f"{percent(overshoot / 100.0)} overshoot, steady error {percent(steady)}"
+            yield _Verdict(f"the control law (in simulation {remark})", False)
+        else:
+            yield _Verdict("the control law (in simulation the load does not reach the set-point)", False)
 
 
-def _code(results: Mapping[str, Any]) -> Iterator[str]:
+def _code(results: Mapping[str, Any]) -> Iterator[_Verdict]:
     difference = mapping(results.get("export")).get("max_difference")
     if is_number(difference) and difference != 0:
-        yield "Do not use the C code: it differs from Python."
+        yield _Verdict("the C code, which differs from Python", False)
 
 
 def _relative_half_width(entry: Mapping[str, Any]) -> float | None:
@@ -108,15 +127,10 @@ def _relative_half_width(entry: Mapping[str, Any]) -> float | None:
     return 0.5 * abs((high - low) / value)
 
 
-def _list(names: Sequence[str], remarks: Mapping[str, str] | None = None) -> str:
-    """Names in words: "a, b and c", each with its remark."""
-    shown = [_PARAMETERS.get(name, name) + (remarks or {}).get(name, "") for name in names]
-    return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
+def _words(parameter: str) -> str:
+    return _PARAMETERS.get(parameter, parameter)
 
 
-def _are(names: Sequence[str]) -> str:
-    return "is" if len(names) == 1 else "are"
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}."
+def _list(texts: Sequence[str]) -> str:
+    """ "a, b and c"."""
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..display import numbers
 from . import summary, tables
+from .headline import headline
 from .images import SECTIONS, ReportFigure
 
 if TYPE_CHECKING:
@@ -67,7 +68,8 @@ def render(
         command=command,
         results=results,
         simulated=summary.is_simulated(results),
-        lead=summary.lead(results),
+        lead=headline(results),
+        remarks=summary.remarks(results),
         cards=summary.cards(results),
         skipped=tables.skipped(results),
         problems=list(results.get("problems") or ()),

@@ -25,6 +25,7 @@ PARTS = {
     "recordings": "Recordings",
     "parameters": "Parameters",
     "fits": "Fits",
+    "design": "Design",
     "observers": "Observers",
     "controllers": "Controllers",
     "export": "Export",
@@ -34,6 +35,15 @@ _NAMES = {
     "pole_placement": "Observer 1 + pole placement",
     "motor_speed": "motor speed taken as estimate",
     "no_backlash": "observer without backlash",
+}
+_TAKEN = {
+    "sample_time": "Sample time",
+    "torque_limit": "Torque limit",
+    "poles": "Poles of the state feedback",
+    "pi_kp": "PI: kp",
+    "pi_ki": "PI: ki",
+    "pi_filter_time": "PI: time constant of the set-point filter",
+    "step": "Test step of the set-point, from and to",
 }
 _SIGNALS = ("speed_load", "torque_shaft", "twist")
 
@@ -84,7 +94,8 @@ def parts(results: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
         "parameters": parameters(results),
         "fits": list(_fits(mapping(results.get("fits")))),
         "observers": list(_observers(mapping(results.get("observers")))),
-        "controllers": _controllers(mapping(results.get("controllers"))),
+        "design": list(_design(mapping(results.get("design")))),
+        "controllers": _controllers(mapping(results.get("controllers")), mapping(results.get("design"))),
     }
 
 
@@ -183,9 +194,25 @@ def error_of(results: Mapping[str, Any], group: str, signal: str) -> float | Non
     return share_of_range(mapping(entry.get(signal)))
 
 
+def best_naive(results: Mapping[str, Any], signal: str) -> tuple[str, float] | None:
+    """The best of all naive estimates of a signal, in words, and its RMSE as a fraction of the range."""
+    names = mapping(mapping(results.get("observers")).get("baselines"))
+    errors = [(error, str(name)) for name in names if (error := error_of(results, name, signal)) is not None]
+    if not errors:
+        return None
+    error, name = min(errors)
+    return _NAMES.get(name, name.replace("_", " ")), error
+
+
 def overshoot_of(results: Mapping[str, Any], controller: str) -> float | None:
     """Overshoot of a controller in per cent of the step; None where there is none."""
     value = mapping(mapping(results.get("controllers")).get(controller)).get("overshoot")
+    return float(value) if is_number(value) else None
+
+
+def peak_torque_of(results: Mapping[str, Any], controller: str) -> float | None:
+    """Largest torque of a controller, Nm; None where there is none."""
+    value = mapping(mapping(results.get("controllers")).get(controller)).get("peak_torque")
     return float(value) if is_number(value) else None
 
 
@@ -207,7 +234,29 @@ def _errors(figures: Mapping[str, Any], signal: str) -> dict[str, str]:
     }
 
 
-def _controllers(controllers: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _design(taken: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+    """What the laws were designed with, and where it comes from."""
+    for name, raw in taken.items():
+        entry = mapping(raw)
+        value, unit = entry.get("value"), str(entry.get("unit") or "")
+        if isinstance(value, (list, tuple)):
+            shown = f"{', '.join(digits(v) if is_number(v) else str(v) for v in value)} {unit}"
+        else:
+            shown = quantity(value, unit) if is_number(value) else "none"
+        yield {
+            "name": _TAKEN.get(str(name), words(name)),
+            "value": shown,
+            "source": str(entry.get("source") or NONE),
+        }
+
+
+def _pi_words(taken: Mapping[str, Any]) -> str:
+    """The PI controller and where its gains come from."""
+    source = mapping(taken.get("pi_kp")).get("source")
+    return words("pi") if source is None else f"{words('pi')}, {source}"
+
+
+def _controllers(controllers: Mapping[str, Any], taken: Mapping[str, Any]) -> list[dict[str, Any]]:
     rows = []
     for name, raw in controllers.items():
         entry = mapping(raw)
@@ -216,7 +265,7 @@ def _controllers(controllers: Mapping[str, Any]) -> list[dict[str, Any]]:
         overshoot = entry.get("overshoot")
         rows.append(
             {
-                "name": words(name),
+                "name": _pi_words(taken) if name == "pi" else words(name),
                 "overshoot": percent(overshoot / 100.0) if is_number(overshoot) else NONE,
                 "rise_time": quantity(entry.get("rise_time"), "s"),
                 "settling_time": quantity(entry.get("settling_time"), "s")

@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
-from ..controllers import pi, pole_placement
+import numpy as np
+
+from ..controllers import pi, symmetrical_optimum
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, Problem
 from ..observers import kalman
 from ..observers.estimates import ESTIMATES
 from ..recording import Recording
-from ..systems import DiscreteSystem, connect, one_sample_delay
+from ..systems import DiscreteSystem
 from .material import Material, Settings
 from .parameters import Found
+from .speed_step import PAPER_STEP, SpeedStep, speed_step
+from .target_law import Poles, default_poles, target_law
 
 #: Signals that each observer measures (Fietzek & Rinderknecht, section III).
 OBSERVERS = {"observer_1": ("speed_motor",), "observer_2": ("torque_shaft", "speed_motor")}
+#: Standard deviation of the torque that the sensor's noise may cause, over the torque limit (option).
+RIPPLE = 0.02
+#: Source of what the user has set.
+GIVEN = "[law] in the TOML"
 
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """The laws, or the reason why there is none.
+    """The laws and what they were designed with, or the reason why there is none.
 
     Parameters
     ----------
@@ -31,6 +41,12 @@ class Design:
         The same law with its estimates as further outputs.
     pi : DiscreteSystem or None
     dt : float, s
+    torque_limit : float, Nm
+        inf: no limit.
+    step : SpeedStep
+        On which they are compared.
+    taken : mapping of quantity → {"value", "unit", "source"}
+        For ``results.json``.
     skipped, pi_skipped : str
     problems : tuple of Problem
     """
@@ -39,6 +55,9 @@ class Design:
     watched: DiscreteSystem | None = None
     pi: DiscreteSystem | None = None
     dt: float = 0.0
+    torque_limit: float = math.inf
+    step: SpeedStep = PAPER_STEP
+    taken: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     skipped: str = ""
     pi_skipped: str = ""
     problems: tuple[Problem, ...] = ()
@@ -55,23 +74,105 @@ def design(material: Material, found: Found) -> Design:
         reason = "no sample time: give sample_time in [law]"
         return Design(skipped=reason, pi_skipped=reason)
     averaged = is_averaged(recording, found)
+    limit, limit_source = _torque_limit(material)
+    noise_gain = _largest_noise_gain(found, limit)
+    poles = _poles(settings, drivetrain, dt, averaged, noise_gain)
+    gains, gains_source = _pi_gains(material, drivetrain, dt, averaged, noise_gain)
 
     def target(outputs: tuple[str, ...]) -> DiscreteSystem:
-        return target_law(drivetrain, settings, dt, averaged, outputs)
+        return target_law(drivetrain, poles.values, limit, dt, averaged, outputs)
 
     law, law_problem = _tried(lambda: target(("torque_motor",)))
     watched, _ = _tried(lambda: target(("torque_motor", *ESTIMATES)))
-    controller, pi_problem = _tried(
-        lambda: pi(dt=dt, kp=settings.kp, ki=settings.ki, torque_limit=settings.torque_limit)
-    )
+    controller, pi_problem = _tried(lambda: pi(dt=dt, torque_limit=limit, **gains))
+    step = PAPER_STEP
+    if not material.virtual:
+        step = speed_step(recording, drivetrain, limit, poles.slowest, gains.get("filter_time", 0.0), dt)
     return Design(
         law=law,
         watched=watched,
         pi=controller,
         dt=dt,
+        torque_limit=limit,
+        step=step,
+        taken=_taken(dt, settings, (limit, limit_source), poles, gains, gains_source, step),
         skipped=str(law_problem or ""),
         pi_skipped=str(pi_problem or ""),
         problems=tuple(p for p in (law_problem, pi_problem) if p is not None),
+    )
+
+
+def _torque_limit(material: Material) -> tuple[float, str]:
+    """Torque limit, Nm, and its source."""
+    if material.settings.torque_limit is not None:
+        return material.settings.torque_limit, GIVEN
+    largest = [
+        float(np.max(np.abs(recording["torque_motor"])))
+        for recording in (material.identify, material.validate)
+        if recording is not None and "torque_motor" in recording
+    ]
+    return (
+        (max(largest), "largest recorded motor torque") if largest else (math.inf, "no motor torque recorded")
+    )
+
+
+def _largest_noise_gain(found: Found, torque_limit: float) -> float:
+    """Torque noise over speed noise, Nm s/rad, that the limit allows a law."""
+    noise = 0.0 if found.identification is None else found.identification.prediction.rms
+    return RIPPLE * torque_limit / noise if noise > 0.0 else math.inf
+
+
+def _poles(settings: Settings, drivetrain: Drivetrain, dt: float, averaged: bool, noise_gain: float) -> Poles:
+    if settings.poles is not None:
+        return Poles(settings.poles, GIVEN)
+    return default_poles(drivetrain, dt, averaged, noise_gain)
+
+
+def _pi_gains(
+    material: Material, drivetrain: Drivetrain, dt: float, averaged: bool, noise_gain: float
+) -> tuple[dict[str, Any], str]:
+    """Arguments of ``pi``, and their source."""
+    settings = material.settings
+    if settings.kp is not None and settings.ki is not None:
+        source = "the paper's Table II" if material.virtual else GIVEN
+        return {"kp": settings.kp, "ki": settings.ki}, source
+    tuning = symmetrical_optimum(
+        drivetrain, dt=dt, spread=None, speed_from_counts=averaged, largest_noise_gain=noise_gain
+    )
+    return dict(tuning.gains()), f"symmetrical optimum, spread {tuning.spread:.3g}"
+
+
+def _taken(
+    dt: float,
+    settings: Settings,
+    limit: tuple[float, str],
+    poles: Poles,
+    gains: Mapping[str, float],
+    gains_source: str,
+    step: SpeedStep,
+) -> dict[str, dict[str, Any]]:
+    """What the laws were designed with, each with its unit and its source."""
+    units = {"kp": "Nm s/rad", "ki": "Nm/rad", "filter_time": "s"}
+    source = poles.source if poles.source == GIVEN else f"from the drive, limited by {poles.source}"
+    given_time = GIVEN if settings.sample_time is not None else "the recording's"
+    return {
+        "sample_time": {"value": dt, "unit": "s", "source": given_time},
+        "torque_limit": {
+            "value": limit[0] if math.isfinite(limit[0]) else None, "unit": "Nm", "source": limit[1],
+        },
+        "poles": {"value": [_text(pole) for pole in poles.values], "unit": "1/s", "source": source},
+        **{f"pi_{n}": {"value": v, "unit": units[n], "source": gains_source} for n, v in gains.items()},
+        "step": {
+            "value": [step.low, step.high], "unit": "rad/s",
+            "source": "the paper's" if step is PAPER_STEP else "recorded speeds and torque limit",
+        },
+    }  # fmt: skip
+
+
+def _text(pole: complex) -> str:
+    pole = complex(pole)
+    return f"{pole.real:.4g}" + (
+        f" {'+' if pole.imag > 0.0 else '−'} {abs(pole.imag):.4g}j" if pole.imag else ""
     )
 
 
@@ -92,20 +193,3 @@ def is_averaged(recording: Recording | None, found: Found) -> bool:
 def observer(drivetrain: Drivetrain, name: str, dt: float, averaged: bool) -> DiscreteSystem:
     """Observer 1 or 2 for a recording at the sample time dt (s)."""
     return kalman(drivetrain, measured=OBSERVERS[name], dt=dt, speed_from_counts=averaged)
-
-
-def target_law(
-    drivetrain: Drivetrain, settings: Settings, dt: float, averaged: bool, outputs: tuple[str, ...]
-) -> DiscreteSystem:
-    """Observer 1 + pole placement; the observer's torque is one sample late, as the computing delay makes it act."""
-    watcher = observer(drivetrain, "observer_1", dt, averaged).renamed(
-        {"torque_motor": "torque_motor_acting"}
-    )
-    controller = pole_placement(drivetrain, poles=settings.poles, dt=dt, torque_limit=settings.torque_limit)
-    acting = one_sample_delay("torque_motor", dt, "torque_motor_acting")
-    return connect(
-        [watcher, controller, acting],
-        inputs=("speed_reference", "speed_motor"),
-        outputs=outputs,
-        name="observer_1 + pole_placement",
-    )

@@ -5,20 +5,30 @@ from __future__ import annotations
 import numpy as np
 
 from .. import plot
-from ..display.numbers import with_interval
+from ..display.numbers import quantity, with_interval
 from ..identification.shaft.ring_down import RingDown
 from ..recording import Recording
 from ..report import ReportFigure
-from .material import STEP_TIME, Material
+from .design import OBSERVERS, Design
+from .material import Material
 from .parameters import Found
-from .validation import PULSE_END, Validation
+from .speed_step import PAPER_STEP
+from .validation import WITHHELD, Validation, judged_step
 
 NAMES = {"observer_1": "Observer 1", "observer_2": "Observer 2"}
+#: What is drawn of a set-point step, in settling times of the slower law: before it and after it (option).
+BEFORE, AFTER = 0.2, 1.3
+#: The part of a user's recording that is drawn of an observer.
+LIVELIEST = "where the motor torque changes most"
 CONTROLLERS = {"pi": "PI", "pole_placement": "Observer 1 + pole placement"}
 
 
 def figures(
-    material: Material, found: Found, validation: Validation, truth: dict[str, float | None] | None
+    material: Material,
+    found: Found,
+    laws: Design,
+    validation: Validation,
+    truth: dict[str, float | None] | None,
 ) -> list[ReportFigure]:
     """All figures that have data, in the order of the report."""
     source = "measured" if material.identify is None else plot.source_of(material.identify)
@@ -27,7 +37,7 @@ def figures(
         *_parameters(found, truth, source),
         *_shaft(found, source),
         *_observers(material, validation),
-        *_controllers(material, validation),
+        *_controllers(laws, validation),
     ]
 
 
@@ -116,25 +126,30 @@ def _observers(material: Material, validation: Validation) -> list[ReportFigure]
     recording = material.validate
     if recording is None or not validation.estimates:
         return []
-    step = STEP_TIME if material.virtual else _liveliest(recording)
+    virtual = material.virtual
     made = []
     for number, (name, estimate) in enumerate(validation.estimates.items()):
+        place = f"over the recorded step (as Fig. {12 + number} of the paper)" if virtual else LIVELIEST
         figure = plot.observer_step(
             recording,
             estimate,
-            step_time=step,
+            step_time=PAPER_STEP.start if virtual else _liveliest(recording),
             name=NAMES[name],
-            source="virtual rig (simulated)" if material.virtual else None,
+            source="virtual rig (simulated)" if virtual else None,
+            title=None if virtual else f"{NAMES[name]} {LIVELIEST}",
         )
-        made.append(
-            ReportFigure(
-                f"{NAMES[name]} over the recorded step (as Fig. {12 + number} of the paper)",
-                "Load speed and shaft torque were withheld from the observer unless it measures them.",
-                figure,
-                "observers",
-            )
-        )
+        made.append(ReportFigure(f"{NAMES[name]} {place}", _withheld(recording, name), figure, "observers"))
     return made
+
+
+def _withheld(recording: Recording, observer: str) -> str:
+    """Which of the drawn signals the observer does not see, and which nobody measured."""
+    hidden = [signal for signal in WITHHELD if signal not in OBSERVERS[observer]]
+    seen = [plot.words(signal) for signal in hidden if signal in recording]
+    absent = [plot.words(signal) for signal in hidden if signal not in recording]
+    parts = [f"Withheld from the observer: {', '.join(seen)}."] if seen else []
+    parts += [f"Not recorded, so estimated alone: {', '.join(absent)}."] if absent else []
+    return " ".join(parts)
 
 
 def _liveliest(recording: Recording) -> float:
@@ -142,21 +157,32 @@ def _liveliest(recording: Recording) -> float:
     return float(recording.time[int(np.argmax(np.abs(np.diff(recording["torque_motor"]))))])
 
 
-def _controllers(material: Material, validation: Validation) -> list[ReportFigure]:
+def _controllers(laws: Design, validation: Validation) -> list[ReportFigure]:
     if not validation.responses:
         return []
-    limit = material.settings.torque_limit
+    limit, step = laws.torque_limit, validation.step
+    settling = [judged_step(response, step)["settling_time"] for response in validation.responses.values()]
+    # Until both have settled; one that does not is drawn as long as it was simulated.
+    drawn = [step.stop - step.start if time is None else AFTER * time for time in settling]
+    length = min(max(drawn), step.stop - step.start)
     return [
         ReportFigure(
-            "Pulse of the set-point with PI and with Observer 1 + pole placement (as Fig. 15 of the paper)",
-            f"Plant: {validation.controllers['plant']}.",
+            "Step of the set-point with PI and with Observer 1 + pole placement (as Fig. 15 of the paper)",
+            f"Plant: {validation.controllers['plant']}. {_torques(validation)}",
             plot.control_step(
                 {CONTROLLERS[name]: response for name, response in validation.responses.items()},
-                start=STEP_TIME - 0.05,
-                stop=PULSE_END + 0.25,
+                start=step.start - BEFORE * length,
+                stop=step.start + length,
                 torque_limit=None if limit == float("inf") else limit,
-                title="Pulse of the speed set-point (simulated)",
+                title="Step of the speed set-point (simulated)",
             ),
             "controllers",
         )
     ]
+
+
+def _torques(validation: Validation) -> str:
+    """The peak torques of the laws: who accelerates harder arrives sooner."""
+    peaks = {name: validation.controllers[name]["peak_torque"] for name in validation.responses}
+    shown = [f"{CONTROLLERS[name]} {quantity(peak, 'Nm')}" for name, peak in peaks.items()]
+    return f"Peak torque: {', '.join(shown)}."

@@ -6,14 +6,12 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from .. import rig, signals
+from .. import rig
 from ..controllers import pi
-from ..controllers.pole_placement import DEFAULT_POLES
 from ..errors import Problem
 from ..io import Configuration, check_recording, load_recordings
 from ..recording import Recording
+from .speed_step import PAPER_STEP
 
 #: Start values for the virtual rig (option): what datasheets and a rough estimate give, 25 to 70 % off.
 RIG_NAMEPLATE: Mapping[str, float] = {
@@ -25,21 +23,25 @@ RIG_NAMEPLATE: Mapping[str, float] = {
     "coulomb": 1.2,
     "viscous": 0.02,
 }
-#: Set-point of the step that is recorded and controlled: Fietzek & Rinderknecht, section IV (±2 rad/s, at 1 s).
-STEP_TIME, STEP_SPEED, STEP_DURATION = 1.0, 2.0, 2.0
+#: Gains of the paper's PI controller, Nm s/rad and Nm/rad, to compare with on the virtual rig: Fietzek & Rinderknecht,
+#: Table II.
+PAPER_GAINS = (10.0, 200.0)
 #: With one recording only, this last part of it is kept for the validation (option).
 VALIDATION_PART = 0.3
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of the design: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), PI gains."""
+    """What the user asks of the laws; None: from the recording and the identified drivetrain, see ``stages.design``.
+
+    Sample time (s), torque limit (Nm; inf: none), poles (1/s), gains of the PI controller (Nm s/rad and Nm/rad).
+    """
 
     sample_time: float | None = None
-    torque_limit: float = np.inf
-    poles: tuple[complex, ...] = DEFAULT_POLES
-    kp: float = 10.0
-    ki: float = 200.0
+    torque_limit: float | None = None
+    poles: tuple[complex, ...] | None = None
+    kp: float | None = None
+    ki: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,17 +76,14 @@ class Material:
     inputs: Mapping[str, str] = field(default_factory=dict)
 
 
-def step_reference(dt: float) -> np.ndarray:
-    """The set-point of the recorded step, rad/s."""
-    return signals.steps((STEP_TIME,), (-STEP_SPEED, STEP_SPEED), STEP_DURATION, dt)
-
-
 def from_rig(seed: int, dt: float = 1e-4) -> tuple[Material, rig.Truth]:
     """An excitation of 10 s and a set-point step under PI control on the virtual rig, and separately the truth."""
-    settings = Settings(sample_time=dt, torque_limit=rig.TORQUE_LIMIT)
+    kp, ki = PAPER_GAINS
+    settings = Settings(sample_time=dt, torque_limit=rig.TORQUE_LIMIT, kp=kp, ki=ki)
     excited, truth = rig.record(seed, dt=dt)
-    controller = pi(dt=dt, kp=settings.kp, ki=settings.ki, torque_limit=settings.torque_limit)
-    step, _ = rig.record(seed, law=controller, speed_reference=step_reference(dt), dt=dt, noise_seed=1)
+    controller = pi(dt=dt, kp=kp, ki=ki, torque_limit=rig.TORQUE_LIMIT)
+    reference = PAPER_STEP.without_return().reference(dt)
+    step, _ = rig.record(seed, law=controller, speed_reference=reference, dt=dt, noise_seed=1)
     material = Material(
         nameplate=RIG_NAMEPLATE,
         settings=settings,
@@ -106,13 +105,7 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
     """
     loaded = load_recordings(configuration)
     law = configuration.law
-    settings = Settings(
-        sample_time=law.sample_time,
-        torque_limit=np.inf if law.torque_limit is None else law.torque_limit,
-        poles=law.poles,
-        kp=Settings.kp if law.kp is None else law.kp,
-        ki=Settings.ki if law.ki is None else law.ki,
-    )
+    settings = Settings(law.sample_time, law.torque_limit, law.poles, law.kp, law.ki)
     problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
     first = {use: next((r for u, r in loaded if u == use), None) for use in ("identify", "validate")}
     for use in first:

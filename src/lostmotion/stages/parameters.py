@@ -22,7 +22,9 @@ from ..recording import Recording
 from .material import Material
 
 #: Without these nothing can be designed; friction and lag may be zero.
-NEEDED = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash")
+NEEDED = ("inertia_motor", "inertia_load", "stiffness", "backlash")
+#: Shown although they are not known; zero is taken for the design, which then damps the shaft by itself.
+SHOWN = (*NEEDED, "damping")
 #: Signals that identification by prediction error needs.
 DRIVEN = ("torque_motor", "speed_motor")
 #: Signals that the measurement of a shaft needs.
@@ -164,7 +166,7 @@ def _finished(
     problems: tuple[Problem, ...] = (),
 ) -> Found:
     """The model for the design: identified values, else the user's; never the start value of something unknown."""
-    for name in NEEDED:
+    for name in SHOWN:
         table.setdefault(name, _entry(name, None, "not excited"))
     ordered = {name: table[name] for name in PARAMETER_UNITS if name in table}
     values = {**nameplate, **{n: e["value"] for n, e in ordered.items() if e["value"] is not None}}
@@ -172,7 +174,11 @@ def _finished(
     drivetrain: Drivetrain | None = None
     reason = ""
     if missing:
-        reason = f"{', '.join(missing)} not known: identify from a motor torque, or give [nameplate]"
+        keys = " and ".join(f"{name} = ..." for name in missing)
+        reason = f"{', '.join(missing)} not known: give {keys} under [nameplate], or record what tells it"
+    elif found is None:
+        drivetrain = two_mass(values)
     else:
-        drivetrain = found.drivetrain if found is not None else two_mass(values)
+        known = {} if "damping" in values else {"damping": 0.0}
+        drivetrain = found.drivetrain.with_parameters(**known)
     return Found(ordered, drivetrain, reason, found, shaft, ringing, skipped, fits or {}, problems)

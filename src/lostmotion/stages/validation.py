@@ -8,22 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from .. import rig, signals
+from .. import rig
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, Problem
 from ..metrics import compare, step_metrics
 from ..recording import Recording
 from ..systems import DiscreteSystem
 from .design import OBSERVERS, Design, is_averaged, observer
-from .material import STEP_SPEED, STEP_TIME, Material
+from .material import Material
 from .parameters import Found
+from .speed_step import PAPER_STEP, SpeedStep
 
 #: Signals that are withheld from the observers and compared with them afterwards.
 WITHHELD = ("speed_load", "torque_shaft", "twist")
 #: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole).
 SETTLING = 0.3
-#: The judged step lasts until this time, s; then the set-point goes back and makes a pulse (Fig. 15) (option).
-PULSE_END, PULSE_DURATION = 1.5, 2.0
+#: A step that has not settled is shown with twice the time, at most so often (option: 16 times).
+DOUBLINGS = 4
 #: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target (option).
 STEADY = 0.01
 #: A load speed beyond this many times the set-point counts as unstable (option).
@@ -40,6 +41,8 @@ class Validation:
         Tables of metrics, or {"skipped": reason}.
     estimates : mapping of observer → Recording
     responses : mapping of controller → Recording
+    step : SpeedStep
+        Of these responses.
     problems : tuple of Problem
     """
 
@@ -47,6 +50,7 @@ class Validation:
     controllers: Mapping[str, Any]
     estimates: Mapping[str, Recording] = field(default_factory=dict)
     responses: Mapping[str, Recording] = field(default_factory=dict)
+    step: SpeedStep = PAPER_STEP
     problems: tuple[Problem, ...] = ()
 
 
@@ -118,50 +122,74 @@ def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool) -> 
 
 def validate_controllers(
     material: Material, found: Found, laws: Design
-) -> tuple[dict[str, Any], dict[str, Recording], tuple[Problem, ...]]:
-    """PI and the target's law on the step −2 → 2 rad/s (and back) on the rig, or on a finer plant.
+) -> tuple[dict[str, Any], dict[str, Recording], SpeedStep, tuple[Problem, ...]]:
+    """PI and the target's law on a step of the set-point and back, on the rig or on a finer plant.
 
     A loop that is unstable or does not settle is a result, with a warning.
     """
     if found.drivetrain is None:
-        return {"skipped": found.missing}, {}, ()
+        return {"skipped": found.missing}, {}, laws.step, ()
     if material.virtual:
         plant, label = rig.varied_rig(material.seed), "virtual rig (simulated), not used in the design"
     else:
         plant = rig.finer_rig(found.drivetrain, found.intervals, material.seed)
         label = "simulated: a finer plant of four inertias, perturbed within the intervals"
     table: dict[str, Any] = {"plant": label}
-    responses: dict[str, Recording] = {}
+    step, responses, unstable = _settled_responses(plant, laws)
     problems: list[Problem] = []
-    for name, law, reason in (
-        ("pi", laws.pi, laws.pi_skipped),
-        ("pole_placement", laws.watched, laws.skipped),
-    ):
-        if law is None:
+    for name, reason in (("pi", laws.pi_skipped), ("pole_placement", laws.skipped)):
+        if name in unstable:
+            table[name] = {"skipped": f"unstable loop: {unstable[name]}"}
+            problems.append(_loop_problem(name, unstable[name]))
+        elif name not in responses:
             table[name] = {"skipped": reason}
-            continue
-        response, trouble = _stable_response(plant, law, laws.dt)
-        if response is None:
-            table[name] = {"skipped": f"unstable loop: {trouble}"}
-            problems.append(_loop_problem(name, trouble))
-            continue
-        responses[name] = response
-        table[name] = judged_step(response)
-        if not table[name]["steady_error"] < STEADY:
-            problems.append(
-                _loop_problem(name, f"a steady error of {table[name]['steady_error']:.2g} of the step")
-            )
-    return table, responses, tuple(problems)
+        else:
+            table[name] = judged_step(responses[name], step)
+            if not table[name]["steady_error"] < STEADY:
+                problems.append(
+                    _loop_problem(name, f"a steady error of {table[name]['steady_error']:.2g} of the step")
+                )
+    return table, responses, step, tuple(problems)
 
 
-def _stable_response(plant: rig.Rig, law: DiscreteSystem, dt: float) -> tuple[Recording | None, str]:
+def _settled_responses(
+    plant: rig.Rig, laws: Design
+) -> tuple[SpeedStep, dict[str, Recording], dict[str, str]]:
+    """The step with as much time as the laws need, their responses, and why some are unstable."""
+    step = laws.step
+    for doubling in range(DOUBLINGS + 1):
+        responses: dict[str, Recording] = {}
+        unstable: dict[str, str] = {}
+        for name, law in (("pi", laws.pi), ("pole_placement", laws.watched)):
+            if law is None:
+                continue
+            response, trouble = _stable_response(plant, law, laws.dt, step)
+            if response is None:
+                unstable[name] = trouble
+            else:
+                responses[name] = response
+        if doubling == DOUBLINGS or all(_settles(response, step) for response in responses.values()):
+            break
+        step = step.longer()
+    return step, responses, unstable
+
+
+def _settles(response: Recording, step: SpeedStep) -> bool:
+    judged = judged_step(response, step)
+    steady = judged["steady_error"]
+    return judged["settling_time"] is not None and steady is not None and steady < STEADY
+
+
+def _stable_response(
+    plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep
+) -> tuple[Recording | None, str]:
     """The response, or the reason why the loop is not stable."""
     try:
-        response = control_step(plant, law, dt)
+        response = control_step(plant, law, dt, step)
     except InvalidInput as error:
         return None, error.problem.got
     largest = float(np.max(np.abs(response["speed_load"])))
-    if not largest < RUNAWAY * STEP_SPEED:
+    if not largest < RUNAWAY * max(abs(step.low), abs(step.high)):
         return None, f"the load speed reaches {largest:.2g} rad/s"
     return response, ""
 
@@ -176,26 +204,23 @@ def _loop_problem(name: str, got: str) -> Problem:
     )
 
 
-def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float) -> Recording:
+def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep) -> Recording:
     """A pulse of the set-point with the law in the loop of a rig: the recording of its sensors and the estimates."""
-    reference = signals.steps(
-        (STEP_TIME, PULSE_END), (-STEP_SPEED, STEP_SPEED, -STEP_SPEED), PULSE_DURATION, dt
-    )
-    recording, truth = rig.record(plant, law=law, speed_reference=reference, dt=dt, noise_seed=2)
+    recording, truth = rig.record(plant, law=law, speed_reference=step.reference(dt), dt=dt, noise_seed=2)
     estimates = {n: truth.signals[n] for n in law.outputs if n.endswith("_estimated")}
     return recording.with_signals("estimated", **estimates)
 
 
-def judged_step(response: Recording) -> dict[str, float | None]:
+def judged_step(response: Recording, step: SpeedStep) -> dict[str, float | None]:
     """Metrics of the load speed from the step to the end of the pulse."""
     metrics = step_metrics(
         response.time,
         response["speed_load"],
-        STEP_TIME,
-        -STEP_SPEED,
-        STEP_SPEED,
+        step.start,
+        step.low,
+        step.high,
         torque=response["torque_motor"],
-        stop_time=PULSE_END,
+        stop_time=step.stop,
     )
     judged = metrics.as_dict()
     if judged["rise_time"] is None:
@@ -206,5 +231,5 @@ def judged_step(response: Recording) -> dict[str, float | None]:
 def validate(material: Material, found: Found, laws: Design) -> Validation:
     """Both validations."""
     observers, estimates = validate_observers(material, found)
-    controllers, responses, problems = validate_controllers(material, found, laws)
-    return Validation(observers, controllers, estimates, responses, problems)
+    controllers, responses, step, problems = validate_controllers(material, found, laws)
+    return Validation(observers, controllers, estimates, responses, step, problems)

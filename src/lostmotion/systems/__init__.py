@@ -6,9 +6,13 @@ from .discrete_system import DiscreteSystem
 from .discretisation import one_sample_delay, zero_order_hold
 from .input_check import InputCheck
 from .limits import maximum, minimum, rate_limit
+from .linearisation import linearised
+from .loop_margin import LoopMargin, loop_margin
+from .pruning import pruned
 from .stepper import Stepper
 
 __all__ = [
-    "DesignModel", "DiscreteSystem", "InputCheck", "SteadyState", "Stepper", "connect", "design_model", "maximum",
-    "minimum", "one_sample_delay", "rate_limit", "steady_state", "zero_order_hold",
+    "DesignModel", "DiscreteSystem", "InputCheck", "LoopMargin", "SteadyState", "Stepper", "connect", "design_model",
+    "linearised", "loop_margin", "maximum", "minimum", "one_sample_delay", "pruned", "rate_limit", "steady_state",
+    "zero_order_hold",
 ]  # fmt: skip

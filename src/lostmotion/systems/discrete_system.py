@@ -16,7 +16,7 @@ from ..plain_data import entries, numbers, table, text, texts
 from ..recording import Recording
 from .checks import MAX_INPUTS, check_names, matrix_of, sample_time
 from .input_check import InputCheck
-from .inputs import check_renames, input_columns, input_row
+from .inputs import input_columns, input_row, renamed_signals
 from .law_tables import law_tables
 from .recorded_run import recorded_run
 
@@ -231,13 +231,9 @@ class DiscreteSystem:
 
     def renamed(self, names: Mapping[str, str]) -> DiscreteSystem:
         """A copy with inputs and outputs renamed, old name → new name."""
-        check_renames(self.name, names, self.inputs + self.outputs)
-        return replace(
-            self,
-            inputs=tuple(names.get(n, n) for n in self.inputs),
-            outputs=tuple(names.get(n, n) for n in self.outputs),
-            checks=tuple(replace(c, input=names.get(c.input, c.input)) for c in self.checks),
-        )
+        inputs, outputs = renamed_signals(self.name, names, self.inputs, self.outputs)
+        checks = tuple(replace(c, input=names.get(c.input, c.input)) for c in self.checks)
+        return replace(self, inputs=inputs, outputs=outputs, checks=checks)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and strings: ``from_dict`` gives back the very same law, also through JSON."""

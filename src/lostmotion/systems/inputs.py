@@ -63,8 +63,12 @@ def _side_by_side(columns: list[Matrix], rows: int) -> Matrix:
     return inputs
 
 
-def check_renames(law: str, names: Mapping[str, str], known: tuple[str, ...]) -> None:
-    """Raise for new names, old name → new name, of signals that a law does not have."""
+def renamed_signals(
+    law: str, names: Mapping[str, str], inputs: tuple[str, ...], outputs: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Inputs and outputs under new names, old name → new name; raises for names that the law does not have."""
+    known = inputs + outputs
     unknown = sorted(set(names) - set(known))
     if unknown:
         raise InvalidInput(f"{law}.renamed", f"{unknown}", f"names out of {known}", "Check the name.")
+    return tuple(names.get(n, n) for n in inputs), tuple(names.get(n, n) for n in outputs)

@@ -14,7 +14,7 @@ from ..errors import InvalidInput
 from ..plain_data import flag, mapping, numbers, shown, table, text, texts, whole
 from ..recording import Recording
 from .checks import MAX_INPUTS, check_names, matrix_of, sample_time
-from .inputs import check_renames, input_columns, input_row
+from .inputs import input_columns, input_row, renamed_signals
 from .recorded_run import recorded_run
 
 Array = NDArray[np.float64]
@@ -106,12 +106,12 @@ class Stepper:
         return new, outputs, int(faults)
 
     def run(self, data: Recording | Mapping[str, ArrayLike], state: ArrayLike | None = None) -> Recording:
-        """Run the law over recorded inputs.
+        """Run the law over recorded inputs, as ``DiscreteSystem.run``.
 
         Parameters
         ----------
-        data : Recording, or mapping of input name → (n,) array
-            Must contain every input; a recording's sample time must be the law's within 0.1 %.
+        data
+            As there.
         state : array, optional
             State at the first row, from ``init`` or from the ``final_state["state"]`` of an earlier run.
 
@@ -133,12 +133,8 @@ class Stepper:
 
     def renamed(self, names: Mapping[str, str]) -> Stepper:
         """A copy with inputs and outputs renamed, old name → new name."""
-        check_renames(self.name, names, self.inputs + self.outputs)
-        return replace(
-            self,
-            inputs=tuple(names.get(n, n) for n in self.inputs),
-            outputs=tuple(names.get(n, n) for n in self.outputs),
-        )
+        inputs, outputs = renamed_signals(self.name, names, self.inputs, self.outputs)
+        return replace(self, inputs=inputs, outputs=outputs)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, numbers and strings: ``from_dict`` gives back the very same law, also through JSON."""

@@ -7,14 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.errors import InvalidInput
 from lostmotion.identification.frequency.analysis import frequency_analysis
 from lostmotion.identification.frequency.describing_functions import gaussian_equivalent
-
-TABLE_I = {"inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397}
-PLANT = lm.Drivetrain.two_mass(**TABLE_I, backlash=0.012, coulomb=2.0, viscous=0.0175)
 
 
 def torque(rms=16.0, duration=30.0, dt=5e-4):
@@ -22,7 +20,7 @@ def torque(rms=16.0, duration=30.0, dt=5e-4):
 
 
 def test_without_gap_and_friction_it_is_the_drivetrain_itself():
-    plain = PLANT.with_parameters(backlash=0.0, coulomb=0.0)
+    plain = PAPER.with_parameters(backlash=0.0, coulomb=0.0)
     found = gaussian_equivalent(plain, torque(), 5e-4)
     assert found.gap_gain == 1.0
     assert found.drivetrain == plain
@@ -31,22 +29,22 @@ def test_without_gap_and_friction_it_is_the_drivetrain_itself():
 
 
 def test_gain_and_spread_agree_with_each_other():
-    found = gaussian_equivalent(PLANT, torque(), 5e-4)
+    found = gaussian_equivalent(PAPER, torque(), 5e-4)
     assert found.settled
     assert found.gap_gain == pytest.approx(math.erfc(0.006 / (math.sqrt(2.0) * found.twist)), rel=1e-5)
     expected = 0.0175 + 2.0 * math.sqrt(2.0 / math.pi) / found.speed_load
     assert found.drivetrain.viscous == pytest.approx(expected, rel=1e-5)
-    assert found.zero == pytest.approx(PLANT.zero_frequency * math.sqrt(found.gap_gain))
+    assert found.zero == pytest.approx(PAPER.zero_frequency * math.sqrt(found.gap_gain))
 
 
 def test_more_torque_hides_the_gap():
-    gains = [gaussian_equivalent(PLANT, torque(rms), 5e-4).gap_gain for rms in (4.0, 8.0, 16.0, 32.0)]
+    gains = [gaussian_equivalent(PAPER, torque(rms), 5e-4).gap_gain for rms in (4.0, 8.0, 16.0, 32.0)]
     assert all(a < b for a, b in zip(gains, gains[1:], strict=False))
 
 
 def test_spread_of_the_nonlinear_simulation():
-    found = gaussian_equivalent(PLANT, torque(), 5e-4)
-    simulated = lm.simulate(PLANT, dt=5e-4, torque_motor=torque())
+    found = gaussian_equivalent(PAPER, torque(), 5e-4)
+    simulated = lm.simulate(PAPER, dt=5e-4, torque_motor=torque())
     assert found.twist == pytest.approx(simulated["twist"].std(), rel=0.15)
     assert found.speed_load == pytest.approx(simulated["speed_load"].std(), rel=0.15)
 
@@ -82,4 +80,4 @@ def test_the_rig_shows_zero_and_pole_lower_as_predicted():
 
 def test_a_constant_torque_is_refused():
     with pytest.raises(InvalidInput):
-        gaussian_equivalent(PLANT, np.ones(100), 1e-3)
+        gaussian_equivalent(PAPER, np.ones(100), 1e-3)

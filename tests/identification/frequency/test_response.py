@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from table_i import LINEAR
 
 import lostmotion as lm
 from lostmotion.errors import InvalidInput
@@ -16,8 +17,7 @@ from lostmotion.identification.frequency.two_mass_fit import two_mass_fit
 from lostmotion.identification.frequency.two_mass_response import OUTPUTS, two_mass_response
 from lostmotion.recording import Recording
 
-TABLE_I = {"inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397}
-PLANT = lm.Drivetrain.two_mass(**TABLE_I)
+PLANT = lm.Drivetrain.two_mass(**LINEAR)
 NOISE = {"speed": 0.1, "angle": 1e-4, "torque": 0.5, "twist": 1e-4}
 
 
@@ -35,7 +35,7 @@ def recording(seed=1, dt=1e-3, duration=60.0, noise=1.0):
 
 def truth(found):
     how = found.sampling
-    return how.fold(lambda s: two_mass_response(TABLE_I, how.source, s), found.frequency)
+    return how.fold(lambda s: two_mass_response(LINEAR, how.source, s), found.frequency)
 
 
 @pytest.mark.parametrize("output", OUTPUTS)
@@ -86,7 +86,7 @@ def test_counted_speed_is_a_mean_over_the_sample():
 
 def test_images_of_a_held_input_are_part_of_the_model():
     found = frequency_response(recording(noise=0.0), segment=10.0, band=(180.0, 250.0))
-    continuous = two_mass_response(TABLE_I, "angle_motor", 2j * np.pi * found.frequency)
+    continuous = two_mass_response(LINEAR, "angle_motor", 2j * np.pi * found.frequency)
     assert np.max(np.abs(found.response / truth(found) - 1.0)) < 0.01
     assert np.min(np.abs(found.response / continuous - 1.0)) > 0.05
 
@@ -174,7 +174,7 @@ def test_two_mass_fit(output):
             band=(3.0, 280.0),
             start=start,
         )
-        true = {**TABLE_I, "zero": PLANT.zero_frequency, "pole": PLANT.pole_frequency, "delay": 0.0}
+        true = {**LINEAR, "zero": PLANT.zero_frequency, "pole": PLANT.pole_frequency, "delay": 0.0}
         known = [name for name in true if name in fit.intervals]
         hits += [fit.intervals[name][0] <= true[name] <= fit.intervals[name][1] for name in known]
         errors.append(
@@ -204,7 +204,7 @@ def test_fit_forgives_some_wrong_lines():
     fit = two_mass_fit(bad, band=(3.0, 280.0))
     assert wrong.sum() == 20
     for name in ("stiffness", "inertia_load", "zero", "pole"):
-        true = {**TABLE_I, "zero": PLANT.zero_frequency, "pole": PLANT.pole_frequency}[name]
+        true = {**LINEAR, "zero": PLANT.zero_frequency, "pole": PLANT.pole_frequency}[name]
         assert fit.values[name] == pytest.approx(true, rel=0.01)
 
 

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lagged_drive import DT, PLANT, THETA, speed_from_counts
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.bootstrap import REPLICAS, replicas
 from lostmotion.identification.prediction_error.gain_schedule import LADDER, Box, Stage, bandwidth_for, fit
 from lostmotion.identification.prediction_error.identifiability import without_shift
-from lostmotion.identification.prediction_error.innovations import NAMES, Predictor, to_theta
+from lostmotion.identification.prediction_error.innovations import NAMES, Predictor
 
-DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
-THETA = to_theta([getattr(PLANT, n) for n in NAMES], DT)
 BOX = Box.around(THETA, DT)
 
 
@@ -28,8 +23,7 @@ def fitted(count: float | None, load: float = 0.0) -> tuple[Predictor, Stage]:
     )
     speed = run["speed_motor"]
     if count is not None:
-        counts = np.floor(run["angle_motor"] / count)
-        speed = np.diff(counts, prepend=counts[0]) * count / DT
+        speed = speed_from_counts(run, count)
     predictor = Predictor(torque, speed, DT, count is not None, PLANT, skip=1000, skip_later=4000)
     bandwidth, free = bandwidth_for(PLANT, LADDER[-1]), list(range(len(NAMES)))
     found = fit(predictor, THETA, free, BOX, bandwidth)

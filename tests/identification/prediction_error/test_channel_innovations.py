@@ -6,18 +6,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from lagged_drive import DT, PLANT, THETA
 
 import lostmotion as lm
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.channel_innovations import ChannelPredictor
-from lostmotion.identification.prediction_error.innovations import NAMES, Bandwidth, Predictor, to_theta
+from lostmotion.identification.prediction_error.innovations import NAMES, Bandwidth, Predictor
 
-DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
-THETA = to_theta([getattr(PLANT, n) for n in NAMES], DT)
 GAIN = Bandwidth(300.0, 15.0)
 NOISE = {"speed_motor": 0.02, "speed_load": 0.004, "twist": 4e-5, "torque_shaft": 0.3, "angle_motor": 2e-5}
 

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lagged_drive import DT, PLANT, speed_from_counts
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_comparison import compare_contacts
-
-DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
 
 
 def recorded(plant: lm.Drivetrain, bits: int, seed: int = 1) -> lm.Recording:
     torque = lm.signals.excitation(2.0, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     run = lm.simulate(plant, torque_motor=torque, dt=DT)
     count = 2.0 * np.pi / 2**bits
-    counts = np.floor(run["angle_motor"] / count)
-    speed = np.diff(counts, prepend=counts[0]) * count / DT
+    speed = speed_from_counts(run, count)
     return run.only("torque_motor").with_signals("measured", speed_motor=speed)
 
 

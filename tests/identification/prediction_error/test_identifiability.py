@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lagged_drive import DT, PLANT, THETA
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.gain_schedule import (
@@ -20,13 +21,6 @@ from lostmotion.identification.prediction_error.gain_schedule import (
 from lostmotion.identification.prediction_error.identifiability import half_widths, without_unexcited
 from lostmotion.identification.prediction_error.innovations import NAMES, Predictor, from_theta, to_theta
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
-
-DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
-THETA = to_theta([getattr(PLANT, n) for n in NAMES], DT)
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.innovations import (
@@ -16,10 +17,7 @@ from lostmotion.identification.prediction_error.innovations import (
 from lostmotion.systems import DiscreteSystem
 
 DT = 1e-4
-BASE = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, coulomb_motor=0.3, viscous_motor=0.01,
-)  # fmt: skip
+BASE = PAPER.with_parameters(coulomb_motor=0.3, viscous_motor=0.01)
 
 
 def signals(n: int = 4000) -> tuple[np.ndarray, np.ndarray]:

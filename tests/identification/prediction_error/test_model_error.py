@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.initial_values import rigid_body
@@ -78,15 +79,7 @@ def test_quantised_speeds():
 
 def test_rigid_body_start():
     torque = lm.signals.excitation(10.0, DT, seed=2, inertia=0.12, coulomb=1.5, viscous=0.03)
-    plant = lm.Drivetrain.two_mass(
-        inertia_motor=0.03,
-        inertia_load=0.09,
-        stiffness=9000.0,
-        damping=0.5,
-        backlash=0.005,
-        coulomb=1.5,
-        viscous=0.03,
-    )
+    plant = PAPER.with_parameters(inertia_motor=0.03, inertia_load=0.09, coulomb=1.5, viscous=0.03)
     speed = lm.simulate(plant, torque_motor=torque, dt=DT)["speed_motor"]
     inertia, coulomb, viscous = rigid_body(torque, speed, DT)
     assert inertia == pytest.approx(0.12, rel=0.05)

@@ -6,16 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from lagged_drive import DT, PLANT, speed_from_counts
 
 import lostmotion as lm
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.segments import Pieces, join
 
-DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
 COUNT = 2.0 * np.pi / 2**20
 
 
@@ -23,8 +19,7 @@ COUNT = 2.0 * np.pi / 2**20
 def recorded(seed: int, duration: float = 3.0) -> lm.Recording:
     torque = lm.signals.excitation(duration, DT, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     run = lm.simulate(PLANT, torque_motor=torque, dt=DT)
-    counts = np.floor(run["angle_motor"] / COUNT)
-    speed = np.diff(counts, prepend=counts[0]) * COUNT / DT
+    speed = speed_from_counts(run, COUNT)
     return run.only("torque_motor").with_signals("measured", speed_motor=speed)
 
 

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from lagged_drive import DT, PLANT, speed_from_counts
 
 import lostmotion as lm
 from lostmotion.errors import Problem
@@ -16,12 +17,6 @@ from lostmotion.identification.prediction_error.problems import second_minimum
 from lostmotion.identification.prediction_error.warnings import low_frequency_excess
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
 
-DT = 1e-4
-PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
-
 
 @cache
 def found(bits: int = 20, drift: float = 0.0, factor: float = 1.0) -> Identification:
@@ -29,8 +24,7 @@ def found(bits: int = 20, drift: float = 0.0, factor: float = 1.0) -> Identifica
     load = drift * np.sin(2.0 * np.pi * np.arange(20000) * DT / 4.0)
     run = lm.simulate(PLANT, torque_motor=torque, torque_load=load, dt=DT)
     count = 2.0 * np.pi / 2**bits
-    counts = np.floor(run["angle_motor"] / count)
-    speed = np.diff(counts, prepend=counts[0]) * count / DT
+    speed = speed_from_counts(run, count)
     recording = run.only("torque_motor").with_signals("measured", speed_motor=speed)
     return lm.identify(recording, start=PLANT.with_parameters(stiffness=factor * PLANT.stiffness))
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
+from measured_shaft import measured
 
 from lostmotion.errors import InvalidInput
 from lostmotion.identification.shaft.ring_down import ring_down
 from lostmotion.recording import Recording
 
-DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[3] / ".." / "shared" / "data"))
 DT = 1e-3
 
 
@@ -35,16 +32,6 @@ def ringing(
         swing = np.exp(-ratio * w * u) * np.cos(w * np.sqrt(1.0 - ratio**2) * u)
         y += height * (u > 0.0) * (1.0 - swing)
     return Recording(t, {"torque_shaft": y})
-
-
-def measured(name: str) -> Recording:
-    path = DATA / "aalto" / name
-    if not path.exists():
-        pytest.skip(f"no {path}: set LOSTMOTION_DATA to the folder of measured data")
-    columns = np.loadtxt(path, delimiter=",", unpack=True)
-    return Recording(
-        columns[0], {"speed_motor": columns[1], "speed_load": columns[2], "torque_shaft": columns[3]}
-    )
 
 
 @pytest.mark.parametrize(

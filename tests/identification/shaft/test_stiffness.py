@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
+from measured_shaft import measured
 
 from lostmotion.errors import InvalidInput
 from lostmotion.identification.shaft.stiffness import ShaftStiffness, shaft_stiffness
 from lostmotion.recording import Recording
 
-DATA = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[3] / ".." / "shared" / "data"))
 STIFFNESS, DELAY, DT = 110.0, 3.7e-4, 1e-3
 
 
@@ -53,16 +50,6 @@ def shaft(
 def inside(found: ShaftStiffness, name: str, truth: float) -> bool:
     low, high = found.intervals[name]
     return low <= truth <= high
-
-
-def measured(name: str) -> Recording:
-    path = DATA / "aalto" / name
-    if not path.exists():
-        pytest.skip(f"no {path}: set LOSTMOTION_DATA to the folder of measured data")
-    columns = np.loadtxt(path, delimiter=",", unpack=True)
-    return Recording(
-        columns[0], {"speed_motor": columns[1], "speed_load": columns[2], "torque_shaft": columns[3]}
-    )
 
 
 @pytest.mark.parametrize(("speed_noise", "torque_noise"), [(0.05, 0.02), (0.5, 0.0), (0.01, 0.3)])

@@ -87,7 +87,7 @@ def test_defaults(tmp_path: Path) -> None:
     found = read(tmp_path, MINIMAL)
     assert dict(found.nameplate) == {}
     assert found.recordings == (RecordingSource(tmp_path / "rig.csv"),)
-    assert found.law == LawSettings(None, None, (-400.0, -400.0, -400.0), None, None)
+    assert found.law == LawSettings(None, None, None, None, None)
     assert found.run == RunSettings(1)
 
 
@@ -180,7 +180,9 @@ def test_the_examples_of_the_documentation_are_valid(tmp_path: Path, monkeypatch
         (MINIMAL + "[law]\npoles = [-1, -2]", "line 4, law.poles", "[-1, -2]"),
         (MINIMAL + "[law]\npoles = [-1, -2, 3]", "line 4, law.poles", "[-1, -2, 3]"),
         (MINIMAL + "[law]\ntorque_limit = 0", "line 4, law.torque_limit", "0"),
-        (MINIMAL + "[law]\nkp = 3", "line 3, law", "kp 3.0, ki None"),
+        (MINIMAL + "[law]\nkp = 3", "line 3, law", "kp alone"),
+        (MINIMAL + "[law]\nki = 3", "line 3, law", "ki alone"),
+        ("a = " + "9" * 5000, "rig.toml", "broken TOML: Exceeds the limit (4300 digits)"),
         (MINIMAL + "[law]\nkp = '3'\nki = 1", "line 4, law.kp", "'3'"),
         (MINIMAL + "[law]\nkp = 0\nki = 1", "line 4, law.kp", "0"),
         (MINIMAL + "[law]\nkp = 3\nki = -1", "line 5, law.ki", "-1"),

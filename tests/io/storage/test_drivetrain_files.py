@@ -8,20 +8,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from table_i import PAPER
 
 from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft
 from lostmotion.errors import InvalidInput
 from lostmotion.io.storage.drivetrain_files import load_drivetrain, save_drivetrain
-
-TABLE_I = Drivetrain.two_mass(
-    inertia_motor=0.0182,
-    inertia_load=0.111,
-    stiffness=6285.896,
-    damping=0.397,
-    backlash=0.012,
-    coulomb=2.0,
-    viscous=0.0175,
-)
 
 positive = st.floats(1e-12, 1e12)
 level = st.floats(0.0, 1e6)
@@ -56,7 +47,7 @@ def test_round_trip_is_exact(tmp_path_factory: pytest.TempPathFactory, drivetrai
 
 def test_text_is_readable_and_has_units(tmp_path: Path) -> None:
     path = tmp_path / "drivetrain.toml"
-    save_drivetrain(TABLE_I, path)
+    save_drivetrain(PAPER, path)
     text = path.read_text(encoding="utf-8")
     for line in (
         "[[inertia]]  # 1 of 2: motor",
@@ -68,7 +59,7 @@ def test_text_is_readable_and_has_units(tmp_path: Path) -> None:
         "torque_limit = inf                 # Nm",
     ):
         assert line in text.splitlines()
-    save_drivetrain(TABLE_I, tmp_path / "again.toml")
+    save_drivetrain(PAPER, tmp_path / "again.toml")
     assert (tmp_path / "again.toml").read_bytes() == path.read_bytes()
 
 
@@ -98,7 +89,7 @@ def test_text_is_readable_and_has_units(tmp_path: Path) -> None:
 )
 def test_broken_files_are_refused(tmp_path: Path, old: str, new: str, match: str) -> None:
     path = tmp_path / "drivetrain.toml"
-    save_drivetrain(TABLE_I, path)
+    save_drivetrain(PAPER, path)
     path.write_text(path.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
     with pytest.raises(InvalidInput, match=match) as caught:
         load_drivetrain(path)
@@ -111,9 +102,16 @@ def test_a_missing_file_is_not_called_broken(tmp_path: Path) -> None:
     assert caught.value.problem.got == "no such file"
 
 
+def test_another_kind_of_file_is_said_to_be_one(tmp_path: Path) -> None:
+    (tmp_path / "law.json").write_text("{}")
+    with pytest.raises(InvalidInput) as caught:
+        load_drivetrain(tmp_path / "law.json")
+    assert "'.json'" in caught.value.problem.got and "drivetrain.toml" in caught.value.problem.remedy
+
+
 def test_no_part_of_a_file_passes_as_a_whole_one(tmp_path: Path) -> None:
     path = tmp_path / "drivetrain.toml"
-    save_drivetrain(TABLE_I, path)
+    save_drivetrain(PAPER, path)
     text = path.read_text(encoding="utf-8")
     for length in range(len(text) - 1):  # all but the last line's end
         path.write_text(text[:length], encoding="utf-8")
@@ -126,10 +124,10 @@ def test_no_part_of_a_file_passes_as_a_whole_one(tmp_path: Path) -> None:
 
 def test_a_file_written_by_hand_needs_the_last_line_alone(tmp_path: Path) -> None:
     path = tmp_path / "drivetrain.toml"
-    save_drivetrain(TABLE_I, path)
+    save_drivetrain(PAPER, path)
     lines = [line.split("#")[0] for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
     path.write_text("\n".join(lines), encoding="utf-8")
     with pytest.raises(InvalidInput, match="by hand"):
         load_drivetrain(path)
     path.write_text("\r\n".join([*lines, "# end"]), encoding="utf-8")
-    assert load_drivetrain(path) == TABLE_I
+    assert load_drivetrain(path) == PAPER

@@ -170,6 +170,13 @@ def test_a_file_in_the_way_and_the_working_folder_are_refused(
         pytest.fail("the work was started")
 
 
+@pytest.mark.parametrize("name", ["a\0b", "n" * 5000, "n" * 300], ids=["NUL", "5000", "300"])
+def test_a_name_that_no_folder_can_have_is_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InvalidInput, match="name"), output_folder(tmp_path / name):
+        pytest.fail("the work was started")
+    assert foreign_files(tmp_path / name) == [] and list(tmp_path.iterdir()) == []
+
+
 def test_a_place_that_cannot_be_written_is_refused_at_once(
     out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

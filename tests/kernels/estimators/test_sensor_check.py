@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numba import njit
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.kernels.estimators.layout import PARAMETERS, SENSOR_MEMORY
 from lostmotion.kernels.estimators.records import reads
 from lostmotion.kernels.estimators.sensor_check import check_sample
@@ -18,11 +18,7 @@ from lostmotion.systems.input_check import HOLD
 
 DT = 1e-3
 NOISE = 0.03
-DRIVETRAIN = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
-P = np.array(extended_kalman(DRIVETRAIN, dt=DT, sensor_noise={"speed_motor": NOISE}).parameters)
+P = np.array(extended_kalman(PAPER, dt=DT, sensor_noise={"speed_motor": NOISE}).parameters)
 
 _parameters, _memory = reads(PARAMETERS), reads(SENSOR_MEMORY)
 

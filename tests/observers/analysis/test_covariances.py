@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import covariances, kalman
 from lostmotion.simulation import simulate
 
-PLANT = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
 DT = 5e-4
 #: Torque (Nm) that nobody knows of, held over each sample, and sensor noise (rad/s).
 MOTOR, LOAD, SENSOR = 1.0, 6.0, 0.05
@@ -25,7 +21,7 @@ def recording():
     n = 12_000
     known = 8.0 + 4.0 * np.sign(np.sin(2.0 * np.pi * 3.0 * DT * np.arange(n)))
     true = simulate(
-        PLANT, dt=DT, torque_motor=known + MOTOR * rng.normal(size=n), torque_load=LOAD * rng.normal(size=n)
+        PAPER, dt=DT, torque_motor=known + MOTOR * rng.normal(size=n), torque_load=LOAD * rng.normal(size=n)
     )
     noisy = true["speed_motor"] + SENSOR * rng.normal(size=n)
     return true.with_signals("measured", torque_motor=known, speed_motor=noisy)
@@ -33,33 +29,33 @@ def recording():
 
 @pytest.fixture(scope="module")
 def found(recording):
-    return covariances(recording, PLANT)
+    return covariances(recording, PAPER)
 
 
 def test_what_was_put_in_is_found(found):
     # A torque σ held over each sample is a density of (σ/J)²·dt, a sensor's σ one of σ²·dt.
     assert found.converged
-    assert found.process["speed_motor"] == pytest.approx((MOTOR / PLANT.inertia_motor) ** 2 * DT, rel=0.3)
-    assert found.process["speed_load"] == pytest.approx((LOAD / PLANT.inertia_load) ** 2 * DT, rel=0.5)
+    assert found.process["speed_motor"] == pytest.approx((MOTOR / PAPER.inertia_motor) ** 2 * DT, rel=0.3)
+    assert found.process["speed_load"] == pytest.approx((LOAD / PAPER.inertia_load) ** 2 * DT, rel=0.5)
     assert found.measurement["speed_motor"] == pytest.approx(SENSOR**2 * DT, rel=0.2)
     assert found.process["twist"] == 0.0
 
 
 def test_its_observer_is_better_than_the_guess(recording, found):
     assert found.innovation_rms["speed_motor"] < 0.98 * found.start_rms["speed_motor"]
-    tuned = found.observer(PLANT, dt=DT)
+    tuned = found.observer(PAPER, dt=DT)
     np.testing.assert_allclose(tuned.B[:3, 1:], found.gain, rtol=1e-12)
 
     def error(law):
         run = law.run(recording.only("torque_motor", "speed_motor"))
         return float(np.std((run["speed_load_estimated"] - recording["speed_load"])[1000:]))
 
-    assert error(tuned) < 0.9 * error(kalman(PLANT, dt=DT))
+    assert error(tuned) < 0.9 * error(kalman(PAPER, dt=DT))
 
 
 def test_sensitivity_is_the_curvature_of_the_cost(recording, found):
     assert all(value > 0.01 for value in found.sensitivity.values())
-    alone = covariances(recording, PLANT, searched=("speed_motor",))
+    alone = covariances(recording, PAPER, searched=("speed_motor",))
     assert set(alone.sensitivity) == {"speed_motor"}
     assert alone.process["speed_load"] == 0.0
 
@@ -69,7 +65,7 @@ def test_the_ratio_of_two_sensors(recording):
     both = recording.with_signals(
         "measured", torque_shaft=recording["torque_shaft"] + 2.0 * rng.normal(size=len(recording))
     )
-    two = covariances(both, PLANT, measured=("speed_motor", "torque_shaft"))
+    two = covariances(both, PAPER, measured=("speed_motor", "torque_shaft"))
     assert two.measurement["torque_shaft"] == pytest.approx(4.0 * DT, rel=0.3)
     assert two.measurement["speed_motor"] == pytest.approx(SENSOR**2 * DT, rel=0.5)
 
@@ -86,9 +82,9 @@ def test_the_ratio_of_two_sensors(recording):
 def test_misuse(recording, arguments, complaint):
     short = recording.only("torque_motor", "speed_motor")
     with pytest.raises(InvalidInput, match=complaint if complaint != "other" else "angle_motor"):
-        covariances(short, PLANT, **arguments)
+        covariances(short, PAPER, **arguments)
 
 
 def test_a_short_recording(recording):
     with pytest.raises(InvalidInput, match="Record longer"):
-        covariances(recording.window(0.0, 1.0), PLANT)
+        covariances(recording.window(0.0, 1.0), PAPER)

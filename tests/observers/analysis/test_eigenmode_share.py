@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment as rig_case
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import (
     extended_kalman,
@@ -23,10 +23,6 @@ from lostmotion.simulation import simulate
 
 FILTERS = (extended_kalman, unscented_kalman, interacting_models, moving_horizon)
 DT = 1e-4
-PLANT = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
 #: Standard deviation of one sample of the motor speed, rad/s; unknown torque of both inertias, Nm·√s.
 SENSOR, TORQUE = 0.03, 0.02
 UNKNOWN = {"motor": TORQUE, "load": TORQUE}
@@ -80,11 +76,11 @@ def test_without_a_share_they_are_right_on_their_own_model(make):
     rng = np.random.default_rng(7)
     torque = excitation(2.0, DT, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     white = TORQUE / np.sqrt(DT) * rng.normal(size=(2, torque.size))
-    true = simulate(PLANT, dt=DT, torque_motor=torque + white[0], torque_load=white[1])
+    true = simulate(PAPER, dt=DT, torque_motor=torque + white[0], torque_load=white[1])
     speed = true["speed_motor"] + SENSOR * rng.normal(size=torque.size)
     told = {"sensor_noise": {"speed_motor": SENSOR}, "process_torque": UNKNOWN} if make is not kalman else {}
     given = {"torque_motor": torque, "speed_motor": speed}
-    result = observed(make, PLANT, given, counted=False, eigenmode_share=0.0, **told)
+    result = observed(make, PAPER, given, counted=False, eigenmode_share=0.0, **told)
     within, ratio = judged(*result, true["torque_shaft"], slice(3000, None))
     assert within > 0.93
     assert 0.85 < ratio < 1.4
@@ -112,7 +108,7 @@ def test_it_is_a_share_of_the_torques_own_running_deviation_and_changes_nothing_
 
 def test_a_steady_torque_makes_no_mode_swing():
     """10 Nm held against a load that rests."""
-    plant = PLANT.with_parameters(coulomb=20.0)
+    plant = PAPER.with_parameters(coulomb=20.0)
     given = {"torque_motor": np.full(5000, 10.0), "speed_motor": np.zeros(5000)}
     usual, without = (
         observed(kalman, plant, given, eigenmode_share=share) for share in (EIGENMODE_SHARE, 0.0)
@@ -126,7 +122,7 @@ def test_a_steady_torque_makes_no_mode_swing():
 @pytest.mark.parametrize("make", [extended_kalman, unscented_kalman, interacting_models])
 def test_a_lost_estimate_forgets_what_the_torque_did(make):
     torque, speed = 20.0 * np.sin(200.0 * np.arange(300) * DT), np.zeros(300)
-    usual, without = (make(PLANT, dt=DT, eigenmode_share=share) for share in (EIGENMODE_SHARE, 0.0))
+    usual, without = (make(PAPER, dt=DT, eigenmode_share=share) for share in (EIGENMODE_SHARE, 0.0))
     state = usual.init()
     for inputs in zip(torque, speed, strict=True):
         state, _, _ = usual.step(state, inputs)
@@ -143,8 +139,8 @@ def test_a_lost_estimate_forgets_what_the_torque_did(make):
 
 def test_a_share_below_zero_is_refused():
     with pytest.raises(InvalidInput, match="zero or more"):
-        extended_kalman(PLANT, dt=DT, eigenmode_share=-0.1)
+        extended_kalman(PAPER, dt=DT, eigenmode_share=-0.1)
     with pytest.raises(InvalidInput, match="zero or more"):
         observed(
-            kalman, PLANT, {"torque_motor": np.zeros(3), "speed_motor": np.zeros(3)}, eigenmode_share=-0.1
+            kalman, PAPER, {"torque_motor": np.zeros(3), "speed_motor": np.zeros(3)}, eigenmode_share=-0.1
         )

@@ -7,18 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque, standard_deviations
 from lostmotion.observers.fixed_gain.kalman import covariances_of, sampled_model
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 
-PLANT = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=0.0,
-    viscous=0.0175,
-)  # fmt: skip
+PLANT = PAPER.with_parameters(coulomb=0.0)
 DT = 1e-4
 #: Standard deviation of one sample: unknown torques on motor and load (Nm), motor speed (rad/s).
 MOTOR, LOAD, SENSOR = 2.0, 6.0, 0.05

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rig_runs import relative_rmse, rig_experiment
+from table_i import PAPER
 
 from lostmotion.compare.cases import Case
 from lostmotion.compare.experiment import experiment as leaderboard_experiment
@@ -25,16 +26,11 @@ FAST = (extended_kalman, unscented_kalman)
 FACTORS = ("stiffness", "inertia_motor", "inertia_load")
 DT = 1e-4
 
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
-
 
 def changed(stiffness: float, inertia_motor: float, inertia_load: float) -> Drivetrain:
-    return TABLE_1.with_parameters(
-        stiffness=TABLE_1.stiffness * stiffness, damping=TABLE_1.damping * stiffness,
-        inertia_motor=TABLE_1.inertia_motor * inertia_motor, inertia_load=TABLE_1.inertia_load * inertia_load,
+    return PAPER.with_parameters(
+        stiffness=PAPER.stiffness * stiffness, damping=PAPER.damping * stiffness,
+        inertia_motor=PAPER.inertia_motor * inertia_motor, inertia_load=PAPER.inertia_load * inertia_load,
     )  # fmt: skip
 
 
@@ -42,7 +38,7 @@ def changed(stiffness: float, inertia_motor: float, inertia_load: float) -> Driv
 @pytest.mark.parametrize("substep", [DT, 2.5e-4])
 def test_a_factor_moves_the_model_as_the_changed_matrices_do(factors, substep):
     """Over one substep in contact, at up to 70 Nm and 10 rad/s: RMS of the error far below any sensor's noise."""
-    p = model_parameters(TABLE_1, ("speed_motor",), substep, None, False)
+    p = model_parameters(PAPER, ("speed_motor",), substep, None, False)
     assert p["substeps"] == 1.0
     exact = transition(changed(*factors), substep)
     rng = np.random.default_rng(1)
@@ -59,7 +55,7 @@ def test_a_factor_moves_the_model_as_the_changed_matrices_do(factors, substep):
 
 
 def test_factors_of_one_change_nothing():
-    p = model_parameters(TABLE_1, ("speed_motor",), DT, None, False)
+    p = model_parameters(PAPER, ("speed_motor",), DT, None, False)
     x, held = np.array([0.008, 3.0, -2.0, 0.0]), (0.5, 2.0, 0.006, 12.0)
     assert advance(p[()], x, *held) == advance(p[()], x, *held, 1.0, 1.0, 1.0)
 
@@ -81,7 +77,7 @@ def finite_differences(p, x, torque):
 def test_the_derivatives_are_those_of_the_model(twist, speed_load):
     """Above, in and below the gap; load slipping and at rest; motor with friction; a lag."""
     p = model_parameters(
-        TABLE_1.with_parameters(lag=1e-3, coulomb_motor=0.5), ("speed_motor",), DT, None, False
+        PAPER.with_parameters(lag=1e-3, coulomb_motor=0.5), ("speed_motor",), DT, None, False
     )
     coulomb = 2.0 if speed_load else 90.0
     x = np.array([twist, 3.0, speed_load, 4.0, 0.0, 0.5, 0.012, coulomb, 0.85, 1.2, 0.9])
@@ -131,7 +127,7 @@ def test_held_parameters_stay_as_told(make, experiment):
 
 
 def test_factors_stay_within_half_and_twice():
-    p = np.array(extended_kalman(TABLE_1, dt=DT).parameters).view(PARAMETERS)[0]
+    p = np.array(extended_kalman(PAPER, dt=DT).parameters).view(PARAMETERS)[0]
     x = np.ones(TRACKED)
     x[STIFFNESS : INVERSE_INERTIA_LOAD + 1] = 5.0, 0.1, -3.0
     bound(p, x)
@@ -149,6 +145,6 @@ def test_a_measured_shaft_torque_tells_the_stiffness(make):
         "speed_motor": true["speed_motor"] + 0.03 * rng.normal(size=torque.size),
         "torque_shaft": true["torque_shaft"] + 0.3 * rng.normal(size=torque.size),
     }
-    result = make(TABLE_1, dt=DT, measured=("speed_motor", "torque_shaft")).run(data)
+    result = make(PAPER, dt=DT, measured=("speed_motor", "torque_shaft")).run(data)
     assert result["stiffness_estimated"][-1] == pytest.approx(plant.stiffness, rel=0.02)
     assert relative_rmse(result, true, "torque_shaft", 2000) < 0.01

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from rig_runs import gap_f1, relative_rmse
+from table_i import PAPER
 
 from lostmotion.compare.cases import CASES
 from lostmotion.compare.experiment import experiment as rig_case
 from lostmotion.errors import InvalidInput
 from lostmotion.kernels.estimators.interacting_models.mixing import PARTS, regions
 from lostmotion.observers import interacting_models, kalman
-from lostmotion.observers.scale import PAPER
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from table_i import TABLE_I
 
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.kernels.estimators.contact import cancel_contact
@@ -20,10 +21,8 @@ LEVELS = (4.0, 10.0, -4.0, -10.0, 6.0, -6.0)
 
 def stiff(stiffness, **contact):
     """The paper's rig with a stiffer shaft."""
-    return Drivetrain.two_mass(
-        inertia_motor=0.0182, inertia_load=0.111, stiffness=stiffness, backlash=0.012, coulomb=2.0,
-        damping=0.397 * math.sqrt(stiffness / 6285.896), viscous=0.0175, **contact,
-    )  # fmt: skip
+    damping = TABLE_I["damping"] * math.sqrt(stiffness / TABLE_I["stiffness"])
+    return Drivetrain.two_mass(**{**TABLE_I, "stiffness": stiffness, "damping": damping}, **contact)
 
 
 @pytest.mark.parametrize(("make", "largest"), [(extended_kalman, 0.015), (unscented_kalman, 0.02)])

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 from lostmotion.compare import CASES
 from lostmotion.compare.experiment import Experiment, experiment
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import extended_kalman, interacting_models, moving_horizon, unscented_kalman
-from lostmotion.observers.scale import PAPER
 from lostmotion.recording import Recording
 from lostmotion.signals import excitation
 from lostmotion.simulation import Sensor, measure, simulate

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rig_runs import gap_f1, relative_rmse, rig_experiment
+from table_i import PAPER
 
 from lostmotion import rig
 from lostmotion.compare import CASES
@@ -24,11 +25,6 @@ FILTERS = (extended_kalman, unscented_kalman, moving_horizon)
 FAST = (extended_kalman, unscented_kalman)
 HELD = dict.fromkeys(DRIFT, 0.0)
 DT = 1e-4
-
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
 
 
 def plain_kalman(drivetrain, p, torque, speed, averaged):
@@ -60,7 +56,7 @@ def plain_kalman(drivetrain, p, torque, speed, averaged):
 @pytest.mark.parametrize("averaged", [False, True])
 @pytest.mark.parametrize("make", FILTERS)
 def test_without_gap_and_friction_each_is_the_kalman_filter(make, averaged):
-    linear = TABLE_1.with_parameters(backlash=0.0, coulomb=0.0)
+    linear = PAPER.with_parameters(backlash=0.0, coulomb=0.0)
     rng = np.random.default_rng(1)
     torque = 5.0 * np.repeat(rng.normal(size=30), 10)
     true = simulate(linear, dt=DT, torque_motor=torque)
@@ -79,9 +75,9 @@ def test_without_gap_and_friction_each_is_the_kalman_filter(make, averaged):
 def test_on_its_own_model_the_error_is_within_its_deviation(make):
     rng = np.random.default_rng(2)
     torque = 8.0 * np.repeat(rng.normal(size=100), 50)[:5000] + 3.0
-    true = simulate(TABLE_1, dt=DT, torque_motor=torque)
+    true = simulate(PAPER, dt=DT, torque_motor=torque)
     speed = true["speed_motor"] + 0.03 * rng.normal(size=5000)
-    result = make(TABLE_1, dt=DT).run({"torque_motor": torque, "speed_motor": speed})
+    result = make(PAPER, dt=DT).run({"torque_motor": torque, "speed_motor": speed})
     error = np.abs(result["speed_load_estimated"] - true["speed_load"])[1000:]
     assert np.mean(error < 3.0 * result["speed_load_deviation"][1000:]) > 0.95
     assert np.sqrt(np.mean(error**2)) < 0.03
@@ -147,10 +143,10 @@ def test_finds_a_load_torque_that_nobody_told_it(make):
     time = np.arange(n) * DT
     torque = 6.0 + 10.0 * np.sin(2.0 * np.pi * 7.0 * time)
     load = np.where(time > 0.5, -1.5, 0.0)
-    true = simulate(TABLE_1, dt=DT, torque_motor=torque, torque_load=load)
+    true = simulate(PAPER, dt=DT, torque_motor=torque, torque_load=load)
     rng = np.random.default_rng(4)
     data = {"torque_motor": torque, "speed_motor": true["speed_motor"] + 0.03 * rng.normal(size=n)}
-    result = make(TABLE_1, dt=DT, drift={**HELD, "torque_load": 2.0}, uncertainty=HELD).run(data)
+    result = make(PAPER, dt=DT, drift={**HELD, "torque_load": 2.0}, uncertainty=HELD).run(data)
     assert np.mean(result["torque_load_estimated"][-5000:]) == pytest.approx(-1.5, abs=0.15)
 
 
@@ -181,15 +177,13 @@ def test_reads_other_sensors_too(make, experiment):
 
 
 def test_an_actuator_lag_is_part_of_the_model():
-    late = TABLE_1.with_parameters(lag=2e-3)
+    late = PAPER.with_parameters(lag=2e-3)
     rng = np.random.default_rng(5)
     torque = 8.0 * np.repeat(rng.normal(size=60), 50) + 3.0
     true = simulate(late, dt=DT, torque_motor=torque)
     data = {"torque_motor": torque, "speed_motor": true["speed_motor"] + 0.03 * rng.normal(size=3000)}
     known = extended_kalman(late, dt=DT, drift=HELD, uncertainty=HELD).run(data)["torque_shaft_estimated"]
-    unknown = extended_kalman(TABLE_1, dt=DT, drift=HELD, uncertainty=HELD).run(data)[
-        "torque_shaft_estimated"
-    ]
+    unknown = extended_kalman(PAPER, dt=DT, drift=HELD, uncertainty=HELD).run(data)["torque_shaft_estimated"]
     errors = [np.sqrt(np.mean((e - true["torque_shaft"])[1000:] ** 2)) for e in (known, unknown)]
     assert errors[0] < 0.3
     assert errors[0] < 0.2 * errors[1]
@@ -198,25 +192,25 @@ def test_an_actuator_lag_is_part_of_the_model():
 @pytest.mark.parametrize("make", FILTERS)
 def test_misuse_is_refused(make):
     with pytest.raises(InvalidInput, match="measured"):
-        make(TABLE_1, dt=DT, measured=("angle_motor",))
+        make(PAPER, dt=DT, measured=("angle_motor",))
     with pytest.raises(InvalidInput, match="drift"):
-        make(TABLE_1, dt=DT, drift={"viscous": 0.1})
+        make(PAPER, dt=DT, drift={"viscous": 0.1})
     with pytest.raises(InvalidInput, match="sensors_noise"):
-        make(TABLE_1, dt=DT, sensors_noise={"speed_motor": 0.1})
+        make(PAPER, dt=DT, sensors_noise={"speed_motor": 0.1})
     with pytest.raises(InvalidInput, match="sensor_noise"):
-        make(TABLE_1, dt=DT, sensor_noise={"speed_motor": 0.0})
+        make(PAPER, dt=DT, sensor_noise={"speed_motor": 0.0})
     with pytest.raises(InvalidInput, match="speed_from_counts"):
-        make(TABLE_1, dt=DT, measured=("speed_load",), speed_from_counts=True)
+        make(PAPER, dt=DT, measured=("speed_load",), speed_from_counts=True)
 
 
 def test_a_horizon_has_a_longest_length():
     with pytest.raises(InvalidInput, match="horizon"):
-        moving_horizon(TABLE_1, dt=DT, horizon=0.1)
+        moving_horizon(PAPER, dt=DT, horizon=0.1)
 
 
 def test_the_trajectory_over_the_horizon_is_the_smoothed_one():
     """Without gap and friction it is that of the Rauch–Tung–Striebel smoother."""
-    linear = TABLE_1.with_parameters(backlash=0.0, coulomb=0.0)
+    linear = PAPER.with_parameters(backlash=0.0, coulomb=0.0)
     rng = np.random.default_rng(6)
     torque, speed = 5.0 * rng.normal(size=20), 0.1 * rng.normal(size=20)
     stepper = moving_horizon(linear, dt=DT, horizon=2e-3, drift=HELD, uncertainty=HELD)

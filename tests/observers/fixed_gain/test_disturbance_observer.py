@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import disturbance_observer
 from lostmotion.simulation import simulate
 
-RIGID = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, coulomb=2.0, viscous=0.0175,
-    viscous_motor=0.01,
-)  # fmt: skip
+RIGID = PAPER.with_parameters(backlash=0.0, viscous_motor=0.01)
 DT = 1e-4
 
 

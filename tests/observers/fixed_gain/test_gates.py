@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.observers import kalman
 from lostmotion.observers.fixed_gain.gates import LARGEST_CORRECTION, OPEN_AT
 from lostmotion.simulation import simulate
 
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
 DT = 1e-4
 
 
@@ -28,9 +24,9 @@ def noise(seconds, seed, mean=0.0):
 def test_an_unknown_load_torque_is_found_and_no_longer_hurts():
     u = noise(3.0, 1, mean=6.0)
     told = np.where(np.arange(u.size) < u.size // 3, 0.0, -3.0)
-    recording = simulate(TABLE_1, dt=DT, torque_motor=u, torque_load=told)
+    recording = simulate(PAPER, dt=DT, torque_motor=u, torque_load=told)
     data = recording.only("torque_motor", "speed_motor")
-    with_state, without = (kalman(TABLE_1, dt=DT, load_torque=b).run(data) for b in (True, False))
+    with_state, without = (kalman(PAPER, dt=DT, load_torque=b).run(data) for b in (True, False))
     settled = slice(2 * u.size // 3, None)
     found = with_state["torque_load_estimated"][settled]
     assert np.mean(found) == pytest.approx(-3.0, abs=0.05)
@@ -43,13 +39,13 @@ def test_an_unknown_load_torque_is_found_and_no_longer_hurts():
 
 
 def test_load_torque_is_zero_where_there_is_none():
-    recording = simulate(TABLE_1, dt=DT, torque_motor=noise(2.0, 2, mean=5.0))
-    found = kalman(TABLE_1, dt=DT, load_torque=True).run(recording)
+    recording = simulate(PAPER, dt=DT, torque_motor=noise(2.0, 2, mean=5.0))
+    found = kalman(PAPER, dt=DT, load_torque=True).run(recording)
     assert rms(found["torque_load_estimated"][10_000:]) < 0.1
 
 
 def scheduled(contact="viscoelastic", **options):
-    return kalman(TABLE_1.with_contact(contact), dt=DT, contact_scheduling=True, **options)
+    return kalman(PAPER.with_contact(contact), dt=DT, contact_scheduling=True, **options)
 
 
 def run_from(observer, state, speed, torque=0.0, n=50):
@@ -61,7 +57,7 @@ def run_from(observer, state, speed, torque=0.0, n=50):
 
 
 def test_in_the_gap_the_load_is_predicted_not_corrected():
-    plain, gated = (kalman(TABLE_1, dt=DT, contact_scheduling=b) for b in (False, True))
+    plain, gated = (kalman(PAPER, dt=DT, contact_scheduling=b) for b in (False, True))
     # Both believe that they are in the gap, with the load sliding at 1 rad/s; the motor speed says +0.5 rad/s.
     start, measured = (0.0, 1.0, 1.0), 1.5
     moved = [run_from(o, start, measured)["speed_load_estimated"] for o in (plain, gated)]
@@ -75,9 +71,9 @@ def test_in_the_gap_the_load_is_predicted_not_corrected():
 
 @pytest.mark.parametrize("measured", [("speed_motor",), ("torque_shaft", "speed_motor")])
 def test_in_contact_it_is_the_plain_observer(measured):
-    plain, gated = (kalman(TABLE_1, dt=DT, measured=measured, contact_scheduling=b) for b in (False, True))
+    plain, gated = (kalman(PAPER, dt=DT, measured=measured, contact_scheduling=b) for b in (False, True))
     # 20 Nm drive without a break: the estimates stay in contact although the measurement is off.
-    recording = simulate(TABLE_1, dt=DT, torque_motor=np.full(6000, 20.0))
+    recording = simulate(PAPER, dt=DT, torque_motor=np.full(6000, 20.0))
     settled = recording.window(0.3)
     assert np.all(settled["torque_shaft"] > 5.0)
     data = {name: settled[name] for name in ("torque_motor", *measured)}
@@ -103,7 +99,7 @@ def test_an_outlier_counts_no_more_than_the_largest_innovation():
 
 
 def test_without_backlash_there_is_nothing_to_schedule():
-    plant = TABLE_1.with_parameters(backlash=0.0)
+    plant = PAPER.with_parameters(backlash=0.0)
     plain, gated = (kalman(plant, dt=DT, contact_scheduling=b) for b in (False, True))
     assert plain.to_dict() == gated.to_dict()
 
@@ -111,7 +107,7 @@ def test_without_backlash_there_is_nothing_to_schedule():
 @pytest.mark.parametrize("contact", ["viscoelastic", "dead_zone"])
 @pytest.mark.parametrize("options", [{}, {"load_torque": True}, {"speed_from_counts": True}])
 def test_it_finds_a_wrong_start(contact, options):
-    recording = simulate(TABLE_1.with_contact(contact), dt=DT, torque_motor=noise(3.0, 5, mean=5.0))
+    recording = simulate(PAPER.with_contact(contact), dt=DT, torque_motor=noise(3.0, 5, mean=5.0))
     observer = scheduled(contact, **options)
     start = np.zeros(len(observer.states))
     start[:3] = [-0.008, 3.0, -2.0]

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import h_infinity, kalman
 from lostmotion.observers.fixed_gain.h_infinity import WEIGHTS, _gain, _smallest_level, _weight_rows
 from lostmotion.observers.fixed_gain.kalman import covariances_of, sampled_model
 from lostmotion.simulation import simulate
 
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
 DT = 1e-4
 
 
 def design(**options):
-    found = sampled_model(TABLE_1, ("speed_motor",), DT, **options)
+    found = sampled_model(PAPER, ("speed_motor",), DT, **options)
     return found, *covariances_of(found, None, None), _weight_rows(found, WEIGHTS)
 
 
@@ -69,16 +65,16 @@ def test_below_the_smallest_level_there_is_no_gain():
 
 @pytest.mark.parametrize("options", [{}, {"speed_from_counts": True}, {"load_torque": True}])
 def test_far_from_the_level_it_is_the_kalman_observer(options):
-    a, b = h_infinity(TABLE_1, dt=DT, margin=1e5, **options), kalman(TABLE_1, dt=DT, **options)
+    a, b = h_infinity(PAPER, dt=DT, margin=1e5, **options), kalman(PAPER, dt=DT, **options)
     assert a.states == b.states and a.outputs == b.outputs
     np.testing.assert_allclose(a.B, b.B, rtol=1e-5, atol=1e-9)
-    assert not np.allclose(h_infinity(TABLE_1, dt=DT, margin=1.05, **options).B, b.B, rtol=0.1, atol=1e-9)
+    assert not np.allclose(h_infinity(PAPER, dt=DT, margin=1.05, **options).B, b.B, rtol=0.1, atol=1e-9)
 
 
 def test_a_wrong_load_inertia_hurts_it_less():
     rng = np.random.default_rng(3)
-    recording = simulate(TABLE_1, dt=DT, torque_motor=5.0 + 10.0 * rng.normal(size=20_000))
-    wrong = TABLE_1.with_parameters(inertia_load=0.8 * TABLE_1.inertia_load)
+    recording = simulate(PAPER, dt=DT, torque_motor=5.0 + 10.0 * rng.normal(size=20_000))
+    wrong = PAPER.with_parameters(inertia_load=0.8 * PAPER.inertia_load)
 
     def error(law):
         found = law.run(recording)["speed_load_estimated"] - recording["speed_load"]
@@ -100,9 +96,9 @@ def test_a_wrong_load_inertia_hurts_it_less():
 )
 def test_misuse(arguments, complaint):
     with pytest.raises(InvalidInput, match=complaint):
-        h_infinity(TABLE_1, dt=DT, **arguments)
+        h_infinity(PAPER, dt=DT, **arguments)
 
 
 def test_sensors_that_cannot_see_the_rotation():
     with pytest.raises(InvalidInput, match="detectable"):
-        h_infinity(TABLE_1.with_parameters(viscous=0.0), measured=("twist",), dt=DT)
+        h_infinity(PAPER.with_parameters(viscous=0.0), measured=("twist",), dt=DT)

@@ -7,18 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain, Friction
+from lostmotion.drivetrain import Friction
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import h_infinity, kalman, kalman_gain, neural_network
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 from lostmotion.systems import connect
-
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
 
 
 def rms(error):
@@ -44,18 +40,18 @@ def without_mid_sample(observer, plant):
 
 
 def test_gain_of_observer_1():
-    gain = kalman_gain(TABLE_1.with_parameters(viscous=0.0))
+    gain = kalman_gain(PAPER.with_parameters(viscous=0.0))
     np.testing.assert_allclose(gain[:, 0], [-0.39988, 503.061, -50.4388], rtol=1.2e-5)
 
 
 def test_gain_of_observer_2():
-    gain = kalman_gain(TABLE_1.with_parameters(viscous=0.0), ("torque_shaft", "speed_motor"))
+    gain = kalman_gain(PAPER.with_parameters(viscous=0.0), ("torque_shaft", "speed_motor"))
     wanted = [[0.30749, -0.031170], [-14.8505, 122.939], [-4.40545, 3.48512]]
     np.testing.assert_allclose(gain, wanted, rtol=1.5e-5)
 
 
 def test_poles_approach_those_of_the_continuous_observers():
-    plant = TABLE_1.with_parameters(viscous=0.0, coulomb=0.0, backlash=0.0)
+    plant = PAPER.with_parameters(viscous=0.0, coulomb=0.0, backlash=0.0)
     for measured, wanted in (
         (("speed_motor",), [-253.79 - 682.50j, -253.79 + 682.50j, -20.87]),
         (("torque_shaft", "speed_motor"), [-1747.3, -308.87, -20.84]),
@@ -74,7 +70,7 @@ def test_poles_approach_those_of_the_continuous_observers():
 @pytest.mark.parametrize("contact", ["viscoelastic", "dead_zone"])
 @pytest.mark.parametrize("dt, good, better_by", [(1e-4, 0.01e-3, 20.0), (1e-3, 0.4e-3, 5.0)])
 def test_the_mid_sample_rule(contact, dt, good, better_by):
-    plant = TABLE_1.with_contact(contact)
+    plant = PAPER.with_contact(contact)
     recording = simulate(plant, dt=dt, torque_motor=reversals(dt))
     observer = kalman(plant, dt=dt)
     error = rms(observer.run(recording)["twist_estimated"] - recording["twist"])
@@ -84,8 +80,8 @@ def test_the_mid_sample_rule(contact, dt, good, better_by):
 
 
 def test_load_speed_and_shaft_torque_on_its_own_model():
-    recording = simulate(TABLE_1, dt=1e-4, torque_motor=reversals(1e-4))
-    found = kalman(TABLE_1, dt=1e-4).run(recording)
+    recording = simulate(PAPER, dt=1e-4, torque_motor=reversals(1e-4))
+    found = kalman(PAPER, dt=1e-4).run(recording)
     assert rms(found["speed_load_estimated"] - recording["speed_load"]) < 1e-3 * np.ptp(
         recording["speed_load"]
     )
@@ -97,7 +93,7 @@ def test_load_speed_and_shaft_torque_on_its_own_model():
 
 
 def test_inside_the_gap_it_shows_no_shaft_torque_and_no_elastic_twist():
-    plant = TABLE_1.with_parameters(viscous=0.0, coulomb=0.0)
+    plant = PAPER.with_parameters(viscous=0.0, coulomb=0.0)
     observer = kalman(plant, dt=1e-4)
     start = np.zeros(len(observer.states))
     start[:3] = [-0.004, 0.5, 0.0]
@@ -110,7 +106,7 @@ def test_inside_the_gap_it_shows_no_shaft_torque_and_no_elastic_twist():
 
 
 def test_without_curves_it_steps_by_the_matrix_exponential():
-    plant = TABLE_1.with_parameters(backlash=0.0, coulomb=0.0)
+    plant = PAPER.with_parameters(backlash=0.0, coulomb=0.0)
     observer = kalman(plant, dt=1e-3)
     assert not observer.curves
     a, b = plant.linear()
@@ -126,7 +122,7 @@ def test_without_curves_it_steps_by_the_matrix_exponential():
 
 
 def test_backlash_that_counts_as_none_is_linear():
-    small, none = (kalman(TABLE_1.with_parameters(backlash=b), dt=1e-4) for b in (1e-11, 0.0))
+    small, none = (kalman(PAPER.with_parameters(backlash=b), dt=1e-4) for b in (1e-11, 0.0))
     assert small.to_dict() == none.to_dict()
 
 
@@ -134,7 +130,7 @@ def test_backlash_that_counts_as_none_is_linear():
 
 
 def test_a_stuck_load_rests_in_the_model_to_rounding():
-    observer = kalman(TABLE_1, dt=1e-4)
+    observer = kalman(PAPER, dt=1e-4)
     alone = connect(
         [observer.renamed({"speed_motor": "speed_motor_estimated"})],
         inputs=("torque_motor",), outputs=("speed_load_estimated", "friction_load_estimated"),
@@ -151,10 +147,10 @@ def test_under_stiction_the_load_speed_is_right_and_does_not_chatter():
     dt = 1e-4
     noise = 3.0 * np.random.default_rng(2).normal(size=30_000)
     torque = noise + np.sign(np.sin(2.0 * np.pi * 5.0 * dt * np.arange(noise.size)))
-    recording = simulate(TABLE_1, dt=dt, torque_motor=torque)
+    recording = simulate(PAPER, dt=dt, torque_motor=torque)
     stuck = recording["speed_load"] == 0.0
     assert 0.2 < np.mean(stuck) < 0.8
-    found = kalman(TABLE_1, dt=dt).run(recording)
+    found = kalman(PAPER, dt=dt).run(recording)
     # The sign of an estimated speed would put ±2 Nm on the load: 1.8e-3 rad/s in each sample.
     assert rms(found["speed_load_estimated"][stuck]) < 1e-5
     assert np.max(np.abs(np.diff(found["friction_load_estimated"]))[stuck[1:]]) < 2.0
@@ -162,7 +158,7 @@ def test_under_stiction_the_load_speed_is_right_and_does_not_chatter():
 
 def test_asymmetric_friction_reaches_both_levels():
     levels = (2.5, 1.0)
-    plant = replace(TABLE_1, frictions=(Friction(), Friction(levels, 0.0)))
+    plant = replace(PAPER, frictions=(Friction(), Friction(levels, 0.0)))
     observer = kalman(plant, dt=1e-4)
     for torque, wanted in ((12.0, levels[0]), (-12.0, -levels[1])):
         recording = simulate(plant, dt=1e-4, torque_motor=np.full(3000, torque))
@@ -172,11 +168,11 @@ def test_asymmetric_friction_reaches_both_levels():
 
 
 def test_friction_of_the_motor():
-    plant = TABLE_1.with_parameters(coulomb_motor=0.5, viscous_motor=0.002)
+    plant = PAPER.with_parameters(coulomb_motor=0.5, viscous_motor=0.002)
     recording = simulate(plant, dt=1e-4, torque_motor=reversals(1e-4))
     right, wrong = (
         rms(kalman(p, dt=1e-4).run(recording)["twist_estimated"] - recording["twist"])
-        for p in (plant, TABLE_1)
+        for p in (plant, PAPER)
     )  # fmt: skip
     assert right < 0.02e-3
     assert wrong > 5.0 * right
@@ -195,8 +191,8 @@ def test_friction_of_the_motor():
     ],
 )
 def test_other_sensors_find_a_wrong_start(measured):
-    recording = simulate(TABLE_1, dt=1e-4, torque_motor=reversals(1e-4))
-    observer = kalman(TABLE_1, measured=measured, dt=1e-4)
+    recording = simulate(PAPER, dt=1e-4, torque_motor=reversals(1e-4))
+    observer = kalman(PAPER, measured=measured, dt=1e-4)
     start = np.zeros(len(observer.states))
     start[:3] = [0.005, 3.0, -2.0]
     found = observer.run(recording, state=start).window(1.5)
@@ -214,17 +210,17 @@ def test_other_sensors_find_a_wrong_start(measured):
 def test_a_further_sensor_never_spoils_a_long_sample(dt, contact, more):
     """A twist trusted to 1 mrad put the gap's term, held over the sample, into the speeds: eight to eleven times."""
     torque = excitation(4.0, dt, seed=2, inertia=0.1292, coulomb=2.0, viscous=0.0175)
-    plant = TABLE_1.with_parameters(contact=contact)
+    plant = PAPER.with_parameters(contact=contact)
     recording = simulate(plant, dt=dt, torque_motor=torque)
     errors = []
     for measured in (("speed_motor",), (more, "speed_motor")):
-        found = kalman(TABLE_1, measured=measured, dt=dt).run(recording).window(0.5)
+        found = kalman(PAPER, measured=measured, dt=dt).run(recording).window(0.5)
         errors.append(rms(found["speed_load_estimated"] - recording.window(0.5)["speed_load"]))
     assert errors[1] < 2.0 * errors[0]
 
 
 def test_outputs_and_inputs_by_name():
-    observer = kalman(TABLE_1, measured=("torque_shaft", "speed_motor"), dt=1e-4)
+    observer = kalman(PAPER, measured=("torque_shaft", "speed_motor"), dt=1e-4)
     assert observer.inputs == ("torque_motor", "torque_shaft", "speed_motor")
     assert observer.outputs == (
         "twist_estimated", "twist_elastic_estimated", "speed_motor_estimated", "speed_load_estimated",
@@ -233,14 +229,14 @@ def test_outputs_and_inputs_by_name():
 
 
 def test_actuator_lag_is_a_state():
-    plant = TABLE_1.with_parameters(lag=5e-4)
+    plant = PAPER.with_parameters(lag=5e-4)
     torque = reversals(1e-4)
     recording = simulate(plant, dt=1e-4, torque_motor=torque)
     observer = kalman(plant, dt=1e-4)
     assert "torque_actuator" in observer.states
     data = {"torque_motor": torque, "speed_motor": recording["speed_motor"]}
     right, wrong = (
-        rms(o.run(data)["twist_estimated"] - recording["twist"]) for o in (observer, kalman(TABLE_1, dt=1e-4))
+        rms(o.run(data)["twist_estimated"] - recording["twist"]) for o in (observer, kalman(PAPER, dt=1e-4))
     )
     assert right < 0.02e-3
     assert wrong > 5.0 * right
@@ -248,12 +244,12 @@ def test_actuator_lag_is_a_state():
 
 @pytest.mark.parametrize("dt", [1e-4, 1e-3])
 def test_count_averaged_speed(dt):
-    recording = simulate(TABLE_1, dt=dt, torque_motor=reversals(dt))
+    recording = simulate(PAPER, dt=dt, torque_motor=reversals(dt))
     averaged = np.diff(recording["angle_motor"], prepend=0.0) / dt
     data = {"torque_motor": recording["torque_motor"], "speed_motor": averaged}
     right, wrong = (
         rms(
-            kalman(TABLE_1, dt=dt, speed_from_counts=c).run(data)["speed_load_estimated"]
+            kalman(PAPER, dt=dt, speed_from_counts=c).run(data)["speed_load_estimated"]
             - recording["speed_load"]
         )
         for c in (True, False)
@@ -280,12 +276,12 @@ def test_count_averaged_speed(dt):
 )
 def test_misuse(arguments, complaint):
     with pytest.raises(InvalidInput, match=complaint):
-        kalman(TABLE_1, **{"dt": 1e-4, **arguments})
+        kalman(PAPER, **{"dt": 1e-4, **arguments})
 
 
 @pytest.mark.parametrize("measured", [("twist",), ("torque_shaft",), ("torque_shaft", "twist")])
 def test_sensors_that_cannot_see_the_rotation(measured):
-    plant = TABLE_1.with_parameters(viscous=0.0)
+    plant = PAPER.with_parameters(viscous=0.0)
     with pytest.raises(InvalidInput, match="detectable"):
         kalman(plant, measured=measured, dt=1e-4)
     with pytest.raises(InvalidInput, match="detectable"):
@@ -297,8 +293,8 @@ def test_a_lag_far_below_the_sample_time_is_none(lag: float) -> None:
     """Van Loan's formula alone overflows there."""
     rng = np.random.default_rng(1)
     data = {"torque_motor": rng.normal(0.0, 10.0, 500), "speed_motor": rng.normal(0.0, 1.0, 500)}
-    plain = kalman(TABLE_1, dt=1e-4).run(data)
-    lagging = kalman(TABLE_1.with_parameters(lag=lag), dt=1e-4).run(data)
+    plain = kalman(PAPER, dt=1e-4).run(data)
+    lagging = kalman(PAPER.with_parameters(lag=lag), dt=1e-4).run(data)
     for name in ("speed_load_estimated", "twist_estimated"):
         assert np.max(np.abs(lagging[name] - plain[name])) < 0.01 * np.ptp(plain[name]), name
 
@@ -306,7 +302,7 @@ def test_a_lag_far_below_the_sample_time_is_none(lag: float) -> None:
 @pytest.mark.parametrize("make", [kalman, h_infinity, neural_network])
 def test_a_sample_too_long_for_the_shaft_is_refused(make):
     """Beyond, the gap term that is held over a sample swings up; without a gap nothing is held."""
-    stiff = TABLE_1.with_parameters(stiffness=(1.6 / 1e-3) ** 2 / (1.0 / 0.0182 + 1.0 / 0.111))
+    stiff = PAPER.with_parameters(stiffness=(1.6 / 1e-3) ** 2 / (1.0 / 0.0182 + 1.0 / 0.111))
     with pytest.raises(InvalidInput, match=r"turns by 1\.6 rad.*extended_kalman"):
         make(stiff, dt=1e-3)
     make(stiff.with_parameters(backlash=0.0), dt=1e-3)

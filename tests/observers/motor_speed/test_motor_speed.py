@@ -5,18 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from rig_runs import gap_f1, relative_rmse
+from table_i import PAPER
 
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import kalman, neural_network, sliding_mode, super_twisting
 from lostmotion.observers.motor_speed.parameters import load_corrections
 from lostmotion.simulation import simulate
 
 DT = 1e-4
-TABLE_1 = Drivetrain.two_mass(
-    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-    viscous=0.0175,
-)  # fmt: skip
 
 
 @pytest.mark.parametrize("make", [sliding_mode, super_twisting, neural_network])
@@ -40,8 +36,8 @@ def test_stands_wrong_friction_better_than_observer_1(make, experiment):
 @pytest.mark.parametrize("ratio", [0.3, 0.7, 1.0])
 def test_the_corrections_place_the_poles_of_the_load(ratio):
     """Twist and load speed with the motor speed followed: eigenvalues are the roots of s² + 2ζω s + ω²."""
-    omega, k, jm, jl = 250.0, TABLE_1.stiffness, TABLE_1.inertia_motor, TABLE_1.inertia_load
-    twist, load = load_corrections(TABLE_1, omega, ratio)
+    omega, k, jm, jl = 250.0, PAPER.stiffness, PAPER.inertia_motor, PAPER.inertia_load
+    twist, load = load_corrections(PAPER, omega, ratio)
     error = np.array([[twist * k / jm, -1.0], [k / jl + load * k / jm, 0.0]])
     assert np.poly(error) == pytest.approx([1.0, 2.0 * ratio * omega, omega**2], rel=1e-12)
 
@@ -51,10 +47,10 @@ def test_super_twisting_finds_the_torque_that_the_model_misses():
     n = 5000
     torque = np.full(n, 8.0)
     missed = np.where(np.arange(n) > 2500, 3.0, 0.0)
-    true = simulate(TABLE_1, dt=DT, torque_motor=torque + missed)
+    true = simulate(PAPER, dt=DT, torque_motor=torque + missed)
     rng = np.random.default_rng(1)
     speed = true["speed_motor"] + 0.005 * rng.normal(size=n)
-    stepper = super_twisting(TABLE_1, dt=DT, sensor_noise=0.005)
+    stepper = super_twisting(PAPER, dt=DT, sensor_noise=0.005)
     found = stepper.run({"torque_motor": torque, "speed_motor": speed})["torque_unknown_estimated"]
     assert abs(np.mean(found[2000:2500])) < 0.3
     assert np.mean(found[2700:]) == pytest.approx(3.0, rel=0.15)
@@ -63,8 +59,8 @@ def test_super_twisting_finds_the_torque_that_the_model_misses():
 def test_sliding_mode_holds_the_motor_speed_within_the_layer():
     """Up to the torque that it can overcome, the innovation stays inside the layer."""
     n = 5000
-    true = simulate(TABLE_1, dt=DT, torque_motor=np.full(n, 8.0 + 4.0))
-    stepper = sliding_mode(TABLE_1, dt=DT, unknown_torque=10.0, layer=0.2)
+    true = simulate(PAPER, dt=DT, torque_motor=np.full(n, 8.0 + 4.0))
+    stepper = sliding_mode(PAPER, dt=DT, unknown_torque=10.0, layer=0.2)
     result = stepper.run({"torque_motor": np.full(n, 8.0), "speed_motor": true["speed_motor"]})
     innovation = true["speed_motor"] - result["speed_motor_estimated"]
     assert np.max(np.abs(innovation[500:])) < 0.2
@@ -94,6 +90,6 @@ def test_misuse_is_refused(make):
         neural_network: "friction_error",
     }[make]
     with pytest.raises(InvalidInput, match=argument):
-        make(TABLE_1, dt=DT, **{argument: -1.0})
+        make(PAPER, dt=DT, **{argument: -1.0})
     with pytest.raises(InvalidInput, match="sensor_noise"):
-        make(TABLE_1, dt=DT, sensor_noise=0.0)
+        make(PAPER, dt=DT, sensor_noise=0.0)

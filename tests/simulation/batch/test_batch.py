@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plants import TABLE_I
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.drivetrain import CONTACT_LAWS, Actuator, Drivetrain, Friction, Shaft

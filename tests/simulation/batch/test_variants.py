@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plants import TABLE_I
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.drivetrain import Actuator, Drivetrain, Friction, Shaft

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from plants import TABLE_I, trajectory
+from plants import trajectory
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion import DiscreteSystem, Drivetrain, Sensor

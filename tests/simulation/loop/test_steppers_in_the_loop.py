@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from plants import TABLE_I
+from all_steppers import STEPPERS
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion import DiscreteSystem, Drivetrain, Recording, Sensor, observers
@@ -14,16 +15,7 @@ from lostmotion.controllers import pole_placement
 from lostmotion.systems import Stepper
 
 DT = 1e-4
-MAKERS = (
-    observers.extended_kalman,
-    observers.unscented_kalman,
-    observers.interacting_models,
-    observers.moving_horizon,
-    observers.sliding_mode,
-    observers.super_twisting,
-    observers.neural_network,
-)
-EVERY = pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
+EVERY = pytest.mark.parametrize("make", STEPPERS, ids=lambda make: make.__name__)
 MODEL = Drivetrain.two_mass(**TABLE_I)
 PLANT = Drivetrain.two_mass(**TABLE_I, contact="physical")
 ENCODER = {"speed_motor": Sensor("angle_motor", 2.0 * math.pi / 2**20, difference=True)}

@@ -183,7 +183,10 @@ def frequency_response(
     keep = (frequency >= low) & (frequency <= high) & (frequency > 0.0)
     if not keep.any():
         raise InvalidInput(
-            "frequency_response: band", f"{low:g} … {high:g} Hz", "a line in the band", "Widen it."
+            "frequency_response: band",
+            f"{low:g} … {high:g} Hz",
+            "low < high, with a line of the spectrum between",
+            "Widen it.",
         )
     frequency = frequency[keep]
     a, b = (segment_spectra(signal, length)[:, keep] for signal in (x, y))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +24,7 @@ MIN_AVERAGES = 60
 CONSTANT = 0.01
 
 
-@dataclass(frozen=True, eq=False)
-class _Stretch:
+class _Stretch(NamedTuple):
     """One stretch of one sign of speed: rows of the joined recordings, that sign, and the arrays."""
 
     rows: slice

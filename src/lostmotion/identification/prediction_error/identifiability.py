@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +48,7 @@ SURE = 3.0
 CONTRADICTION = 0.3
 
 
-@dataclass(frozen=True, eq=False)
-class _Views:
+class _Views(NamedTuple):
     """The fit as it is, under a three times higher gain, and if only the faster half of the speeds counts."""
 
     own: Blocks

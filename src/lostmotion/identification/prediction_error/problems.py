@@ -23,93 +23,63 @@ _EXCITE = {
 
 def gaps(segments: int, recordings: int, left_out: float) -> Problem:
     """``left_out``, s."""
-    return Problem(
-        "warning",
-        "recording",
-        f"{segments} pieces in {recordings} recording(s), {left_out:.3g} s left out",
-        "no gaps",
-        "The observer starts anew after each gap: a long piece tells more than many short ones.",
-    )
+    got = f"{segments} pieces in {recordings} recording(s), {left_out:.3g} s left out"
+    remedy = "The observer starts anew after each gap: a long piece tells more than many short ones."
+    return Problem.warning("recording", got, "no gaps", remedy)
 
 
 def rows_joined(step: float, deviation: float, rows: int) -> Problem:
     """Step of the counts and standard deviation of the speed, rad/s."""
-    return Problem(
-        "warning",
-        "speed_motor",
-        f"counts of {step:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s",
-        "finer ones",
-        f"{rows} rows each are taken as one. A finer encoder tells more.",
-    )
+    got = f"counts of {step:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s"
+    remedy = f"{rows} rows each are taken as one. A finer encoder tells more."
+    return Problem.warning("speed_motor", got, "finer ones", remedy)
 
 
 def few_samples_per_period(samples: float, least: float) -> Problem:
-    return Problem(
-        "warning",
-        "recording.time",
-        f"{samples:.1f} samples per period of the torsional mode",
-        f"at least {least:.0f}",
-        "Record at a higher rate.",
-    )
+    got = f"{samples:.1f} samples per period of the torsional mode"
+    return Problem.warning("recording.time", got, f"at least {least:.0f}", "Record at a higher rate.")
 
 
 def inertia_contradicts_torque(seen: float, found: float) -> Problem:
     """Inertia by the acceleration at low frequency, and as found, kg m2."""
-    return Problem(
-        "warning",
-        "torque_motor",
-        f"a low-frequency acceleration as of {seen:.3g} kg m2",
-        f"about {found:.3g} kg m2",
-        "Check sign, scale and unit of torque and speed.",
-    )
+    got = f"a low-frequency acceleration as of {seen:.3g} kg m2"
+    remedy = "Check sign, scale and unit of torque and speed."
+    return Problem.warning("torque_motor", got, f"about {found:.3g} kg m2", remedy)
 
 
 # The prediction.
 
 
 def still_moving() -> Problem:
-    return Problem(
-        "warning",
-        "identification",
-        "a fit that was still moving",
-        "convergence",
-        "Check the nameplate values and the sign of the torque.",
-    )
+    remedy = "Check the nameplate values and the sign of the torque."
+    return Problem.warning("identification", "a fit that was still moving", "convergence", remedy)
 
 
 def not_white(excess: float, most: float) -> Problem:
     """``excess``: slow innovations over white noise's share of them."""
-    return Problem(
-        "warning",
-        "identification",
-        f"innovations with {excess:.1f} times white noise's share of slow ones",
-        f"at most {most:g}",
+    got = f"innovations with {excess:.1f} times white noise's share of slow ones"
+    remedy = (
         "Friction, load or shaft are not as the model has them: try load_torque=True, another contact law, or "
-        "less speed and torque. The intervals allow for a coloured residual.",
+        "less speed and torque. The intervals allow for a coloured residual."
     )
+    return Problem.warning("identification", got, f"at most {most:g}", remedy)
 
 
 def too_coarse(level: float, deviation: float, most: float) -> Problem:
     """Rms of the innovations and standard deviation of the speed, rad/s; ``most`` is the largest share."""
-    return Problem(
-        "warning",
-        "speed_motor",
-        f"innovations of {level:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s",
-        f"at most {100.0 * most:g} %",
-        "The resolution is too low, nothing is identified: take a finer encoder or a longer sample time.",
-    )
+    got = f"innovations of {level:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s"
+    remedy = "The resolution is too low, nothing is identified: take a finer encoder or a longer sample time."
+    return Problem.warning("speed_motor", got, f"at most {100.0 * most:g} %", remedy)
 
 
 def unmodelled_mode(frequency: float) -> Problem:
     """Hz."""
-    return Problem(
-        "warning",
-        "identification",
-        f"prediction errors with a peak at {frequency:.0f} Hz",
-        "no resonance beyond that of motor and load",
+    got = f"prediction errors with a peak at {frequency:.0f} Hz"
+    remedy = (
         "A further inertia or shaft: the intervals are widened for it. A torque with less content there "
-        "narrows them.",
+        "narrows them."
     )
+    return Problem.warning("identification", got, "no resonance beyond that of motor and load", remedy)
 
 
 def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
@@ -119,24 +89,18 @@ def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
         for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")
         if abs(np.log(other[name] / getattr(found, name))) > 0.1
     ]
-    return Problem(
-        "warning",
-        "identification",
-        f"a second minimum: {', '.join(texts)} predict nearly as well",
-        "one minimum",
-        "Fix what the nameplate knows well, or record more reversals and a wider band of torque.",
-    )
+    got = f"a second minimum: {', '.join(texts)} predict nearly as well"
+    remedy = "Fix what the nameplate knows well, or record more reversals and a wider band of torque."
+    return Problem.warning("identification", got, "one minimum", remedy)
 
 
 def laws_alike(gain: float, certainty: float, least: float) -> Problem:
     """Two contact laws: gain of the better one and the least that counts, as fractions; t statistic."""
-    return Problem(
-        "warning",
-        "contact",
-        f"laws whose predictions differ by {100.0 * gain:.2g} % (t = {certainty:.1f})",
-        f"at least {100.0 * least:g} % in most of the recording",
-        "They cannot be told apart here: keep the viscoelastic law, or record faster crossings of the gap.",
+    got = f"laws whose predictions differ by {100.0 * gain:.2g} % (t = {certainty:.1f})"
+    remedy = (
+        "They cannot be told apart here: keep the viscoelastic law, or record faster crossings of the gap."
     )
+    return Problem.warning("contact", got, f"at least {100.0 * least:g} % in most of the recording", remedy)
 
 
 # Single parameters.
@@ -144,31 +108,19 @@ def laws_alike(gain: float, certainty: float, least: float) -> Problem:
 
 def not_excited(name: str, nameplate: float) -> Problem:
     value = f"{nameplate:g} {PARAMETER_UNITS[name]}"
-    return Problem(
-        "warning",
-        name,
-        "a recording that does not tell it",
-        "excitation",
-        f"{_EXCITE.get(name, 'Record more torque.')} The nameplate's {value} is used instead.",
-    )
+    remedy = f"{_EXCITE.get(name, 'Record more torque.')} The nameplate's {value} is used instead."
+    return Problem.warning(name, "a recording that does not tell it", "excitation", remedy)
 
 
 def far_from_nameplate(name: str, found: float, nameplate: float, factor: float) -> Problem:
     unit = PARAMETER_UNITS[name]
-    return Problem(
-        "warning",
-        name,
-        f"{found:.4g} {unit}",
-        f"within a factor of {factor} of the nameplate's {nameplate:.4g} {unit}",
-        "Check the nameplate, and scale and unit of the torque.",
-    )
+    expected = f"within a factor of {factor} of the nameplate's {nameplate:.4g} {unit}"
+    remedy = "Check the nameplate, and scale and unit of the torque."
+    return Problem.warning(name, f"{found:.4g} {unit}", expected, remedy)
 
 
 def correlated(names: Sequence[str], largest: float, limit: float) -> Problem:
-    return Problem(
-        "warning",
-        ", ".join(names),
-        f"correlations up to {largest:.3f}",
-        f"below {limit}",
-        "Only combinations of them are known well: fix one from the nameplate, or record a richer torque.",
+    remedy = (
+        "Only combinations of them are known well: fix one from the nameplate, or record a richer torque."
     )
+    return Problem.warning(", ".join(names), f"correlations up to {largest:.3f}", f"below {limit}", remedy)

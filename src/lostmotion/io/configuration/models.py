@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from ...controllers.pole_placement import DEFAULT_POLES
 from ...drivetrain import PARAMETER_UNITS
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
@@ -83,16 +82,18 @@ class LawModel(_Model):
     """What the law shall do."""
 
     sample_time: Annotated[float | None, value.positive("s", "default: that of the recording")] = None
-    torque_limit: Annotated[float | None, value.positive("Nm", "default: none")] = None
+    torque_limit: Annotated[
+        float | None, value.positive("Nm", "default: the largest recorded motor torque")
+    ] = None
     poles: Annotated[
-        tuple[float, ...],
+        tuple[float, ...] | None,
         value.POLES,
-        Field(description="1/s, three negative numbers: of the state feedback"),
-    ] = DEFAULT_POLES
+        Field(description="1/s, three negative numbers: of the state feedback; default: from the drive"),
+    ] = None
     kp: Annotated[
         float | None,
         value.PROPORTIONAL_GAIN,
-        Field(description="Nm s/rad, PI speed controller to compare with"),
+        Field(description="Nm s/rad, PI speed controller to compare with; default: symmetrical optimum"),
     ] = None
     ki: Annotated[float | None, value.GAIN, Field(description="Nm/rad, of the same controller")] = None
 
@@ -100,7 +101,11 @@ class LawModel(_Model):
     def _both_gains(self) -> LawModel:
         if (self.kp is None) != (self.ki is None):
             raise InvalidInput(
-                "", f"kp {self.kp}, ki {self.ki}", "both gains of the PI controller or none", "Add it."
+                "",
+                f"{'ki' if self.kp is None else 'kp'} alone",
+                "both gains of the PI controller or none",
+                f"Add {'kp' if self.kp is None else 'ki = 0 for a proportional controller, or another'}, or "
+                "leave both out.",
             )
         return self
 

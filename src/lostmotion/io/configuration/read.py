@@ -10,7 +10,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ...controllers.pole_placement import DEFAULT_POLES
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
@@ -70,7 +69,7 @@ class LawSettings:
 
     sample_time: float | None = None
     torque_limit: float | None = None
-    poles: tuple[float, ...] = DEFAULT_POLES
+    poles: tuple[float, ...] | None = None
     kp: float | None = None
     ki: float | None = None
 
@@ -103,7 +102,12 @@ def read_configuration(path: str | Path) -> Configuration:
     """
     path = Path(path)
     try:
-        content, text = read_toml(path, "a TOML that names recordings")
+        content, text = read_toml(
+            path,
+            "a TOML that names recordings",
+            "A recording is named in a TOML: write one with lostmotion init, with "
+            f'file = "{path.name}" in its [[recording]].',
+        )
         if content.get("kind") == "drivetrain":
             raise InvalidInput(
                 str(path),

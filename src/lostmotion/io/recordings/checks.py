@@ -35,15 +35,9 @@ def check_finite(name: str, values: NDArray[np.float64], where: str, place: Plac
     bad = np.flatnonzero(~np.isfinite(values))
     if not bad.size:
         return []
-    return [
-        Problem(
-            "error",
-            f"{where}, {name}",
-            f"NaN or infinity in {places(bad, place)}",
-            "a finite number in every row",
-            "Give a window without them, or fill the gaps in the tool that recorded them.",
-        )
-    ]
+    got = f"NaN or infinity in {places(bad, place)}"
+    remedy = "Give a window without them, or fill the gaps in the tool that recorded them."
+    return [Problem.error(f"{where}, {name}", got, "a finite number in every row", remedy)]
 
 
 def check_increasing(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
@@ -52,30 +46,17 @@ def check_increasing(time: NDArray[np.float64], where: str, place: Place) -> lis
     if not bad.size:
         return []
     i = int(bad[0])
-    return [
-        Problem(
-            "error",
-            f"{where}, time",
-            f"{float(time[i + 1])!r} s after {float(time[i])!r} s in {place(i + 1)} ({bad.size} such steps)",
-            "strictly increasing times",
-            "Check the column of the time; sort the rows, or give time = { sample_time = ... }.",
-        )
-    ]
+    got = f"{float(time[i + 1])!r} s after {float(time[i])!r} s in {place(i + 1)} ({bad.size} such steps)"
+    remedy = "Check the column of the time; sort the rows, or give time = { sample_time = ... }."
+    return [Problem.error(f"{where}, time", got, "strictly increasing times", remedy)]
 
 
 def check_length(samples: int, where: str) -> list[Problem]:
     """Too few samples."""
     if samples >= MINIMUM_SAMPLES:
         return []
-    return [
-        Problem(
-            "error",
-            where,
-            f"{samples} samples",
-            f"at least {MINIMUM_SAMPLES}",
-            "Record longer, widen the window.",
-        )
-    ]
+    remedy = "Record longer, widen the window."
+    return [Problem.error(where, f"{samples} samples", f"at least {MINIMUM_SAMPLES}", remedy)]
 
 
 def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
@@ -86,17 +67,15 @@ def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Pr
     if not bad.size:
         return []
     i = int(bad[0])
-    return [
-        Problem(
-            "error",
-            f"{where}, time",
-            f"{bad.size} of {steps.size} steps off the median step of {step * 1e3:.6g} ms, the first in "
-            f"{place(i + 1)}: {steps[i] * 1e3:.6g} ms; the longest: {steps.max() * 1e3:.6g} ms",
-            "equal steps within 5 %",
-            f'Ask for resample = "{step * 1e3:.6g} ms", choose a window without gaps, or, if only the '
-            "written times are rounded, give time = { sample_time = ... }.",
-        )
-    ]
+    got = (
+        f"{bad.size} of {steps.size} steps off the median step of {step * 1e3:.6g} ms, the first in "
+        f"{place(i + 1)}: {steps[i] * 1e3:.6g} ms; the longest: {steps.max() * 1e3:.6g} ms"
+    )
+    remedy = (
+        f'Ask for resample = "{step * 1e3:.6g} ms", choose a window without gaps, or, if only the '
+        "written times are rounded, give time = { sample_time = ... }."
+    )
+    return [Problem.error(f"{where}, time", got, "equal steps within 5 %", remedy)]
 
 
 def stop_at_errors(problems: list[Problem]) -> None:
@@ -116,66 +95,41 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
     found: list[Problem] = [*_slow(recording, where)]
     for name, values in recording.signals.items():
         if np.ptp(values) == 0.0:
-            found.append(
-                Problem(
-                    "warning",
-                    f"{where}, {name}",
-                    f"the constant {float(values[0])!r}",
-                    "a signal that changes",
-                    "Check that the channel was connected and recorded.",
-                )
-            )
+            got = f"the constant {float(values[0])!r}"
+            remedy = "Check that the channel was connected and recorded."
+            found.append(Problem.warning(f"{where}, {name}", got, "a signal that changes", remedy))
         elif name in ("torque_motor", "torque_shaft") and not _reverses(values):
-            found.append(
-                Problem(
-                    "warning",
-                    f"{where}, {name}",
-                    f"a torque between {values.min():.4g} and {values.max():.4g} Nm that never reverses",
-                    "torque in both directions",
-                    "The backlash cannot be told from it: record with reversals of the torque.",
-                )
-            )
+            got = f"a torque between {values.min():.4g} and {values.max():.4g} Nm that never reverses"
+            remedy = "The backlash cannot be told from it: record with reversals of the torque."
+            found.append(Problem.warning(f"{where}, {name}", got, "torque in both directions", remedy))
         found += stuck(name, values, recording, where)
         found += spikes(name, values, recording, where)
     found += dead(recording.signals, recording.time, where)
     follows, followed = column_order(recording)
     agreement = torque_agreement(recording)
     if followed > max(SWAPPED, abs(follows) + SWAPPED_MARGIN):
-        found.append(
-            Problem(
-                "warning",
-                f"{where}, torque_motor and speed_motor",
-                f"a torque whose changes follow the speed (correlation {followed:.2f}), "
-                f"not a speed whose changes follow the torque ({follows:.2f})",
-                "a speed that the torque accelerates",
-                "The two columns look swapped: exchange them in channels, or in the file's header.",
-            )
+        got = (
+            f"a torque whose changes follow the speed (correlation {followed:.2f}), "
+            f"not a speed whose changes follow the torque ({follows:.2f})"
         )
+        remedy = "The two columns look swapped: exchange them in channels, or in the file's header."
+        columns = f"{where}, torque_motor and speed_motor"
+        found.append(Problem.warning(columns, got, "a speed that the torque accelerates", remedy))
     elif agreement < -0.5:
-        found.append(
-            Problem(
-                "warning",
-                f"{where}, torque_motor",
-                f"torque and acceleration of the motor of opposite sign (agreement {agreement:.2f})",
-                "acceleration in the direction of the torque (agreement near 1)",
-                "Set sign = -1 for torque_motor, or for the motor's speed; or exchange the two if they are swapped.",
-            )
-        )
+        got = f"torque and acceleration of the motor of opposite sign (agreement {agreement:.2f})"
+        expected = "acceleration in the direction of the torque (agreement near 1)"
+        remedy = "Set sign = -1 for torque_motor, or for the motor's speed; or exchange the two if they are swapped."
+        found.append(Problem.warning(f"{where}, torque_motor", got, expected, remedy))
     return tuple(found)
 
 
 def _slow(recording: Recording, where: str) -> list[Problem]:
     if recording.dt < SLOW * (1.0 - RASTER_TOLERANCE):
         return []
-    return [
-        Problem(
-            "warning",
-            f"{where}, time",
-            f"a sample time of {recording.dt:.4g} s: {recording.time[-1] - recording.time[0]:.4g} s in all",
-            f"well below {SLOW} s: no mode of a shaft is seen in so few rows a second",
-            'If the time is in ms, say so: time = { column = ..., unit = "ms" }. Else record faster.',
-        )
-    ]
+    got = f"a sample time of {recording.dt:.4g} s: {recording.time[-1] - recording.time[0]:.4g} s in all"
+    expected = f"well below {SLOW} s: no mode of a shaft is seen in so few rows a second"
+    remedy = 'If the time is in ms, say so: time = { column = ..., unit = "ms" }. Else record faster.'
+    return [Problem.warning(f"{where}, time", got, expected, remedy)]
 
 
 def rounded_to_decimals(values: NDArray[np.float64]) -> bool:
@@ -204,15 +158,9 @@ def _too_short(recording: Recording, where: str) -> list[Problem]:
     rows, duration = len(recording), len(recording) * recording.dt
     if rows >= IDENTIFIABLE_ROWS and duration >= IDENTIFIABLE_TIME:
         return []
-    return [
-        Problem(
-            "warning",
-            where,
-            f"{rows} rows, {duration:g} s",
-            f"at least {IDENTIFIABLE_ROWS} rows and {IDENTIFIABLE_TIME:g} s to identify from",
-            'Record longer, widen the window, or set use = "validate". 10 s at 10 kHz are good.',
-        )
-    ]
+    expected = f"at least {IDENTIFIABLE_ROWS} rows and {IDENTIFIABLE_TIME:g} s to identify from"
+    remedy = 'Record longer, widen the window, or set use = "validate". 10 s at 10 kHz are good.'
+    return [Problem.warning(where, f"{rows} rows, {duration:g} s", expected, remedy)]
 
 
 def _missing(recording: Recording, where: str) -> list[Problem]:
@@ -223,17 +171,14 @@ def _missing(recording: Recording, where: str) -> list[Problem]:
         "the motor's current will do: channels.torque_motor = "
         '{ column = ..., unit = "A", scale = its torque constant }'
     )
-    return [
-        Problem(
-            "warning",
-            where,
-            f"no {' and no '.join(missing)}",
-            "torque and speed of the motor: without them the inertias, friction and backlash stay unknown, and no "
-            "observer, no controller and no code is made",
-            f"Add the channel{'s' if len(missing) > 1 else ''}"
-            + (f"; {example}." if "torque_motor" in missing else "; an angle will do: channels.angle_motor."),
-        )
-    ]
+    expected = (
+        "torque and speed of the motor: without them the inertias, friction and backlash stay unknown, and no "
+        "observer, no controller and no code is made"
+    )
+    remedy = f"Add the channel{'s' if len(missing) > 1 else ''}" + (
+        f"; {example}." if "torque_motor" in missing else "; an angle will do: channels.angle_motor."
+    )
+    return [Problem.warning(where, f"no {' and no '.join(missing)}", expected, remedy)]
 
 
 def _standing(recording: Recording, where: str) -> list[Problem]:
@@ -244,15 +189,12 @@ def _standing(recording: Recording, where: str) -> list[Problem]:
     first, length = (0, speed.size) if np.ptp(speed) == 0.0 else longest_run(speed)
     if length < STUCK_SHARE * speed.size:
         return []
-    return [
-        Problem(
-            "error",
-            f"{where}, speed_motor",
-            f"{speed[first]:.6g} in {length} of {speed.size} rows on end, from {recording.time[first]:.6g} s on",
-            "a speed that changes: nothing can be identified from one that hangs",
-            'Check the encoder and its channel; leave that part out by window = [...], or set use = "validate".',
-        )
-    ]
+    got = f"{speed[first]:.6g} in {length} of {speed.size} rows on end, from {recording.time[first]:.6g} s on"
+    expected = "a speed that changes: nothing can be identified from one that hangs"
+    remedy = (
+        'Check the encoder and its channel; leave that part out by window = [...], or set use = "validate".'
+    )
+    return [Problem.error(f"{where}, speed_motor", got, expected, remedy)]
 
 
 def _reverses(torque: NDArray[np.float64]) -> bool:

@@ -39,15 +39,9 @@ def check_sizes(name: str, values: NDArray[np.float64], where: str, place: Place
     bad = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST))
     if not bad.size:
         return []
-    return [
-        Problem(
-            "error",
-            f"{where}, {name}",
-            f"{values[bad[0]]:.4g} in SI units in {places(bad, place)}",
-            f"at most {LARGEST:g}",
-            "If it is every row, check unit, scale and offset; else give a window without these rows.",
-        )
-    ]
+    got = f"{values[bad[0]]:.4g} in SI units in {places(bad, place)}"
+    remedy = "If it is every row, check unit, scale and offset; else give a window without these rows."
+    return [Problem.error(f"{where}, {name}", got, f"at most {LARGEST:g}", remedy)]
 
 
 def longest_run(values: NDArray[np.float64]) -> tuple[int, int]:
@@ -70,15 +64,10 @@ def stuck(name: str, values: NDArray[np.float64], recording: Recording, where: s
     first, length = longest_run(values)
     if length < STUCK_RUNS * usual or length * recording.dt < STUCK_TIME:
         return []
-    return [
-        Problem(
-            "warning",
-            f"{where}, {name}",
-            f"{values[first]:.6g} in {length} rows on end, from {recording.time[first]:.6g} s on",
-            f"a value that changes (others last {usual:.0f} row{'s' if usual > 1.0 else ''} at most)",
-            "Check whether the sensor or the logger hung there: leave that part out by window = [...].",
-        )
-    ]
+    got = f"{values[first]:.6g} in {length} rows on end, from {recording.time[first]:.6g} s on"
+    expected = f"a value that changes (others last {usual:.0f} row{'s' if usual > 1.0 else ''} at most)"
+    remedy = "Check whether the sensor or the logger hung there: leave that part out by window = [...]."
+    return [Problem.warning(f"{where}, {name}", got, expected, remedy)]
 
 
 def dead(signals: Mapping[str, NDArray[np.float64]], time: NDArray[np.float64], where: str) -> list[Problem]:
@@ -96,15 +85,9 @@ def dead(signals: Mapping[str, NDArray[np.float64]], time: NDArray[np.float64], 
     held = float(np.median(torque[first : first + length]))
     if held < DEAD_TORQUE * float(np.median(turning)):
         return []
-    return [
-        Problem(
-            "warning",
-            f"{where}, speed_motor",
-            f"exactly 0 in {length} rows on end, from {time[first]:.6g} s on, at torques as large as while it turns",
-            "a motor that turns under such torques",
-            "Check the encoder there: leave that part out by window = [...], unless the motor was held.",
-        )
-    ]
+    got = f"exactly 0 in {length} rows on end, from {time[first]:.6g} s on, at torques as large as while it turns"
+    remedy = "Check the encoder there: leave that part out by window = [...], unless the motor was held."
+    return [Problem.warning(f"{where}, speed_motor", got, "a motor that turns under such torques", remedy)]
 
 
 def spikes(name: str, values: NDArray[np.float64], recording: Recording, where: str) -> list[Problem]:
@@ -117,15 +100,12 @@ def spikes(name: str, values: NDArray[np.float64], recording: Recording, where: 
     if usual == 0.0 or not found.size:
         return []
     times = short_list((f"{recording.time[i]:.6g} s" for i in found), 5)
-    return [
-        Problem(
-            "warning",
-            f"{where}, {name}",
-            f"{values[found[0]]:.4g} in one sample, and back in the next, at {times}",
-            f"changes near {usual:.3g} from sample to sample, as elsewhere",
-            "A lost bit of the logger? Leave these samples out by window = [...], or repair them in the file.",
-        )
-    ]
+    got = f"{values[found[0]]:.4g} in one sample, and back in the next, at {times}"
+    expected = f"changes near {usual:.3g} from sample to sample, as elsewhere"
+    remedy = (
+        "A lost bit of the logger? Leave these samples out by window = [...], or repair them in the file."
+    )
+    return [Problem.warning(f"{where}, {name}", got, expected, remedy)]
 
 
 def _runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

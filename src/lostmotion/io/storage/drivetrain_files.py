@@ -53,7 +53,9 @@ def load_drivetrain(path: str | Path) -> Drivetrain:
         type or out of range.
     """
     where = str(path)
-    content, source = read_toml(Path(path), "a drivetrain as TOML")
+    content, source = read_toml(
+        Path(path), "a drivetrain as TOML", "A run writes one, drivetrain.toml, into its output folder."
+    )
     content = unwrapped(content, "drivetrain", where)
     if not source.rstrip().endswith(f"\n{_END}"):
         raise InvalidInput(

@@ -53,7 +53,7 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
         without ``force``, or cannot be written. After it: if the disk is full or the folder cannot be put in
         place.
     """
-    path = Path(path).resolve()
+    path = _possible(Path(path))
     _clean_up(path)
     _refuse_foreign(path, force)
     new = _sibling(path, "new")
@@ -84,7 +84,7 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
 def foreign_files(path: str | Path) -> list[str]:
     """Files (and empty folders) in a folder that no run has written, or not as they are now, relative to it."""
     path = Path(path)
-    if not path.is_dir():
+    if not os.path.isdir(path):  # noqa: PTH112
         return []
     known = known_files(path / MARKER, _KIND)
     own = {} if known is None else {**known, MARKER: None}
@@ -103,6 +103,17 @@ def _files(folder: Path) -> list[str]:
         if not folders and not files and place != folder:
             found.append(place.relative_to(folder).as_posix() + "/")
     return sorted(found)
+
+
+def _possible(path: Path) -> Path:
+    """The whole path, links followed; raises ``InvalidInput`` of a name that no folder can have."""
+    try:
+        path = path.resolve()
+        with contextlib.suppress(FileNotFoundError):
+            path.stat()
+    except (OSError, ValueError) as error:
+        raise _cannot_write(path, error) from None
+    return path
 
 
 def _refuse_foreign(path: Path, force: bool) -> None:
@@ -198,10 +209,10 @@ def _alive(process: int) -> bool:
     return True
 
 
-def _cannot_write(path: Path, error: OSError) -> InvalidInput:
+def _cannot_write(path: Path, error: OSError | ValueError) -> InvalidInput:
     return InvalidInput(
         str(path),
-        str(error.strerror or error),
+        getattr(error, "strerror", None) or "a name that no folder can have",
         "a place that can be written, with room for the results",
         "Choose another folder; nothing there was changed.",
     )

@@ -18,10 +18,19 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "UTF-16",
     codecs.BOM_UTF16_BE: "UTF-16",
 }
+#: What to do, by a word of the parser's own message.
+_REMEDIES = {
+    "Cannot": "Keep one of the two.",
+    "4300 digits": "No drive needs so long a number: shorten it.",
+    "end of document": "If the file was cut off, copy it again; else complete its last line.",
+}
 
 
-def read_toml(path: Path, expected: str) -> tuple[dict[str, Any], str]:
-    """Content and text of a TOML; raises ``InvalidInput`` where it cannot be read or is none."""
+def read_toml(path: Path, expected: str, otherwise: str = "") -> tuple[dict[str, Any], str]:
+    """Content and text of a TOML; raises ``InvalidInput`` where it cannot be read or is none.
+
+    ``otherwise`` is the remedy where another kind of file is named.
+    """
     raw = read_bytes(path, takes=_TAKES)
     try:
         text = raw.decode("utf-8-sig")
@@ -32,17 +41,12 @@ def read_toml(path: Path, expected: str) -> tuple[dict[str, Any], str]:
         remedy = "Save it as UTF-8."
     except RecursionError:
         got, remedy = "broken TOML: hundreds of brackets in each other", "Close the brackets."
-    except ValueError as error:  # whole numbers of more than 4300 digits, too
+    except ValueError as error:
         got = f"broken TOML: {error}"
-        remedy = (
-            "Keep one of the two."
-            if "Cannot" in got
-            else "Numbers need a decimal point, texts and numbers with units quotes; see toml.io."
-        )
+        remedy = "Numbers need a decimal point, texts and numbers with units quotes; see toml.io."
+        for word, meant in _REMEDIES.items():
+            remedy = meant if word in got else remedy
     if path.suffix.lower() != ".toml":
         got = f"a file with the ending {path.suffix!r} that is no TOML"
-        remedy = (
-            "A recording is named in a TOML: write one with lostmotion init, with "
-            f'file = "{path.name}" in its [[recording]].'
-        )
+        remedy = otherwise or "Name the right file."
     raise InvalidInput(str(path), got, expected, remedy)

@@ -12,7 +12,7 @@ from ..loop.laws import Loop
 from ..numerics.vectors import address, read
 from ..plant.entered import Entered
 from ..plant.equations import start_digits
-from ..plant.event_loop import CHATTERING, MAX_EVENTS_PER_SAMPLE, NEED_EVENT_SPACE
+from ..plant.event_loop import NEED_EVENT_SPACE, empty_event_space
 from ..plant.layout import Array, Indices
 from .arrays import EVENT_SPACE
 from .resets import set_resets
@@ -62,6 +62,7 @@ def run_variants_with_laws(family, steps, numbers, limits, summary):
     tables, chain = entered.tables, entered.chain
     s = np.zeros(states + loop.torque.shape[1] + 1)
     digits, previous, cursor = np.zeros(tables.radix.size, np.int64), np.zeros(4), np.zeros(6)
+    crowd = np.empty(2)
     events = np.empty((EVENT_SPACE, 6 + states))
     for v in range(numbers.shape[0]):
         entered.numbers[:] = numbers[v]
@@ -80,22 +81,16 @@ def run_variants_with_laws(family, steps, numbers, limits, summary):
         previous[:] = -1.0
         cursor[:] = 0.0
         cursor[4] = family.last
-        crowd, crowded = 0.0, -1.0
+        crowd[:] = -1.0
         while True:
             status = run_with_laws(
                 entered, family.two_mass, s, digits, loop, steps, family.work, family.states, family.modes, events,
                 cursor, family.values,
             )  # fmt: skip
             count_events(events, int(cursor[2]), 0, tables.kind, tables.stick, previous, summary.events[v])
+            status = empty_event_space(status, cursor, crowd)
             if status != NEED_EVENT_SPACE:
                 break
-            # A full event space in the same sample, again and again: the kernel sees one at a time.
-            crowd = crowd + cursor[2] if cursor[0] == crowded else cursor[2]
-            crowded = cursor[0]
-            if crowd > MAX_EVENTS_PER_SAMPLE:
-                status = CHATTERING
-                break
-            cursor[2] = 0.0
         summary.status[v] = status
         summary.final[v] = s[:states]
         _sum_up(family, summary.peak[v], summary.square[v], summary.samples[v])

@@ -19,11 +19,10 @@ from ..numerics.vectors import address
 from ..plant.contact_states import build_mode
 from ..plant.equations import start_digits
 from ..plant.event_loop import (
-    CHATTERING,
     DONE,
-    MAX_EVENTS_PER_SAMPLE,
     NEED_EVENT_SPACE,
     NEED_MODE,
+    empty_event_space,
 )
 from ..plant.layout import PlantTables, padded
 from .arrays import BLOCK
@@ -78,7 +77,7 @@ def run_variants(
     flat = np.zeros(min(family.modes, 16) * size)
     rows = np.zeros((min(family.modes, 16), family.state.size, padded(states) + inputs + 1))
     s, cursor = np.zeros(states + inputs + 1), np.zeros(5)
-    digits, previous = np.zeros(radix.size, np.int64), np.zeros(4)
+    digits, previous, crowd = np.zeros(radix.size, np.int64), np.zeros(4), np.empty(2)
     for v in range(numbers.shape[0]):
         p = numbers[v]
         clear(scratch)
@@ -96,7 +95,7 @@ def run_variants(
             count = min(BLOCK, length - first)
             last = _limit(family.inputs, first, count, limits[v, 0], limits[v, 1], last, scratch.inputs)
             cursor[:] = 0.0
-            crowd, crowded = 0.0, -1.0
+            crowd[:] = -1.0
             while True:
                 tables = PlantTables(
                     flat, scratch.row, radix, kind, rest, family.speed_row, scratch.reset_row, family.reset_slot,
@@ -128,15 +127,9 @@ def run_variants(
                     built += 1
                     continue
                 count_events(scratch.events, int(cursor[2]), first, kind, rest, previous, counts)
+                status = empty_event_space(status, cursor, crowd)
                 if status != NEED_EVENT_SPACE:
                     break
-                # A full event space in the same sample, again and again: the kernel sees one at a time.
-                crowd = crowd + cursor[2] if cursor[0] == crowded else cursor[2]
-                crowded = cursor[0]
-                if crowd > MAX_EVENTS_PER_SAMPLE:
-                    status = CHATTERING
-                    break
-                cursor[2] = 0.0
             if status != DONE:
                 break
             sum_up(address(scratch.states), count * states, address(scratch.peaks), address(scratch.squares))

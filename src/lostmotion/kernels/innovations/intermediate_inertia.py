@@ -70,27 +70,21 @@ def _continuous(parameters, joint, block):
 
 
 @njit(cache=True, nogil=True)
+def _row(step, i):
+    """Row i over six states, torque, gap curve, friction of motor and load."""
+    return (
+        step[i, 0], step[i, 1], step[i, 2], step[i, 3], step[i, 4], step[i, 5],
+        step[i, 6], step[i, 7], step[i, 8], step[i, 9],
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
 def _run(step, gain, c1, lead, half, level_motor, level_load, torque, speed, residual):
-    a00, a01, a02, a03, a04, a05 = (
-        step[0, 0], step[0, 1], step[0, 2], step[0, 3], step[0, 4], step[0, 5]
-    )  # fmt: skip
-    b0, g0, m0, f0 = step[0, 6], step[0, 7], step[0, 8], step[0, 9]
-    a10, a11, a12, a13, a14, a15 = (
-        step[1, 0], step[1, 1], step[1, 2], step[1, 3], step[1, 4], step[1, 5]
-    )  # fmt: skip
-    b1, g1, m1, f1 = step[1, 6], step[1, 7], step[1, 8], step[1, 9]
-    a20, a21, a22, a23, a24, a25 = (
-        step[2, 0], step[2, 1], step[2, 2], step[2, 3], step[2, 4], step[2, 5]
-    )  # fmt: skip
-    b2, g2, m2, f2 = step[2, 6], step[2, 7], step[2, 8], step[2, 9]
-    a40, a41, a42, a43, a44, a45 = (
-        step[4, 0], step[4, 1], step[4, 2], step[4, 3], step[4, 4], step[4, 5]
-    )  # fmt: skip
-    b4, g4, m4, f4 = step[4, 6], step[4, 7], step[4, 8], step[4, 9]
-    a50, a51, a52, a53, a54, a55 = (
-        step[5, 0], step[5, 1], step[5, 2], step[5, 3], step[5, 4], step[5, 5]
-    )  # fmt: skip
-    b5, g5, m5, f5 = step[5, 6], step[5, 7], step[5, 8], step[5, 9]
+    a00, a01, a02, a03, a04, a05, b0, g0, m0, f0 = _row(step, 0)
+    a10, a11, a12, a13, a14, a15, b1, g1, m1, f1 = _row(step, 1)
+    a20, a21, a22, a23, a24, a25, b2, g2, m2, f2 = _row(step, 2)
+    a40, a41, a42, a43, a44, a45, b4, g4, m4, f4 = _row(step, 4)
+    a50, a51, a52, a53, a54, a55, b5, g5, m5, f5 = _row(step, 5)
     a33, b3 = step[3, 3], step[3, 6]
     k0, k1, k2, k3, k4, k5, k6 = (
         gain[0, 0], gain[1, 0], gain[2, 0], gain[3, 0], gain[4, 0], gain[5, 0], gain[6, 0]

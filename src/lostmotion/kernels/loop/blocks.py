@@ -72,37 +72,13 @@ def run_under_torques(entered, two_mass, s, digits, inputs, work, states, modes,
         Filled.
     """
     return _under_torques(
-        entered,
-        two_mass,
-        inputs,
-        None,
-        inputs.shape[0],
-        s,
-        digits,
-        work,
-        states,
-        modes,
-        events,
-        cursor,
-        values,
-    )
+        entered, two_mass, inputs, None, inputs.shape[0], s, digits, work, states, modes, events, cursor, values,
+    )  # fmt: skip
 
 
 @njit(nogil=True, **COMPILED)
 def run_with_laws(entered, two_mass, s, digits, loop, steps, work, states, modes, events, cursor, values):
     """`run_under_torques` with laws in the loop, see ``any_plant.run_closed_loop``."""
     return _with_laws(
-        entered,
-        two_mass,
-        loop,
-        steps,
-        loop.torque.shape[0],
-        s,
-        digits,
-        work,
-        states,
-        modes,
-        events,
-        cursor,
-        values,
-    )
+        entered, two_mass, loop, steps, loop.torque.shape[0], s, digits, work, states, modes, events, cursor, values,
+    )  # fmt: skip

@@ -211,46 +211,33 @@ def total(typing: Any, a: Any) -> Any:
     return types.float64(four), code
 
 
-@intrinsic
-def read(typing: Any, at: Any, index: Any) -> Any:
-    """The number at[index]."""
+def _read(kind: Any, number: Any) -> Any:
+    """The number at[index] of an array of such numbers."""
 
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load(builder.gep(builder.inttoptr(args[0], _DOUBLE.as_pointer()), [args[1]]))
+    def access(typing: Any, at: Any, index: Any) -> Any:
+        def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return builder.load(builder.gep(builder.inttoptr(args[0], kind.as_pointer()), [args[1]]))
 
-    return types.float64(types.int64, types.int64), code
+        return number(types.int64, types.int64), code
 
-
-@intrinsic
-def write(typing: Any, at: Any, index: Any, value: Any) -> Any:
-    """One number to at[index]."""
-
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        builder.store(args[2], builder.gep(builder.inttoptr(args[0], _DOUBLE.as_pointer()), [args[1]]))
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.int64, types.float64), code
+    return intrinsic(access)
 
 
-@intrinsic
-def read_integer(typing: Any, at: Any, index: Any) -> Any:
-    """The integer at[index] of an int64 array."""
+def _write(kind: Any, number: Any) -> Any:
+    """One number to at[index] of an array of such numbers."""
 
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load(builder.gep(builder.inttoptr(args[0], _LONG.as_pointer()), [args[1]]))
+    def access(typing: Any, at: Any, index: Any, value: Any) -> Any:
+        def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            builder.store(args[2], builder.gep(builder.inttoptr(args[0], kind.as_pointer()), [args[1]]))
+            return context.get_dummy_value()
 
-    return types.int64(types.int64, types.int64), code
+        return types.void(types.int64, types.int64, number), code
+
+    return intrinsic(access)
 
 
-@intrinsic
-def write_integer(typing: Any, at: Any, index: Any, value: Any) -> Any:
-    """One integer to at[index] of an int64 array."""
-
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        builder.store(args[2], builder.gep(builder.inttoptr(args[0], _LONG.as_pointer()), [args[1]]))
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.int64, types.int64), code
+read, write = _read(_DOUBLE, types.float64), _write(_DOUBLE, types.float64)
+read_integer, write_integer = _read(_LONG, types.int64), _write(_LONG, types.int64)
 
 
 def _shuffled(pattern: list[int]) -> Any:

@@ -51,6 +51,20 @@ EVENT_COLUMNS = 6
 
 
 @njit(inline="always", **COMPILED)
+def empty_event_space(status, cursor, crowd):
+    """The status after a run whose events have been read: CHATTERING where one sample fills the space on and on.
+
+    crowd (2,): the sample whose space was full, and its events so far; −1 at the start. A run sees one space at a time.
+    """
+    if status != NEED_EVENT_SPACE:
+        return status
+    crowd[1] = crowd[1] + cursor[2] if cursor[0] == crowd[0] else cursor[2]
+    crowd[0] = cursor[0]
+    cursor[2] = 0.0
+    return CHATTERING if crowd[1] > MAX_EVENTS_PER_SAMPLE else NEED_EVENT_SPACE
+
+
+@njit(inline="always", **COMPILED)
 def _expand(at, table, rows, s, p, order, C, idle):
     """Taylor series of the guard whose table starts at at[table], to p; returns what bounds the change of its slope."""
     first = product(at, table, rows, s, C, idle)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import InvalidInput
+from ..score_map import score_map, wrapped
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,11 +49,9 @@ def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: A
             "plot.leaderboard", f"no {metric}", "a leaderboard with that metric", "Check the name."
         )
     figure, axis = _axes(axes, len(names), len(groups))
-    _draw(axis, values)
-    axis.set_yticks(range(len(names)), [_label(row) for row in board["observers"]])
-    axis.set_xticks(range(len(groups)), [_wrapped(name) for name in groups.values()])
-    axis.tick_params(length=0, top=True, bottom=False, labeltop=True, labelbottom=False)
-    title = [_wrapped(line, 11 * max(4, len(groups))) for line in _title(board, metric)]
+    labels = [_label(row) for row in board["observers"]]
+    score_map(axis, values, labels, tuple(groups.values()), (BEST, WORST))
+    title = [wrapped(line, 11 * max(4, len(groups))) for line in _title(board, metric)]
     axis.set_title("\n".join(title), fontsize=11, fontweight="bold", loc="left", pad=14)
     return figure
 
@@ -82,33 +81,3 @@ def _axes(axes: Axes | None, rows: int, columns: int) -> tuple[Figure, Axes]:
         figure = Figure(figsize=(3.4 + 1.02 * columns, 1.6 + 0.42 * rows), layout="constrained")
         axes = figure.subplots()
     return axes.get_figure(root=True), axes  # type: ignore[return-value]
-
-
-def _draw(axis: Axes, values: np.ndarray) -> None:
-    from matplotlib.colors import LogNorm
-
-    axis.imshow(values, cmap="RdYlBu_r", norm=LogNorm(BEST, WORST), aspect="auto")
-    for (row, column), value in np.ndenumerate(values):
-        text = "–" if not np.isfinite(value) else f"{value:.2g}" if value < 9.95 else f"{value:.0f}"
-        best = np.isfinite(value) and value <= 1.02 * np.nanmin(values[:, column])
-        axis.text(
-            column, row, text, ha="center", va="center", fontsize=9, fontweight="bold" if best else "normal",
-            color=_ink(value),
-        )  # fmt: skip
-    axis.set_xticks(np.arange(values.shape[1] + 1) - 0.5, minor=True)
-    axis.set_yticks(np.arange(values.shape[0] + 1) - 0.5, minor=True)
-    axis.grid(which="minor", color="white", linewidth=1.5)
-    axis.tick_params(which="minor", length=0)
-    axis.spines[:].set_visible(False)
-
-
-def _ink(value: float) -> str:
-    """White on the dark ends of the colour scale."""
-    place = np.log(value / BEST) / np.log(WORST / BEST) if np.isfinite(value) and value > 0.0 else 0.5
-    return "white" if place < 0.12 or place > 0.85 else "#222222"
-
-
-def _wrapped(text: str, width: int = 12) -> str:
-    import textwrap
-
-    return "\n".join(textwrap.wrap(text, width))

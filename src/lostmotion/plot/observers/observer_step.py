@@ -35,6 +35,7 @@ def observer_step(
     before: float = 0.05,
     after: float = 0.10,
     source: str | None = None,
+    title: str | None = None,
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
     """Recording, observer and set-point from ``before`` s before the step to ``after`` s after it.
@@ -54,6 +55,8 @@ def observer_step(
         The paper draws 0.95 to 1.1 s around its step at 1 s.
     source : str, optional
         What ``measured`` is called in the legend; default: "measured", or "simulated" if its signals say so.
+    title : str, optional
+        Default: that of a step of the set-point.
     axes : sequence of Axes, optional
         One for each panel.
 
@@ -81,5 +84,5 @@ def observer_step(
     for axis in grid[-2:]:
         axis.set_xlabel("time (s)")
         axis.tick_params(labelbottom=True)
-    title_and_legend(figure, grid, f"{name} over a step of the speed set-point")
+    title_and_legend(figure, grid, title or f"{name} over a step of the speed set-point")
     return figure

@@ -1,0 +1,156 @@
+"""Default laws on drives of other sizes: recorded, identified, designed and judged as ``lostmotion run`` does it.
+
+    python benchmarks/fitted_laws.py development --drives 20      # rules are found on these
+    python benchmarks/fitted_laws.py test --drives 20             # and judged on these, once for each change of rules
+
+Every drive is a finer plant of four inertias with Stribeck friction, the gap in a joint beyond the elastic shaft, a
+torque lag, one sample of computing delay and an encoder. It is excited in open loop, identified from motor torque and
+motor speed with start values up to 40 % off, and the laws that ``stages.design`` makes without any setting but the
+torque limit meet the very plant that was recorded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import lostmotion as lm
+from lostmotion.drivetrain import Actuator
+from lostmotion.rig.excitation import Limits, shape
+from lostmotion.stages.design import Design, design
+from lostmotion.stages.material import Material, Settings
+from lostmotion.stages.parameters import find_parameters
+from lostmotion.stages.speed_step import SpeedStep
+from lostmotion.stages.validation import control_step, judged_step
+
+#: Seeds of the drives: rules are found on the first, judged on the second.
+SETS = {"development": 0, "test": 1000}
+#: The issue's targets: overshoot (% of the step), steady error (fraction of the step).
+OVERSHOOT, STEADY_ERROR = 10.0, 0.005
+LAWS = ("pi", "pole_placement")
+ROWS = 40_000
+HEADS = (
+    "seed", "inertia, kg m²", "load/motor", "mode, Hz", "dt, ms", "law", "overshoot, %", "settling, ms",
+    "steady error, %", "peak/limit", "limited by",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class UserDrive:
+    """A drive as its user has it: plant with sensors, nameplate, recording, torque limit (Nm)."""
+
+    rig: lm.rig.Rig
+    nameplate: dict[str, float]
+    recording: lm.Recording
+    torque_limit: float
+
+
+def user_drive(seed: int) -> UserDrive:
+    """The drive of a seed: every range below is log-uniform."""
+    rng = np.random.default_rng([seed, 13])
+
+    def draw(low: float, high: float) -> float:
+        return float(math.exp(rng.uniform(math.log(low), math.log(high))))
+
+    total, ratio, dt = draw(1e-5, 1e2), draw(0.2, 10.0), draw(1e-4, 1e-3)
+    motor, load = total / (1.0 + ratio), total * ratio / (1.0 + ratio)
+    pole = 1.0 / (dt * draw(20.0, 100.0))
+    stiffness = (2.0 * math.pi * pole) ** 2 * motor * load / total
+    speed, time = draw(10.0, 300.0), draw(0.1, 1.0)
+    speed = min(speed, 0.1 * stiffness * time / total)  # the shaft winds by 0.1 rad at rated torque at most
+    torque = total * speed / time
+    limit = 2.0 * torque
+    model = lm.Drivetrain.two_mass(
+        inertia_motor=motor, inertia_load=load, stiffness=stiffness,
+        damping=2.0 * draw(0.01, 0.05) * stiffness / (2.0 * math.pi * pole),
+        backlash=draw(0.2, 4.0) * torque / stiffness,
+        coulomb=draw(0.01, 0.1) * torque, viscous=draw(0.005, 0.05) * torque / speed,
+        coulomb_motor=draw(0.002, 0.02) * torque, viscous_motor=draw(0.001, 0.01) * torque / speed,
+        lag=draw(0.3, 2.0) * dt, torque_limit=limit,
+    )  # fmt: skip
+    finer = lm.rig.finer_rig(model, {}, seed)
+    # Counts over one sample: from 0.05 to 0.5 % of rated speed.
+    bits = round(math.log2(2.0 * math.pi / (dt * draw(5e-4, 5e-3) * speed)))
+    encoder = lm.Sensor("angle_motor", 2.0 * math.pi / 2**bits, difference=True)
+    chain = replace(finer.drivetrain, actuator=Actuator(finer.drivetrain.lag, limit))
+    rig = replace(finer, drivetrain=chain, sensors={**finer.sensors, "speed_motor": encoder})
+    band = (0.02 * pole, min(1.4 * pole, 0.4 / dt))
+    wanted = shape(
+        "levels", model, Limits(torque, speed, math.inf), band, max(ROWS * dt, 8.0 * time), dt, seed
+    )
+    recording, _ = lm.rig.record(rig, torque_motor=wanted(1.0), dt=dt, channels=("speed_motor",))
+    known = ("inertia_motor", "inertia_load", "stiffness", "backlash", "coulomb")
+    nameplate = {
+        name: value * draw(1 / 1.4, 1.4) for name, value in model.parameters().items() if name in known
+    }
+    return UserDrive(rig, nameplate, recording, limit)
+
+
+def material_of(drive: UserDrive) -> Material:
+    """As the TOML of this drive would give it, with the torque limit alone under [law]."""
+    settings = Settings(torque_limit=drive.torque_limit)
+    return Material(
+        drive.nameplate, settings, 1, False, drive.recording, None, {"log": drive.recording}, {"log": "identify"}
+    )  # fmt: skip
+
+
+def judged(drive: UserDrive, laws: Design, name: str) -> tuple[dict[str, float | None], SpeedStep]:
+    """Metrics of a law on the drive itself; empty if there is none."""
+    law = laws.watched if name == "pole_placement" else laws.pi
+    if law is None:
+        return {}, laws.step
+    response = control_step(drive.rig, law, laws.dt, laws.step)
+    return judged_step(response, laws.step), laws.step
+
+
+def passes(metrics: dict[str, float | None], limit: float) -> bool:
+    """Stable and settled, overshoot, steady error and peak torque within the targets."""
+    overshoot, steady, peak = (metrics.get(n) for n in ("overshoot", "steady_error", "peak_torque"))
+    return (
+        metrics.get("settling_time") is not None
+        and overshoot is not None and overshoot <= OVERSHOOT
+        and steady is not None and steady <= STEADY_ERROR
+        and peak is not None and peak <= limit * (1.0 + 1e-12)
+    )  # fmt: skip
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("set", choices=list(SETS))
+    parser.add_argument("--drives", type=int, default=20)
+    parser.add_argument("--first", type=int, default=0)
+    arguments = parser.parse_args()
+    passed = dict.fromkeys(LAWS, 0)
+    print(f"| {' | '.join(HEADS)} |\n|" + "---|" * len(HEADS))
+    first = SETS[arguments.set] + arguments.first
+    for seed in range(first, first + arguments.drives):
+        drive = user_drive(seed)
+        material = material_of(drive)
+        found = find_parameters(material)
+        laws = design(material, found)
+        if found.drivetrain is None:
+            print(f"| {seed} | {drive.rig.drivetrain.inertia_total:.1e} | not identified: {found.missing} |")
+            continue
+        d = found.drivetrain
+        for name in LAWS:
+            metrics, _ = judged(drive, laws, name)
+            passed[name] += passes(metrics, drive.torque_limit)
+            source = laws.taken["pi_kp" if name == "pi" else "poles"]["source"]
+            cells = [
+                "–" if (v := metrics.get(n)) is None else f"{scale * v:.3g}"
+                for n, scale in (
+                    ("overshoot", 1.0), ("settling_time", 1e3), ("steady_error", 100.0),
+                    ("peak_torque", 1.0 / drive.torque_limit),
+                )
+            ]  # fmt: skip
+            drawn = (d.inertia_total, d.inertia_load / d.inertia_motor, d.pole_frequency, 1e3 * laws.dt)
+            row = [str(seed), *(f"{value:.2g}" for value in drawn), name, *cells, source]
+            print(f"| {' | '.join(row)} |", flush=True)
+    print(", ".join(f"{name}: {passed[name]} of {arguments.drives}" for name in LAWS))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,190 @@
+"""Plant and law as one Lur'e system: a linear flow and a linear jump, with static curves.
+
+Between samples the plant flows while torque and law stand still; at a sample the law jumps::
+
+    ξ = (plant, torque_motor held, law)
+    ξ̇  = A ξ + E w + L·torque_load                  z = Z ξ,              w = curve(z)   plant
+    ξ⁺ = S ξ + S_w w + S_v v + R·speed_reference     s = N ξ + N_w w + N_v v + M·speed_reference,
+                                                    v = curve(s)                        law
+
+docs/stability.md, section 1. All numbers are exact fractions of the floats of drivetrain and law.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from ..curves import saturation
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+from ..systems import DiscreteSystem, connect, one_sample_delay, pruned
+from .plant import plant_of
+from .rational import Matrix, identity, rational, zeros
+from .static_curves import StaticCurve, normalised
+
+#: What a law may read of the plant, beside its reference.
+MEASURABLE = ("speed_motor", "speed_load", "twist", "torque_shaft")
+
+REFERENCE = "speed_reference"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LureLoop:
+    """The closed loop; symbols as in the module's equations, sizes n states, p plant curves, q law curves.
+
+    ``dt`` in s. ``plant_size``: number of plant states, which come first; the held torque follows.
+    """
+
+    dt: Fraction
+    states: tuple[str, ...]
+    plant_size: int
+    A: Matrix
+    E: Matrix
+    L: Matrix
+    Z: Matrix
+    S: Matrix
+    S_w: Matrix
+    S_v: Matrix
+    R: Matrix
+    N: Matrix
+    N_w: Matrix
+    N_v: Matrix
+    M: Matrix
+    plant_curves: tuple[StaticCurve, ...]
+    law_curves: tuple[StaticCurve, ...]
+    names: tuple[str, ...]
+
+    @property
+    def is_odd(self) -> bool:
+        """Whether both directions are alike: then what holds for one speed holds for the opposite one."""
+        return all(curve.is_odd for curve in (*self.plant_curves, *self.law_curves))
+
+
+def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) -> LureLoop:
+    """The loop of a drivetrain and a connected law, without the law's input checks.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Two masses, contact law ``viscoelastic`` or ``dead_zone``, viscous and Coulomb friction; its torque lag is a
+        state, its torque limit a curve.
+    law : DiscreteSystem
+        Inputs speed_reference and any of ``MEASURABLE``; an output torque_motor.
+    delay : int
+        Computing delay in samples of the law.
+
+    Raises
+    ------
+    InvalidInput
+        For another drivetrain or law: a proof says nothing about it.
+    """
+    if isinstance(delay, bool) or not isinstance(delay, int) or delay < 0:
+        raise InvalidInput("certify: delay", repr(delay), "a whole number of samples", "Use 0 for none.")
+    plant, law = plant_of(drivetrain), _law_alone(drivetrain, law, delay)
+    n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)
+    size = n + 1 + k
+    inputs = zeros(len(law.inputs), n + p)
+    reference = zeros(len(law.inputs), 1)
+    for i, name in enumerate(law.inputs):
+        if name == REFERENCE:
+            reference[i, 0] = Fraction(1)
+        else:
+            inputs[i] = plant.measured[name]
+    exact = {key: rational(getattr(law, key)) for key in ("A", "B", "E", "F", "G", "H", "C", "D", "J")}
+    # Every curve is a·z + b·σ(z): the linear part joins the linear system, from the first curve to the last.
+    parts = [normalised(curve) for curve in law.curves]
+    known = n + 1 + k + p + q + 1  # columns: ξ, w, v, reference
+
+    def row(state: Matrix, given: Matrix, curve: Matrix, values: Matrix) -> Matrix:
+        total = zeros(known)
+        total[n + 1 : size] = state
+        measured = given @ inputs
+        total[:n] += measured[:n]
+        total[size : size + p] += measured[n:]
+        total[-1] += (given @ reference)[0]
+        return total + curve @ values
+
+    values, arguments = zeros(q, known), zeros(q, known)
+    for j, (a, b, _) in enumerate(parts):
+        arguments[j] = row(exact["F"][j], exact["G"][j], exact["H"][j], values)
+        values[j] = a * arguments[j]
+        values[j, size + p + j] += b
+    jump = zeros(size, known)
+    jump[:n, :n] = identity(n)
+    jump[n] = row(exact["C"][0], exact["D"][0], exact["J"][0], values)
+    for i in range(k):
+        jump[n + 1 + i] = row(exact["A"][i], exact["B"][i], exact["E"][i], values)
+    flow = zeros(size, size)
+    flow[:n, :n], flow[:n, [n]] = plant.A, plant.B
+    return LureLoop(
+        dt=Fraction(law.dt),
+        states=(*plant.states, "torque_motor", *(f"law: {name}" for name in law.states)),
+        plant_size=n,
+        A=flow, E=_below(plant.E, size), L=_below(plant.L, size), Z=_beside(plant.Z, size),
+        S=jump[:, :size], S_w=jump[:, size : size + p], S_v=jump[:, size + p : -1], R=jump[:, -1:],
+        N=arguments[:, :size], N_w=arguments[:, size : size + p], N_v=arguments[:, size + p : -1],
+        M=arguments[:, -1:],
+        plant_curves=plant.curves, law_curves=tuple(curve for _, _, curve in parts),
+        names=(*plant.names, *(f"law: curve {j}" for j in range(q))),
+    )  # fmt: skip
+
+
+def _law_alone(drivetrain: Drivetrain, law: DiscreteSystem, delay: int) -> DiscreteSystem:
+    """The law as it acts on the motor: limited and delayed, without checks and without what nothing reads."""
+    if "torque_motor" not in law.outputs:
+        raise InvalidInput(
+            "certify: law", f"outputs {law.outputs}", "torque_motor", "Connect the controller."
+        )
+    unknown = sorted(set(law.inputs) - {REFERENCE, *MEASURABLE})
+    if unknown:
+        raise InvalidInput(
+            "certify: law", f"inputs {', '.join(unknown)}", f"{REFERENCE} and any of {', '.join(MEASURABLE)}",
+            "Connect observer and controller to one law first.",
+        )  # fmt: skip
+    law = _limited(pruned(law, ("torque_motor",)), drivetrain.actuator.torque_limit)
+    for i in range(delay):
+        law = _followed_by(law, one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}"))
+    return law
+
+
+def _limited(law: DiscreteSystem, limit: float) -> DiscreteSystem:
+    """The law with the drive's torque limit as its last curve, unless its own last curve is within it."""
+    own = np.flatnonzero(law.J[0])
+    if not np.any(law.C) and not np.any(law.D) and own.size == 1 and law.J[0, own[0]] == 1.0:
+        curve = law.curves[own[0]]
+        if curve.slope_left == curve.slope_right == 0.0 and all(abs(w) <= limit for _, w in curve.points):
+            return law
+    if not np.isfinite(limit):
+        return law
+    one = np.ones((1, 1))
+    return _followed_by(
+        law,
+        DiscreteSystem(
+            inputs=("torque_motor",),
+            outputs=("torque_limited",),
+            dt=law.dt,
+            curves=(saturation(limit),),
+            G=one,
+            J=one,
+        ),
+    )
+
+
+def _followed_by(law: DiscreteSystem, last: DiscreteSystem) -> DiscreteSystem:
+    """The law whose torque_motor is what the last system makes of it."""
+    return replace(connect([law, last], inputs=law.inputs, outputs=last.outputs), outputs=("torque_motor",))
+
+
+def _below(matrix: Matrix, size: int) -> Matrix:
+    whole = zeros(size, matrix.shape[1])
+    whole[: matrix.shape[0]] = matrix
+    return whole
+
+
+def _beside(matrix: Matrix, size: int) -> Matrix:
+    whole = zeros(matrix.shape[0], size)
+    whole[:, : matrix.shape[1]] = matrix
+    return whole

@@ -1,0 +1,210 @@
+"""From which load speed on the running loop is stable: the search for the smallest speed that can be proved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+from ..systems import DiscreteSystem
+from .certificate import certificate, proof_data, short, verdict
+from .equilibrium import Equilibrium, equilibrium
+from .lure import LureLoop, lure_loop
+from .sampled_proof import SampledProof, sampled_proof
+from .scaling import condition_sizes, state_sizes
+from .sectors import copies, sectors
+from .semidefinite import Unknowns, largest_margin
+
+Progress = Callable[[float, str], None]
+
+#: Load speeds (rad/s) that are tried, ten per decade (option: Renard's series R10, ISO 3).
+SPEEDS = tuple(
+    round(step * 10.0**decade, 6)
+    for decade in range(-3, 2)
+    for step in (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
+)
+
+#: Load speed up to which a proof holds, rad/s (option).
+FASTEST = 1000.0
+
+
+class Unproved(Exception):
+    """Why a proof was not found."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunningProof:
+    """What is proved of the loop at a constant set-point.
+
+    Parameters
+    ----------
+    speed : float or None
+        The loop is globally asymptotically stable at every load speed (rad/s) from here on up to ``fastest``; None if
+        nothing is proved.
+    fastest : float, rad/s
+    reference : float or None
+        Set-point (rad/s) that leads to ``speed``.
+    torque_load : (float, float), Nm
+        Range of constant load torques, positive in the direction of the motion.
+    both_directions : bool
+        Whether it also holds for the opposite speeds and load torques.
+    certificate : dict or None
+        See ``certificate.certificate``.
+    reason : str
+        Why nothing is proved, or why not from a smaller speed on.
+    """
+
+    speed: float | None
+    fastest: float
+    reference: float | None
+    torque_load: tuple[float, float]
+    both_directions: bool
+    certificate: dict[str, Any] | None
+    reason: str
+
+
+def prove_running(
+    drivetrain: Drivetrain,
+    law: DiscreteSystem,
+    *,
+    delay: int = 0,
+    torque_load: tuple[float, float] = (0.0, 0.0),
+    fastest: float = FASTEST,
+    pieces: int = 1,
+    progress: Progress | None = None,
+) -> RunningProof:
+    """The smallest load speed from which the sampled loop is proved globally asymptotically stable.
+
+    Parameters
+    ----------
+    drivetrain, law, delay
+        See ``lure.lure_loop``.
+    torque_load : (float, float), Nm
+        Smallest and largest constant load torque, positive in the direction of the motion.
+    fastest : float, rad/s
+        Largest load speed.
+    pieces : int
+        Into how many pieces P(τ) is cut over a sample.
+    progress : callable, optional
+        Told the share done and what is tried.
+
+    Raises
+    ------
+    InvalidInput
+        For a drivetrain or a law that has no Lur'e form, and for ranges that are empty.
+    """
+    if not torque_load[0] <= torque_load[1] or not math.isfinite(sum(torque_load)):
+        raise InvalidInput(
+            "torque_load", repr(torque_load), "smallest and largest torque in Nm", "Swap them."
+        )
+    if not SPEEDS[0] < fastest < math.inf:
+        raise InvalidInput("fastest", repr(fastest), f"more than {SPEEDS[0]} rad/s", "Raise it.")
+    search = _Search(
+        drivetrain, law, delay, torque_load, fastest, pieces, progress or (lambda share, text: None)
+    )
+    return search.smallest()
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """A rest of the loop, what is to be proved there, and the numbers that do it."""
+
+    rest: Equilibrium
+    problem: SampledProof
+    unknowns: Unknowns
+
+
+@dataclass(eq=False)
+class _Search:
+    drivetrain: Drivetrain
+    law: DiscreteSystem
+    delay: int
+    torque_load: tuple[float, float]
+    fastest: float
+    pieces: int
+    progress: Progress
+
+    def __post_init__(self) -> None:
+        self.loop: LureLoop = lure_loop(self.drivetrain, self.law, delay=self.delay)
+        self.reason = ""
+
+    def smallest(self) -> RunningProof:
+        """Bisection over ``SPEEDS``: the sectors nest, so what holds from one speed on holds from any larger one.
+
+        The floats of the solver guide it; the exact check of the last one decides, and goes up where it fails.
+        """
+        speeds = [speed for speed in SPEEDS if speed < self.fastest]
+        found: dict[int, _Candidate] = {}
+        low, high = -1, len(speeds)
+        step, steps = 0, math.ceil(math.log2(len(speeds) + 1))
+        while high - low > 1:
+            middle = (low + high) // 2
+            self.progress(step / steps, f"load speed from {speeds[middle]:g} rad/s")
+            step += 1
+            try:
+                found[middle] = self.at(speeds[middle])
+                high = middle
+            except Unproved as error:
+                low, self.reason = middle, str(error)
+        for place in sorted(found):
+            self.progress(0.95, f"exact check from {speeds[place]:g} rad/s")
+            try:
+                return self.checked(speeds[place], found[place])
+            except Unproved as error:
+                self.reason = str(error)
+        return RunningProof(None, self.fastest, None, self.torque_load, self.loop.is_odd, None, self.reason)
+
+    def at(self, speed: float) -> _Candidate:
+        """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
+        corners = [
+            equilibrium(self.loop, Fraction(r), Fraction(m))
+            for r in (speed, self.fastest)
+            for m in sorted(set(self.torque_load))
+        ]
+        known = [corner for corner in corners if corner is not None]
+        if len(known) < len(corners):
+            raise Unproved("the loop has no single equilibrium there")
+        bounds = sectors(self.loop, known)
+        if bounds is None:
+            raise Unproved("a curve changes its segment between the smallest and the largest speed")
+        problem = sampled_proof(self.loop, known[0], bounds, copies(self.loop, known, bounds), self.pieces)
+        return _Candidate(known[0], problem, self.solved(problem))
+
+    def checked(self, speed: float, candidate: _Candidate) -> RunningProof:
+        """The proof, which holds in exact fractions; raises ``Unproved`` if not."""
+        claim = {
+            "speed_from": speed,
+            "speed_to": float(self.fastest),
+            "torque_load": [float(torque) for torque in self.torque_load],
+            "both_directions": self.loop.is_odd,
+        }
+        rest, numbers = candidate.rest, proof_data(candidate.problem, candidate.unknowns)
+        data = certificate(self.drivetrain, self.law, self.delay, claim, rest.segments, numbers)
+        reason = verdict(data)
+        if reason is not None:
+            raise Unproved(f"the exact check failed: {reason}")
+        return RunningProof(
+            speed, self.fastest, float(rest.reference), self.torque_load, self.loop.is_odd, data, self.reason
+        )
+
+    def solved(self, problem: SampledProof) -> Unknowns:
+        """P and multipliers, rounded, that satisfy the inequalities in floats."""
+        numbers = problem.floats()
+        sizes = state_sizes(numbers)
+        if sizes is None:
+            raise Unproved("the loop is not stable where it rests, in contact and slipping")
+        scales = condition_sizes(numbers, sizes)
+        found = largest_margin(numbers.conditions, numbers.layout(), scales)
+        if found is None:
+            raise Unproved("the solver found no numbers")
+        unknowns = {name: short(value) for name, value in found[0].items()}
+        for scale, matrix in zip(scales, numbers.conditions(unknowns), strict=True):
+            if not np.linalg.eigvalsh(matrix * np.outer(scale, scale))[0] > 0.0:
+                raise Unproved("the inequalities have no solution that the solver finds")
+        return unknowns

@@ -1,0 +1,294 @@
+"""The inequalities that prove the sampled loop stable, linear in matrices and multipliers.
+
+::
+
+    V(ξ, τ) = ξᵀ P(τ) ξ + 2 Σ ηᵢ ∫wᵢ + 2 Σ θⱼ ∫vⱼ        P piecewise linear in the time τ since the last sample
+
+falls between samples and does not rise at a sample: docs/stability.md, section 4, whose equations are cited. The same
+lines run in floats for the solver and in fractions for the check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .equilibrium import Equilibrium
+from .lure import LureLoop
+from .rational import Matrix, rational
+from .sectors import Copies, Sector
+from .semidefinite import Layout, Unknowns
+
+
+class Evaluation(NamedTuple):
+    """One curve at one moment: rows of its argument and of its value over the vector of a condition.
+
+    ``curve`` numbers the plant's curves, then the law's.
+    """
+
+    curve: int
+    argument: Matrix
+    value: Matrix
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SampledProof:
+    """What is to be proved, in fractions (or, for the solver, floats).
+
+    Parameters
+    ----------
+    A, E : arrays
+        Flow over one piece of P: those of ``LureLoop`` times dt / pieces.
+    Z, S, S_w, S_v, N, N_w, N_v : arrays
+        As in ``LureLoop``.
+    sectors : (p + q, 2) array
+    slopes : (p + q,) array
+        At the equilibrium.
+    steepest : (p + q,) array
+        Largest slopes; None for a jump.
+    copies : tuple of Copies
+    of_state : tuple of int
+        Rising law curves without a jump whose argument the law's state alone decides: V has their integrals.
+    seen : tuple of int
+        Plant curves that count at a sample: the law reads them, or has copies of them.
+    pieces : int
+    """
+
+    A: Matrix
+    E: Matrix
+    Z: Matrix
+    S: Matrix
+    S_w: Matrix
+    S_v: Matrix
+    N: Matrix
+    N_w: Matrix
+    N_v: Matrix
+    sectors: Matrix
+    slopes: Matrix
+    steepest: Matrix
+    copies: tuple[Copies, ...]
+    of_state: tuple[int, ...]
+    seen: tuple[int, ...]
+    pieces: int
+
+    def floats(self) -> SampledProof:
+        """The same in floats."""
+        arrays: dict[str, Any] = {
+            f.name: np.where(value == None, np.inf, value).astype(float)  # noqa: E711 (elementwise)
+            for f in fields(self)
+            if isinstance(value := getattr(self, f.name), np.ndarray)
+        }
+        copies = tuple(Copies(c.first, c.second, float(c.steepest), float(c.mismatch)) for c in self.copies)
+        return replace(self, **arrays, copies=copies)
+
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Numbers of states, plant curves, law curves."""
+        return self.A.shape[0], self.E.shape[1], self.S_v.shape[1]
+
+    @property
+    def size(self) -> int:
+        """Rows of P: over ζ = (ξ, v of the curves of the law's state)."""
+        return self.A.shape[0] + len(self.of_state)
+
+    def layout(self) -> Layout:
+        """Names and sizes of the unknowns of ``conditions``."""
+        _, p, _ = self.sizes
+        knots, ends = self.pieces + 1, 2 * self.pieces
+        _, still = self.rest()
+        _, flowing = self.flow()
+        _, jumping = self.sample()
+        return Layout(
+            {f"P{k}": self.size for k in range(knots)},
+            {
+                "eta_plus": p,
+                "eta_minus": p,
+                "theta_plus": len(self.of_state),
+                "theta_minus": len(self.of_state),
+                "rest_sectors": knots * len(still),
+                "rest_copies": knots * len(self.pairs(still)),
+                "flow_sectors": ends * len(flowing),
+                "flow_copies": ends * len(self.pairs(flowing)),
+                "jump_sectors": len(jumping),
+                "jump_copies": len(self.pairs(jumping)),
+            },
+        )
+
+    def conditions(self, unknowns: Unknowns) -> list[Matrix]:
+        """Matrices that must be positive definite: V at each knot, its fall along each piece, and at the sample."""
+        knots = range(self.pieces + 1)
+        return [
+            *(self.positive(unknowns, k) for k in knots),
+            *(self.falls(unknowns, k, end) for k in range(self.pieces) for end in (0, 1)),
+            self.does_not_rise(unknowns),
+        ]
+
+    def rest(self) -> tuple[Matrix, list[Evaluation]]:
+        """Rows of ζ over itself, and the law's curves in it."""
+        zeta = self._rows(self.size)
+        return zeta, self._of_state(zeta[: self.A.shape[0]], zeta)
+
+    def flow(self) -> tuple[tuple[Matrix, Matrix, Matrix], list[Evaluation]]:
+        """Rows over (ζ, w) of ζ, of its rate times the length of a piece, and of z's; all curves."""
+        n, p, _ = self.sizes
+        one = self._rows(self.size + p)
+        zeta, w = one[: self.size], one[self.size :]
+        rate = 0 * zeta
+        rate[:n] = self.A @ zeta[:n] + self.E @ w
+        plant = [Evaluation(i, self.Z[i] @ zeta[:n], w[i]) for i in range(p)]
+        return (zeta, rate, self.Z @ rate[:n]), plant + self._of_state(zeta[:n], zeta)
+
+    def sample(self) -> tuple[tuple[Matrix, Matrix, dict[int, Any]], list[Evaluation]]:
+        """Rows over (ξ, w seen, v, v after the sample) of ζ and ζ⁺, of the integrals' ends, and all evaluations."""
+        n, p, q = self.sizes
+        one = self._rows(n + len(self.seen) + q + len(self.of_state))
+        xi, v = one[:n], one[n + len(self.seen) :][:q]
+        w, later = 0 * one[:p], 0 * v
+        for place, i in enumerate(self.seen):
+            w[i] = one[n + place]
+        for place, j in enumerate(self.of_state):
+            later[j] = one[n + len(self.seen) + q + place]
+        s = self.N @ xi + self.N_w @ w + self.N_v @ v
+        jumped = self.S @ xi + self.S_w @ w + self.S_v @ v
+        s_later = self.N @ jumped + self.N_v @ later
+        z = self.Z @ xi
+        evaluations = [Evaluation(i, z[i], w[i]) for i in self.seen]
+        evaluations += [Evaluation(p + j, s[j], v[j]) for j in range(q)]
+        evaluations += [Evaluation(p + j, s_later[j], later[j]) for j in self.of_state]
+        ends = {j: (s[j], v[j], s_later[j], later[j]) for j in self.of_state}
+        kept = list(self.of_state)
+        return (np.vstack([xi, v[kept]]), np.vstack([jumped, later[kept]]), ends), evaluations
+
+    def positive(self, unknowns: Unknowns, k: int) -> Matrix:
+        """V at knot k over ζ, with each negative integral at its largest (equation 12)."""
+        zeta, evaluations = self.rest()
+        xi = zeta[: self.A.shape[0]]
+        form = 1 * unknowns[f"P{k}"]
+        for i, eta in enumerate(unknowns["eta_minus"]):
+            form = form - eta * self.sectors[i, 1] * _square(self.Z[i] @ xi)
+        for theta, e in zip(unknowns["theta_minus"], evaluations, strict=True):
+            form = form - theta * self.sectors[e.curve, 1] * _square(e.argument)
+        return form - self._known(unknowns, "rest", k, self.pieces + 1, evaluations)
+
+    def falls(self, unknowns: Unknowns, k: int, end: int) -> Matrix:
+        """−dV/dτ over (ζ, w) at one end of piece k, in the sectors (equation 13)."""
+        (zeta, rate, z_rate), evaluations = self.flow()
+        form = zeta.T @ (unknowns[f"P{k + 1}"] - unknowns[f"P{k}"]) @ zeta
+        form = form + _twice(unknowns[f"P{k + end}"] @ zeta, rate)
+        eta = unknowns["eta_plus"] - unknowns["eta_minus"]
+        for i in range(self.sizes[1]):
+            form = form + eta[i] * _product(evaluations[i].value, z_rate[i])
+        return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.pieces, evaluations)
+
+    def does_not_rise(self, unknowns: Unknowns) -> Matrix:
+        """V before minus V after a sample, in the sectors and with the curves' copies (equations 14 to 16)."""
+        (zeta, jumped, ends), evaluations = self.sample()
+        form = jumped.T @ unknowns["P0"] @ jumped - zeta.T @ unknowns[f"P{self.pieces}"] @ zeta
+        p = self.sizes[1]
+        for place, (j, (s, v, s_later, later)) in enumerate(ends.items()):
+            curvature = _square(later - v) / self.steepest[p + j]
+            rise, fall = _product(later, s_later - s), _product(v, s_later - s)
+            form = form + unknowns["theta_plus"][place] * (rise - curvature)
+            form = form - unknowns["theta_minus"][place] * (fall + curvature)
+        return -form - self._known(unknowns, "jump", 0, 1, evaluations)
+
+    def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any]]:
+        """Pairs of evaluations of one curve, or of copies of it, with slope and mismatch."""
+        known = {(c.first, c.second): (c.steepest, c.mismatch) for c in self.copies}
+        found: list[tuple[Evaluation, Evaluation, Any, Any]] = []
+        for a, b in combinations(evaluations, 2):
+            places = min(a.curve, b.curve), max(a.curve, b.curve)
+            if a.curve == b.curve:
+                found.append((a, b, self.steepest[a.curve], 0))
+            elif places in known:
+                found.append((a, b, *known[places]))
+        return found
+
+    def _known(
+        self, unknowns: Unknowns, where: str, part: int, parts: int, evaluations: Sequence[Evaluation]
+    ) -> Matrix:
+        """What is known of the curves, ≥ 0, times its multipliers: sectors and copies (equations 8 and 9)."""
+        total: Any = 0
+        for multiplier, e in zip(
+            unknowns[f"{where}_sectors"].reshape(parts, -1)[part], evaluations, strict=True
+        ):
+            low, high = self.sectors[e.curve]
+            total = total + multiplier * _product(e.value - low * e.argument, high * e.argument - e.value)
+        pairs = self.pairs(evaluations)
+        multipliers = unknowns[f"{where}_copies"].reshape(parts, -1)[part]
+        for multiplier, (a, b, steepest, mismatch) in zip(multipliers, pairs, strict=True):
+            rise, apart = a.value - b.value, a.argument - b.argument
+            total = total + multiplier * (_product(rise, steepest * apart) - 2 * _square(rise))
+            if mismatch:
+                total = total + multiplier * 2 * mismatch * (_square(a.argument) + _square(b.argument))
+        return np.asarray(total)
+
+    def _of_state(self, xi: Matrix, zeta: Matrix) -> list[Evaluation]:
+        """The law's curves in ζ, by rows of ξ and ζ."""
+        n, p, q = self.sizes
+        v = 0 * zeta[:1].repeat(q, axis=0)
+        for place, j in enumerate(self.of_state):
+            v[j] = zeta[n + place]
+        s = self.N @ xi + self.N_v @ v
+        return [Evaluation(p + j, s[j], v[j]) for j in self.of_state]
+
+    def _rows(self, size: int) -> Matrix:
+        return rational(np.eye(size)) if self.A.dtype == object else np.eye(size)
+
+
+def sampled_proof(
+    loop: LureLoop, corner: Equilibrium, sectors: Sequence[Sector], copies: Sequence[Copies], pieces: int = 1
+) -> SampledProof:
+    """The problem for a loop without the law curves that hang on the set-point alone: they stand still."""
+    p = len(loop.plant_curves)
+    moving: list[int] = []
+    for j in range(len(loop.law_curves)):
+        inside = set(map(int, np.flatnonzero(loop.N_v[j])))
+        if np.any(loop.N[j]) or np.any(loop.N_w[j]) or inside & set(moving):
+            moving.append(j)
+    curves = (*loop.plant_curves, *(loop.law_curves[j] for j in moving))
+    kept = {old: new for new, old in enumerate((*range(p), *(p + j for j in moving)))}
+    n, n_w, n_v = loop.N[moving], loop.N_w[moving], loop.N_v[np.ix_(moving, moving)]
+    of_state: list[int] = []
+    for j, curve in enumerate(curves[p:]):
+        alone = not np.any(n[j, : loop.plant_size + 1]) and not np.any(n_w[j])
+        inside = set(map(int, np.flatnonzero(n_v[j])))
+        if alone and inside <= set(of_state) and curve.rises and curve.steepest:
+            of_state.append(j)
+    known = tuple(
+        Copies(kept[c.first], kept[c.second], c.steepest, c.mismatch)
+        for c in copies
+        if c.first in kept and c.second in kept
+    )
+    read = {*map(int, np.flatnonzero(loop.S_w.any(axis=0))), *map(int, np.flatnonzero(n_w.any(axis=0)))}
+    read |= {c.first for c in known if c.first < p <= c.second}
+    step = loop.dt / pieces
+    bounds = [sectors[i] for i in kept]
+    steepest = np.empty(len(curves), dtype=object)
+    steepest[:] = [curve.steepest for curve in curves]
+    slopes = [curve.slopes[corner.segments[i]] for i, curve in zip(kept, curves, strict=True)]
+    return SampledProof(
+        A=loop.A * step, E=loop.E * step, Z=loop.Z, S=loop.S, S_w=loop.S_w, S_v=loop.S_v[:, moving],
+        N=n, N_w=n_w, N_v=n_v, sectors=rational([[s.low, s.high] for s in bounds]).reshape(len(curves), 2),
+        slopes=rational(slopes), steepest=steepest, copies=known,
+        of_state=tuple(of_state), seen=tuple(sorted(read)), pieces=pieces,
+    )  # fmt: skip
+
+
+def _square(row: Matrix) -> Matrix:
+    return np.outer(row, row)
+
+
+def _product(a: Matrix, b: Matrix) -> Matrix:
+    """The form 2 (a·x)(b·x)."""
+    return np.outer(a, b) + np.outer(b, a)
+
+
+def _twice(a: Matrix, b: Matrix) -> Matrix:
+    """The form 2 Σ (aᵢ·x)(bᵢ·x)."""
+    form = a.T @ b
+    return form + form.T

@@ -1,0 +1,50 @@
+"""Powers of two that bring states and conditions to like sizes for the solver; a proof does not need them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .sampled_proof import SampledProof
+
+Array = NDArray[np.float64]
+
+
+def power_of_two(values: Array) -> Array:
+    """The nearest powers of two of positive numbers: scaling by them rounds nothing."""
+    return np.asarray(np.exp2(np.round(np.log2(values))))
+
+
+def state_sizes(proof: SampledProof) -> Array | None:
+    """Typical sizes (n,) of the states by how far they move the plant; None if the linear loop is not stable.
+
+    proof in floats. The loop made linear at its equilibrium, from sample to sample; W of its observability by the
+    plant's speeds and accelerations: a state of size 1/√Wᵢᵢ moves them by about one.
+    """
+    from scipy.linalg import expm, solve_discrete_lyapunov
+
+    p = proof.sizes[1]
+    w = proof.slopes[:p, np.newaxis] * proof.Z
+    slopes = proof.slopes[p:, np.newaxis]
+    v = np.linalg.solve(np.eye(slopes.size) - slopes * proof.N_v, slopes * (proof.N + proof.N_w @ w))
+    flow = (proof.A + proof.E @ w) * proof.pieces
+    step = (proof.S + proof.S_w @ w + proof.S_v @ v) @ expm(flow)
+    if not np.max(np.abs(np.linalg.eigvals(step))) < 1.0:
+        return None
+    turn = np.max(np.abs(np.linalg.eigvals(flow[:3, :3])))
+    shown = np.vstack([np.eye(flow.shape[0])[1:3], flow[1:3] / turn])
+    seen = np.diag(solve_discrete_lyapunov(step.T, shown.T @ shown))
+    return power_of_two(np.sqrt(np.max(seen[1:3]) / seen))
+
+
+def condition_sizes(proof: SampledProof, sizes: Array) -> list[Array]:
+    """Typical sizes of the vector of each of ``proof.conditions``, in their order; proof in floats."""
+    highest = np.abs(proof.sectors).max(axis=1)
+    w = power_of_two(highest[: proof.sizes[1]] * (np.abs(proof.Z) @ sizes))
+    v = np.zeros(proof.sizes[2])
+    for j in range(v.size):
+        s = np.abs(proof.N[j]) @ sizes + np.abs(proof.N_w[j]) @ w + np.abs(proof.N_v[j]) @ v
+        v[j] = power_of_two(highest[w.size + j] * s)
+    zeta = np.concatenate([sizes, v[list(proof.of_state)]])
+    jump = np.concatenate([sizes, w[list(proof.seen)], v, v[list(proof.of_state)]])
+    return [zeta] * (proof.pieces + 1) + [np.concatenate([zeta, w])] * (2 * proof.pieces) + [jump]

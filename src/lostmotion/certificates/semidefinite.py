@@ -1,0 +1,126 @@
+"""Linear matrix inequalities for Clarabel: unknown matrices and multipliers with the largest margin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .rational import Matrix
+
+Array = NDArray[np.float64]
+
+#: Unknowns by name: symmetric (n, n) arrays and (m,) arrays of multipliers.
+Unknowns = Mapping[str, Matrix]
+
+#: Matrices, linear in the unknowns, all of which must become positive definite.
+Conditions = Callable[[Unknowns], Sequence[Matrix]]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names and sizes of the unknowns.
+
+    Parameters
+    ----------
+    symmetric : mapping of name → rows of a symmetric matrix
+    multipliers : mapping of name → number of multipliers that are zero or positive
+    """
+
+    symmetric: Mapping[str, int]
+    multipliers: Mapping[str, int]
+
+    @property
+    def size(self) -> int:
+        return sum(n * (n + 1) // 2 for n in self.symmetric.values()) + sum(self.multipliers.values())
+
+    def unknowns(self, vector: Array) -> dict[str, Array]:
+        """The unknowns out of one vector."""
+        made: dict[str, Array] = {}
+        start = 0
+        for name, n in self.symmetric.items():
+            upper = np.triu_indices(n)
+            matrix = np.zeros((n, n))
+            matrix[upper] = vector[start : start + upper[0].size]
+            made[name] = matrix + np.triu(matrix, 1).T
+            start += upper[0].size
+        for name, count in self.multipliers.items():
+            made[name] = vector[start : start + count]
+            start += count
+        return made
+
+
+def largest_margin(
+    conditions: Conditions,
+    layout: Layout,
+    scales: Sequence[Array],
+) -> tuple[dict[str, Array], float] | None:
+    """Unknowns for which every scaled condition minus margin·I is positive semidefinite, with the largest margin.
+
+    Parameters
+    ----------
+    conditions, layout
+        In floats.
+    scales : sequence of (n,) arrays
+        For each condition: typical sizes of its vector.
+
+    Returns
+    -------
+    unknowns, margin
+        None if the solver ends without numbers. What comes back holds to the solver's accuracy alone, and a negative
+        margin is no proof of anything: the exact check decides.
+    """
+    import clarabel
+    from scipy.sparse import csc_matrix, vstack
+
+    count = sum(layout.multipliers.values())
+    columns, weights = [], np.ones(layout.size)
+    for i, row in enumerate(np.eye(layout.size)):
+        parts = [
+            m * np.outer(scale, scale)
+            for m, scale in zip(conditions(layout.unknowns(row)), scales, strict=True)
+        ]
+        largest = max(float(np.max(np.abs(part))) for part in parts)
+        weights[i] = np.exp2(-np.round(np.log2(largest))) if largest > 0.0 else 1.0
+        columns.append([_packed(part) * weights[i] for part in parts])
+    blocks: list[Any] = []
+    cones: list[Any] = []
+    for i, scale in enumerate(scales):
+        blocks.append(csc_matrix(np.column_stack([-c[i] for c in columns] + [_packed(np.eye(scale.size))])))
+        cones.append(clarabel.PSDTriangleConeT(scale.size))
+    first = layout.size - count
+    positive = np.hstack([np.zeros((count, first)), -np.eye(count), np.zeros((count, 1))])
+    trace = np.concatenate([_diagonal(layout), np.ones(count), [0.0]])
+    blocks += [csc_matrix(positive), csc_matrix(trace[np.newaxis])]
+    cones += [clarabel.NonnegativeConeT(count), clarabel.NonnegativeConeT(1)]
+    matrix = csc_matrix(vstack(blocks))
+    right = np.zeros(matrix.shape[0])
+    right[-1] = 1.0
+    cost = np.zeros(layout.size + 1)
+    cost[-1] = -1.0
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1
+    nothing = csc_matrix((cost.size, cost.size))
+    solution = clarabel.DefaultSolver(nothing, cost, matrix, right, cones, settings).solve()
+    found = np.asarray(solution.x)
+    if found.size != cost.size or not np.all(np.isfinite(found)):
+        return None
+    values = found[:-1] * weights
+    values[first:] = np.maximum(values[first:], 0.0)
+    return layout.unknowns(values), float(found[-1])
+
+
+def _diagonal(layout: Layout) -> Array:
+    """1 for each diagonal entry of the symmetric unknowns, in the order of the vector."""
+    return np.concatenate([np.equal(*np.triu_indices(n)).astype(float) for n in layout.symmetric.values()])
+
+
+def _packed(matrix: Matrix) -> Array:
+    """The upper triangle column by column, off the diagonal times √2 (Clarabel's PSDTriangleConeT)."""
+    given = np.asarray(matrix, dtype=float)
+    rows, columns = np.tril_indices(given.shape[0])
+    return np.asarray(np.where(rows == columns, 1.0, np.sqrt(2.0)) * given[columns, rows])

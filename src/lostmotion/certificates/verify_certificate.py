@@ -1,0 +1,596 @@
+#!/usr/bin/env python3
+"""Checks a stability certificate in exact fractions: python verify_certificate.py certificate.json [law.json]
+
+It needs nothing but Python's standard library and trusts nothing in the file but the drivetrain and the law: it builds
+the loop, its equilibria and the sectors of its curves itself, and takes from the file only the matrices P and the
+multipliers, which either satisfy the inequalities or do not. With law.json it also checks that the certificate is
+about that law. Numbers in brackets are the equations of docs/stability.md. Exit code 0: proved; 1: not proved.
+
+A *form* is a linear expression in named variables, {name: coefficient}. A *quadratic* is {(name, name): coefficient}.
+"""
+
+import json
+import sys
+from fractions import Fraction
+from itertools import combinations
+
+#: Numerics.
+HALF = Fraction(1, 2)
+
+#: Bits behind the point in the test for positive definiteness (numerics): the margins of proofs are above 2^-40.
+BITS = 96
+
+#: Rows and columns of the law's matrices: states, inputs, curves, outputs.
+SHAPES = {"A": "xx", "B": "xu", "E": "xw", "F": "wx", "G": "wu", "H": "ww", "C": "yx", "D": "yu", "J": "yw"}
+
+
+class NotProved(Exception):
+    """Why a certificate proves nothing."""
+
+
+def demand(condition, reason):
+    if not condition:
+        raise NotProved(reason)
+
+
+def whole(number, least):
+    """A number of things, at least so many."""
+    demand(number.denominator == 1 and number >= least, "a number of things that is none")
+    return int(number)
+
+
+# --- forms and quadratics -----------------------------------------------------------------------------------------
+
+
+def plus(*terms):
+    """Sum of coefficient · form over pairs (coefficient, form)."""
+    total = {}
+    for coefficient, form in terms:
+        if coefficient:
+            for name, value in form.items():
+                total[name] = total.get(name, 0) + coefficient * value
+    return {name: value for name, value in total.items() if value}
+
+
+def minus(a, b):
+    return plus((1, a), (-1, b))
+
+
+def replaced(form, by):
+    """The form with variables replaced by forms."""
+    return plus(*((value, by.get(name, {name: Fraction(1)})) for name, value in form.items()))
+
+
+def add_product(quadratic, factor, a, b):
+    """Adds factor · a · b."""
+    if factor:
+        for i, x in a.items():
+            for j, y in b.items():
+                quadratic[i, j] = quadratic.get((i, j), 0) + factor * x * y
+
+
+def positive_definite(quadratic, names):
+    """Whether the quadratic is positive for all values but zero; what it calls so, is.
+
+    Variables are scaled by powers of two until the diagonal lies in 1/4 ... 4, the entries rounded to ``BITS`` bits,
+    and the most that rounding can have added, less than 1 unit for each entry of a row, is taken off the diagonal. The
+    rest are whole numbers: elimination (Bareiss 1968), whose pivots are the leading minors (Sylvester).
+    """
+    place = {name: i for i, name in enumerate(names)}
+    matrix = [[Fraction(0)] * len(names) for _ in names]
+    for (a, b), value in quadratic.items():
+        matrix[place[a]][place[b]] += value * HALF
+        matrix[place[b]][place[a]] += value * HALF
+    if any(matrix[i][i] <= 0 for i in range(len(names))):
+        return False
+    diagonal = [matrix[i][i] for i in range(len(names))]
+    scale = [Fraction(2) ** ((d.denominator.bit_length() - d.numerator.bit_length()) // 2) for d in diagonal]
+    rows = [
+        [round(v * scale[i] * scale[j] * 2**BITS) for j, v in enumerate(row)] for i, row in enumerate(matrix)
+    ]
+    for i, row in enumerate(rows):
+        row[i] -= len(names)
+    last = 1
+    for i in range(len(names)):
+        pivot = rows[i][i]
+        if pivot <= 0:
+            return False
+        for j in range(i + 1, len(names)):
+            for k in range(j, len(names)):
+                rows[j][k] = (rows[j][k] * pivot - rows[i][j] * rows[i][k]) // last
+        last = pivot
+    return True
+
+
+def solve(equations, unknowns):
+    """Values of the unknowns for which every form is zero; the name "1" stands for the constant."""
+    rows = [[form.get(name, Fraction(0)) for name in (*unknowns, "1")] for form in equations]
+    demand(len(rows) == len(unknowns), "the equilibrium has not as many equations as unknowns")
+    for i in range(len(rows)):
+        pivot = next((j for j in range(i, len(rows)) if rows[j][i]), None)
+        demand(pivot is not None, "the loop has no single equilibrium")
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        first = rows[i][i]
+        rows[i] = [value / first for value in rows[i]]
+        for j, row in enumerate(rows):
+            if j != i and row[i]:
+                factor = row[i]
+                rows[j] = [a - factor * b for a, b in zip(row, rows[i])]
+    return {name: -row[-1] for name, row in zip(unknowns, rows)}
+
+
+# --- curves -------------------------------------------------------------------------------------------------------
+
+
+class Curve:
+    """w(z) through points, with end slopes; two points with one z are a jump (2)."""
+
+    def __init__(self, points, left, right):
+        self.points, self.left, self.right = points, left, right
+        self.slopes = [left]
+        for (z0, w0), (z1, w1) in zip(points, points[1:]):
+            demand(z1 > z0 or (z1 == z0 and w1 > w0), "a curve's points are not in order")
+            self.slopes.append((w1 - w0) / (z1 - z0) if z1 > z0 else None)
+        self.slopes.append(right)
+        self.rises = all(slope is None or slope >= 0 for slope in self.slopes)
+        self.steepest = None if None in self.slopes else max(self.slopes)
+        self.key = (tuple(points), left, right)
+
+    def segment(self, z):
+        demand(all(z != point for point, _ in self.points), "an equilibrium lies on a corner of a curve")
+        return sum(point < z for point, _ in self.points)
+
+    def line(self, segment):
+        """(c, m): the segment lies on c + m·z."""
+        demand(0 <= segment < len(self.slopes), "a segment that a curve does not have")
+        slope = self.slopes[segment]
+        demand(slope is not None, "an equilibrium on a jump")
+        z, w = self.points[max(segment - 1, 0)]
+        return w - slope * z, slope
+
+    def sector(self, z):
+        """Smallest and largest slope of a chord from z (7)."""
+        value, slope = self.line(self.segment(z))
+        here = value + slope * z
+        chords = [slope, self.left, self.right] + [(w - here) / (x - z) for x, w in self.points]
+        return min(chords), max(chords)
+
+
+def normalised(points, left, right):
+    """curve(z) = a·z + b·σ(z), σ of height 1 where the end slopes are alike (2)."""
+    if left != right:
+        return Fraction(0), Fraction(1), Curve(points, left, right)
+    flat = [(z, w - right * z) for z, w in points]
+    height = flat[-1][1] - flat[0][1] or Fraction(1)
+    if height == 1 and flat[-1][1] == flat[0][1]:
+        return right, Fraction(1), Curve(flat, Fraction(0), Fraction(0))
+    return right, height, Curve([(z, w / height) for z, w in flat], Fraction(0), Fraction(0))
+
+
+# --- the loop -----------------------------------------------------------------------------------------------------
+
+
+class Loop:
+    """Forms of the loop: rates of the plant (1), values after a sample (3), arguments and curves of both (2)."""
+
+    def __init__(self, drivetrain, law, delay):
+        self.rates, self.jump, self.arguments, self.curves = {}, {}, {}, {}
+        measured = self.add_plant(drivetrain)
+        self.plant_states, self.plant_curves = list(self.rates), list(self.curves)
+        self.add_law(law, measured, delay, drivetrain["torque_limit"])
+        self.law_curves = [name for name in self.curves if name not in self.plant_curves]
+        self.states = [*self.plant_states, *self.jump]
+
+    def add_plant(self, d):
+        """Two inertias, a shaft with backlash, friction, the actuator's lag: (1)."""
+        j1, j2, k, c = d["inertia_motor"], d["inertia_load"], d["stiffness"], d["damping"]
+        demand(min(j1, j2, k) > 0, "an inertia or the stiffness is not positive")
+        rest = ("damping", "backlash", "viscous", "viscous_motor", "lag", "coulomb_plus", "coulomb_minus",
+                "coulomb_motor_plus", "coulomb_motor_minus")  # fmt: skip
+        demand(min(d[name] for name in rest) >= 0, "a parameter of the drivetrain is negative")
+        demand(d["contact"] in ("viscoelastic", "dead_zone"), "a contact law without a Lur'e form")
+        one = Fraction(1)
+        shaft = {"twist": k, "speed_motor": c, "speed_load": -c}
+        if d["backlash"] > Fraction(1e-10):  # less counts as none
+            lead = c / k if d["contact"] == "viscoelastic" else 0
+            h = d["backlash"] / 2
+            self.curves["gap"] = Curve([(-h, -HALF), (h, HALF)], Fraction(0), Fraction(0))
+            self.arguments["gap"] = plus(
+                (1, {"twist": one}), (lead, {"speed_motor": one, "speed_load": -one})
+            )
+            shaft = plus((1, shaft), (-k * d["backlash"], {"gap": one}))
+        for place in ("motor", "load"):
+            suffix = "_motor" if place == "motor" else ""
+            up, down = d[f"coulomb{suffix}_plus"], d[f"coulomb{suffix}_minus"]
+            if up or down:
+                points = [(Fraction(0), -down / (up + down)), (Fraction(0), up / (up + down))]
+                self.curves[f"friction_{place}"] = Curve(points, Fraction(0), Fraction(0))
+                self.arguments[f"friction_{place}"] = {f"speed_{place}": one}
+        drive = "torque_actuator" if d["lag"] else "torque_motor"
+        level = d["coulomb_motor_plus"] + d["coulomb_motor_minus"], d["coulomb_plus"] + d["coulomb_minus"]
+        motor = plus((1, {drive: one}), (-1, shaft), (-d["viscous_motor"], {"speed_motor": one}),
+                     (-level[0], {"friction_motor": one}))  # fmt: skip
+        load = plus((1, shaft), (-d["viscous"], {"speed_load": one}), (-level[1], {"friction_load": one}),
+                    (1, {"torque_load": one}))  # fmt: skip
+        self.rates["twist"] = {"speed_motor": one, "speed_load": -one}
+        self.rates["speed_motor"], self.rates["speed_load"] = plus((1 / j1, motor)), plus((1 / j2, load))
+        if d["lag"]:
+            self.rates["torque_actuator"] = {"torque_motor": 1 / d["lag"], "torque_actuator": -1 / d["lag"]}
+        return {
+            **{name: {name: one} for name in ("twist", "speed_motor", "speed_load")},
+            "torque_shaft": shaft,
+        }
+
+    def add_law(self, law, measured, delay, limit):
+        """The law's rows with its inputs replaced by what they measure; the limit; the delay (3)."""
+        given = {**measured, "speed_reference": {"speed_reference": Fraction(1)}}
+        demand(set(law["inputs"]) <= set(given), "the law reads a signal that the plant does not give")
+        inputs = [given[name] for name in law["inputs"]]
+        states = [{f"law: {name}": Fraction(1)} for name in law["states"]]
+        values = []
+
+        def row(by_state, by_input, by_curve):
+            # Of the curves, a row reads those before it: the others stand there as zeros.
+            return plus(
+                *zip(by_state, states, strict=True),
+                *zip(by_input, inputs, strict=True),
+                *zip(by_curve, values),
+            )
+
+        def curve(argument, points, left, right):
+            name = f"curve_{len(values)}"
+            a, b, self.curves[name] = normalised(points, left, right)
+            self.arguments[name] = argument
+            values.append(plus((a, argument), (b, {name: Fraction(1)})))
+            return values[-1]
+
+        demand(len(set(law["states"])) == len(states), "two states of one name")
+        for i, content in enumerate(law["curves"]):
+            demand(not any(law["H"][i][i:]), "an algebraic loop in the law")
+            points = [(z, w) for z, w in content["points"]]
+            argument = row(law["F"][i], law["G"][i], law["H"][i])
+            curve(argument, points, content["slope_left"], content["slope_right"])
+        torque = row(law["C"][0], law["D"][0], law["J"][0])
+        after = [row(*rows) for rows in zip(law["A"], law["B"], law["E"], strict=True)]
+        if limit is not None and not within_limit(law, limit):
+            torque = curve(torque, [(-limit, -limit), (limit, limit)], Fraction(0), Fraction(0))
+        line = [f"law: torque_motor_{i + 1}" for i in range(delay)]
+        held = [torque, *({name: Fraction(1)} for name in line)]
+        self.jump["torque_motor"] = held[-1]
+        self.jump.update({f"law: {name}": form for name, form in zip(law["states"], after, strict=True)})
+        self.jump.update(zip(line, held))
+
+
+def within_limit(law, limit):
+    """Whether the law's own last curve keeps the torque within the limit."""
+    used = [i for i, value in enumerate(law["J"][0]) if value]
+    if any(law["C"][0]) or any(law["D"][0]) or len(used) != 1 or law["J"][0][used[0]] != 1:
+        return False
+    content = law["curves"][used[0]]
+    flat = not content["slope_left"] and not content["slope_right"]
+    return flat and all(abs(w) <= limit for _, w in content["points"])
+
+
+def pruned(law):
+    """The law with what its torque reads alone."""
+    size = {
+        "x": len(law["states"]),
+        "u": len(law["inputs"]),
+        "w": len(law["curves"]),
+        "y": len(law["outputs"]),
+    }
+    for key, (rows, columns) in SHAPES.items():
+        fits = len(law[key]) == size[rows] and all(len(row) == size[columns] for row in law[key])
+        demand(fits, f"the law's matrix {key} has another shape")
+    torque = law["outputs"].index("torque_motor")
+    x = {i for i, v in enumerate(law["C"][torque]) if v}
+    w = {i for i, v in enumerate(law["J"][torque]) if v}
+    count = -1
+    while count != len(x) + len(w):
+        count = len(x) + len(w)
+        for key, reading, read in (("A", x, x), ("E", x, w), ("F", w, x), ("H", w, w)):
+            read |= {i for j in list(reading) for i, v in enumerate(law[key][j]) if v}
+    x, w = sorted(x), sorted(w)
+    pick = lambda rows, i, j: [[rows[a][b] for b in j] for a in i]  # noqa: E731
+    u = range(len(law["inputs"]))
+    return {
+        "inputs": law["inputs"], "states": [law["states"][i] for i in x], "curves": [law["curves"][i] for i in w],
+        "A": pick(law["A"], x, x), "B": pick(law["B"], x, u), "E": pick(law["E"], x, w),
+        "F": pick(law["F"], w, x), "G": pick(law["G"], w, u), "H": pick(law["H"], w, w),
+        "C": pick(law["C"], [torque], x), "D": pick(law["D"], [torque], u), "J": pick(law["J"], [torque], w),
+    }  # fmt: skip
+
+
+# --- equilibria, sectors and copies -------------------------------------------------------------------------------
+
+
+def equilibrium(loop, segments, speed, torque_load):
+    """Arguments of all curves with the loop at rest: every curve continued along its segment (4), then checked (5)."""
+    lines = {}
+    for name, segment in zip(loop.curves, segments, strict=True):
+        value, slope = loop.curves[name].line(segment)
+        lines[name] = plus((1, {"1": value}), (slope, loop.arguments[name]))
+    one = Fraction(1)
+    equations = [replaced(form, {"torque_load": {"1": torque_load}}) for form in loop.rates.values()]
+    equations += [minus(form, {name: one}) for name, form in loop.jump.items()]
+    equations += [minus(form, {name: one}) for name, form in lines.items()]
+    equations.append(plus((1, {"speed_load": one}), (-speed, {"1": one})))
+    found = solve(equations, [*loop.states, *loop.curves, "speed_reference"])
+    arguments = {}
+    for name, segment in zip(loop.curves, segments, strict=True):
+        arguments[name] = sum(value * found[key] for key, value in loop.arguments[name].items())
+        demand(loop.curves[name].segment(arguments[name]) == segment, f"{name} rests on another segment")
+    return arguments
+
+
+def sectors_of(loop, corners):
+    """Sector of each curve for all equilibria between the corners (6, 7)."""
+    found = {}
+    for name, curve in loop.curves.items():
+        each = [curve.sector(corner[name]) for corner in corners]
+        found[name] = min(low for low, _ in each), max(high for _, high in each)
+    return found
+
+
+def copies_of(loop, corners, sectors):
+    """(slope, mismatch) of all pairs of arguments of one rising curve without a jump (8, 9)."""
+    found = {}
+    for a, b in combinations(loop.curves, 2):
+        curve = loop.curves[a]
+        if curve.key != loop.curves[b].key or not curve.rises or not curve.steepest:
+            continue
+        apart = max(abs(corner[a] - corner[b]) for corner in corners)
+        loss = Fraction(0)
+        if apart:
+            segments = {curve.segment(corner[name]) for corner in corners for name in (a, b)}
+            if len(segments) != 1 or curve.slopes[segments.pop()] != 0:
+                continue
+            room = min(
+                abs(corner[name] - z) for corner in corners for name in (a, b) for z, _ in curve.points
+            )
+            loss = 2 * curve.steepest * max(sectors[a][1], sectors[b][1]) * apart / room
+        found[a, b] = curve.steepest, loss
+    return found
+
+
+# --- the proof ----------------------------------------------------------------------------------------------------
+
+
+class Proof:
+    """The inequalities (12), (13) and (15), with P and multipliers taken from the certificate in their order."""
+
+    def __init__(self, loop, sectors, copies, dt, proof):
+        self.loop, self.sectors, self.copies, self.dt = loop, sectors, copies, dt
+        self.pieces = whole(proof["pieces"], 1)
+        self.moving = self.moving_curves()
+        self.of_state = self.curves_of_the_state()
+        self.zeta = [*loop.states, *self.of_state]
+        self.p = [self.symmetric(m) for m in proof["P"]]
+        demand(len(self.p) == self.pieces + 1, "not as many matrices P as knots")
+        self.multipliers = {name: list(values) for name, values in proof["multipliers"].items()}
+        demand(
+            all(m >= 0 for values in self.multipliers.values() for m in values), "a multiplier is negative"
+        )
+        self.eta = self.signed("eta", loop.plant_curves)
+        self.theta = self.signed("theta", self.of_state)
+
+    def moving_curves(self):
+        """Law curves whose argument hangs on more than the set-point; the others stand still at a set-point."""
+        moving = []
+        for name in self.loop.law_curves:
+            still = {"speed_reference", *(c for c in self.loop.law_curves if c not in moving)}
+            if set(self.loop.arguments[name]) - still:
+                moving.append(name)
+        return moving
+
+    def curves_of_the_state(self):
+        """Rising law curves without a jump whose argument is the law's state alone: the integrals of V (10)."""
+        found, states = [], {s for s in self.loop.states if s.startswith("law: ")}
+        for name in self.moving:
+            curve = self.loop.curves[name]
+            reads_state_alone = set(self.deviation(self.loop.arguments[name])) <= states | set(found)
+            if reads_state_alone and curve.rises and curve.steepest:
+                found.append(name)
+        return found
+
+    def deviation(self, form):
+        """The form without what stands still at an equilibrium."""
+        still = {"speed_reference", "torque_load"} | (set(self.loop.law_curves) - set(self.moving))
+        return {name: value for name, value in form.items() if name not in still}
+
+    def symmetric(self, rows):
+        size = len(self.zeta)
+        demand(len(rows) == size and all(len(row) == size for row in rows), "a matrix P of another size")
+        demand(all(rows[i][j] == rows[j][i] for i in range(size) for j in range(i)), "P is not symmetric")
+        return rows
+
+    def signed(self, name, curves):
+        """Weights of the integrals, as (positive part, negative part)."""
+        parts = self.multipliers[f"{name}_plus"], self.multipliers[f"{name}_minus"]
+        return dict(zip(curves, zip(*parts, strict=True), strict=True))
+
+    def quadratic(self, p, forms):
+        """formsᵀ p forms."""
+        total = {}
+        for row, a in zip(p, forms, strict=True):
+            add_product(total, 1, a, plus(*zip(row, forms, strict=True)))
+        return total
+
+    def subtract_known(self, total, where, curves):
+        """Takes what is known of curves to be ≥ 0 times its multipliers off: sectors (7), then copies (8, 9).
+
+        ``curves``: (curve's name, form of its argument, form of its value).
+        """
+        factors = self.multipliers[where]
+        pairs = list(self.pairs(curves))
+        demand(len(factors) == len(curves) + len(pairs), f"{where}: not as many multipliers as conditions")
+        for factor, (name, z, w) in zip(factors, curves):
+            low, high = self.sectors[name]
+            add_product(total, -2 * factor, plus((1, w), (-low, z)), plus((high, z), (-1, w)))
+        for factor, (slope, loss, (_, z1, w1), (_, z2, w2)) in zip(factors[len(curves) :], pairs):
+            rise, apart = minus(w1, w2), minus(z1, z2)
+            add_product(total, -2 * factor, rise, plus((slope, apart), (-1, rise)))
+            add_product(total, -2 * factor * loss, z1, z1)
+            add_product(total, -2 * factor * loss, z2, z2)
+        return total
+
+    def pairs(self, curves):
+        for a, b in combinations(curves, 2):
+            known = self.copies.get((a[0], b[0])) or self.copies.get((b[0], a[0]))
+            if a[0] == b[0]:
+                known = self.loop.curves[a[0]].steepest, Fraction(0)
+            if known:
+                yield (*known, a, b)
+
+    def own(self, name):
+        return {name: Fraction(1)}
+
+    def evaluated(self, names, by=None):
+        """(name, argument, value) of curves, with states and values replaced."""
+        by = by or {}
+        return [
+            (name, replaced(self.deviation(self.loop.arguments[name]), by), by.get(name, self.own(name)))
+            for name in names
+        ]
+
+    def positive(self, k):
+        """(12): V at knot k, with the largest value of each integral that it subtracts (11)."""
+        total = self.quadratic(self.p[k], [self.own(name) for name in self.zeta])
+        for weights in (self.eta, self.theta):
+            for name, (_, negative) in weights.items():
+                z = self.deviation(self.loop.arguments[name])
+                add_product(total, -negative * self.sectors[name][1], z, z)
+        self.subtract_known(total, f"rest_{k}", self.evaluated(self.of_state))
+        return positive_definite(total, self.zeta)
+
+    def falls(self, k, end):
+        """(13): −dV/dτ at one end of piece k, times the length of the piece."""
+        step = self.dt / self.pieces
+        rates = {name: plus((step, self.deviation(form))) for name, form in self.loop.rates.items()}
+        rate = [rates.get(name, {}) for name in self.zeta]
+        here = [self.own(name) for name in self.zeta]
+        total = {}
+        for i, row in enumerate(self.p[k + end]):
+            add_product(total, -2, rate[i], dict(zip(self.zeta, row)))
+        change = [[a - b for a, b in zip(*rows)] for rows in zip(self.p[k], self.p[k + 1])]
+        for key, value in self.quadratic(change, here).items():
+            total[key] = total.get(key, 0) + value
+        for name, (positive, negative) in self.eta.items():
+            z_rate = replaced(self.loop.arguments[name], rates)
+            add_product(total, -2 * (positive - negative), self.own(name), z_rate)
+        curves = self.evaluated([*self.loop.plant_curves, *self.of_state])
+        self.subtract_known(total, f"flow_{k}_{end}", curves)
+        return positive_definite(total, [*self.zeta, *self.loop.plant_curves])
+
+    def does_not_rise(self):
+        """(15): V before minus V after a sample, with the bounds (14) on what the integrals change."""
+        loop, one = self.loop, Fraction(1)
+        by = {name: self.deviation(form) for name, form in loop.jump.items()}
+        by |= {name: {f"{name} after": one} for name in self.of_state}
+        before = [self.own(name) for name in self.zeta]
+        after = [by.get(name, self.own(name)) for name in self.zeta]
+        total = self.quadratic(self.p[-1], before)
+        for key, value in self.quadratic(self.p[0], after).items():
+            total[key] = total.get(key, 0) - value
+        seen = self.seen()
+        now, later = self.evaluated([*seen, *self.moving]), self.evaluated(self.of_state, by)
+        for (name, z1, w1), (_, z0, w0) in zip(later, self.evaluated(self.of_state)):
+            positive, negative = self.theta[name]
+            step, rise = minus(z1, z0), minus(w1, w0)
+            add_product(total, -2 * positive, w1, step)
+            add_product(total, 2 * negative, w0, step)
+            add_product(total, (positive + negative) / loop.curves[name].steepest, rise, rise)
+        self.subtract_known(total, "jump", now + later)
+        return positive_definite(
+            total, [*loop.states, *seen, *self.moving, *(f"{n} after" for n in self.of_state)]
+        )
+
+    def seen(self):
+        """Plant curves that the law reads at a sample, or has copies of."""
+        forms = [*self.loop.jump.values(), *(self.loop.arguments[name] for name in self.moving)]
+        read = {name for form in forms for name in form}
+        read |= {name for pair in self.copies for name in pair if set(pair) & set(self.moving)}
+        return [name for name in self.loop.plant_curves if name in read]
+
+
+def verify(certificate, law=None):
+    """The claim that is proved; raises ``NotProved``."""
+    claim, own = certificate["claim"], certificate["law"]
+    if law is not None:
+        demand(pruned(law) == pruned(own) and law["dt"] == own["dt"], "the certificate is about another law")
+    demand(own["dt"] > 0, "a sample time that is not positive")
+    loop = Loop(certificate["drivetrain"], pruned(own), whole(certificate["delay"], 0))
+    segments = [whole(segment, 0) for segment in certificate["segments"]]
+    speeds, torques = (claim["speed_from"], claim["speed_to"]), claim["torque_load"]
+    demand(
+        len(torques) == 2 and 0 < speeds[0] <= speeds[1] and torques[0] <= torques[1],
+        "no ranges in the claim",
+    )
+    if claim["both_directions"]:
+        demand(all(c.key == mirrored(c) for c in loop.curves.values()), "the two directions differ")
+    ends = [(r, m) for r in sorted(set(speeds)) for m in sorted(set(torques))]
+    corners = [equilibrium(loop, segments, r, m) for r, m in ends]
+    sectors = sectors_of(loop, corners)
+    proof = Proof(loop, sectors, copies_of(loop, corners, sectors), own["dt"], certificate["proof"])
+    for k in range(proof.pieces + 1):
+        demand(proof.positive(k), f"V is not positive at knot {k} (12)")
+    for k in range(proof.pieces):
+        for end in (0, 1):
+            demand(proof.falls(k, end), f"V does not fall in piece {k}, end {end} (13)")
+    demand(proof.does_not_rise(), "V rises at a sample (15)")
+    return claim
+
+
+def mirrored(curve):
+    """The key of −w(−z)."""
+    return tuple((-z, -w) for z, w in reversed(curve.points)), curve.right, curve.left
+
+
+def read(path):
+    with open(path, encoding="utf-8") as file:  # noqa: PTH123 (a script without further imports)
+        return parsed(file.read())
+
+
+def parsed(text):
+    """JSON in exact fractions: the number that each decimal means as a float."""
+    return json.loads(
+        text, parse_float=lambda digits: Fraction(float(digits)), parse_int=Fraction, parse_constant=refused
+    )
+
+
+def refused(text):
+    raise NotProved(f"{text} is no number")
+
+
+def main(paths):
+    if len(paths) not in (1, 2):
+        print(__doc__)
+        return 2
+    try:
+        claim = verify(*map(read, paths))
+    except NotProved as reason:
+        print(f"NOT PROVED: {reason}")
+        return 1
+    except (
+        OSError,
+        LookupError,
+        TypeError,
+        ValueError,
+        AttributeError,
+        ArithmeticError,
+        RecursionError,
+    ) as error:
+        print(f"NOT PROVED: the file is no certificate ({type(error).__name__}: {error})")
+        return 1
+    low, high = float(claim["speed_from"]), float(claim["speed_to"])
+    print(f"PROVED: globally asymptotically stable at every load speed from {low!r} to {high!r} rad/s")
+    print(
+        f"        load torque {float(claim['torque_load'][0])!r} to {float(claim['torque_load'][1])!r} Nm,",
+        end=" ",
+    )
+    print("in both directions" if claim["both_directions"] else "in the positive direction")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,177 @@
+"""The laws that are compared: one list, each made from an identified drivetrain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from ... import controllers, observers
+from ...drivetrain import Drivetrain
+from ...systems import DiscreteSystem, Stepper, connect, rate_limit
+
+Law = DiscreteSystem | Stepper
+
+#: Process covariance of the load torque in the laws that feed it back, Nm²/s (calibrated on the virtual rigs 1 to 5:
+#: a load step is back within 60 ms).
+LOAD_TORQUE = 1e6
+#: Poles of the controller in the paper, 1/s (Fietzek & Rinderknecht, section V).
+POLES = (-400.0, -400.0, -400.0)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What every law is designed for: model, sample time (s), largest torque (Nm)."""
+
+    model: Drivetrain
+    dt: float
+    torque_limit: float
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """One row of the leaderboard.
+
+    Parameters
+    ----------
+    name : str
+    kind : str
+        "speed" or "torque": what its set-point is.
+    control : callable (setting) → laws
+        Controllers only; they read ``torque_motor_acting`` and the observer's estimates.
+    observer : callable (setting) → law, or None
+        None: the laws read the motor speed alone.
+    """
+
+    name: str
+    kind: str
+    control: Callable[[Setting], Sequence[Law]]
+    observer: Callable[[Setting], Law] | None
+
+
+def plain_observer(s: Setting) -> Law:
+    """Observer 1 of the paper."""
+    return observers.kalman(s.model, dt=s.dt, speed_from_counts=True)
+
+
+def load_observer(s: Setting) -> Law:
+    """Observer 1 with the load torque as a state."""
+    return observers.kalman(
+        s.model,
+        dt=s.dt,
+        speed_from_counts=True,
+        load_torque=True,
+        process_covariance={"torque_load": LOAD_TORQUE},
+    )
+
+
+def _pi(s: Setting, **options: Any) -> list[Law]:
+    return [controllers.pi(dt=s.dt, torque_limit=s.torque_limit, **options)]
+
+
+def _pi_optimum(s: Setting, friction: bool = False) -> list[Law]:
+    gains = controllers.symmetrical_optimum(s.model, dt=s.dt).gains()
+    return _pi(s, **gains, friction_of=s.model if friction else None)
+
+
+def _pole_placement(s: Setting) -> list[Law]:
+    return [controllers.pole_placement(s.model, poles=POLES, dt=s.dt, torque_limit=s.torque_limit)]
+
+
+def behind(wished: DiscreteSystem, s: Setting, **options: Any) -> DiscreteSystem:
+    """A law with soft landing behind it; the law alone where there is no gap."""
+    if s.model.backlash == 0.0:
+        return wished
+    landing = controllers.soft_landing(s.model, dt=s.dt, torque_limit=s.torque_limit, **options)
+    first = wished.renamed({"torque_motor": "torque_wished"})
+    inputs = dict.fromkeys([*first.inputs, *landing.inputs])
+    inputs.pop("torque_wished")
+    return connect([first, landing], inputs=tuple(inputs), outputs=("torque_motor",))
+
+
+def _soft(s: Setting, error: float, oscillation: float, **options: Any) -> list[Law]:
+    return [behind(_lqi(s, error, oscillation), s, **options)]
+
+
+def _wishes(s: Setting, error: float = 2.0, oscillation: float = 4.0) -> dict[str, Any]:
+    return {
+        "dt": s.dt, "largest_error": error, "largest_oscillation": oscillation, "largest_torque": s.torque_limit,
+        "torque_limit": s.torque_limit,
+    }  # fmt: skip
+
+
+def _lqi(s: Setting, error: float = 2.0, oscillation: float = 4.0) -> DiscreteSystem:
+    return controllers.lqi(s.model, **_wishes(s, error, oscillation))
+
+
+def _h_infinity(s: Setting) -> list[Law]:
+    return [controllers.h_infinity(s.model, load_torque=10.0, margin=3.0, **_wishes(s))]
+
+
+def _flat(s: Setting, acceleration: float, jerk: float) -> list[Law]:
+    # At a long sample time the course is slower.
+    jerk = min(jerk, 0.9 * acceleration / s.dt)
+    return [controllers.flatness(s.model, largest_acceleration=acceleration, largest_jerk=jerk, **_wishes(s))]
+
+
+def _sliding_mode(s: Setting) -> list[Law]:
+    return [controllers.sliding_mode(s.model, dt=s.dt, switching_torque=40.0, torque_limit=s.torque_limit)]
+
+
+def _super_twisting(s: Setting) -> list[Law]:
+    return [
+        controllers.super_twisting(
+            s.model, dt=s.dt, switching_torque=20.0, integral_rate=200.0, torque_limit=s.torque_limit
+        )
+    ]
+
+
+def _damping(s: Setting) -> DiscreteSystem:
+    return controllers.active_damping(s.model, dt=s.dt, torque_limit=s.torque_limit)
+
+
+def _ramp(s: Setting, rate: float, **soft: Any) -> list[Law]:
+    """The torque asked for, by at most so many Nm/s, with active damping; with arguments for it, soft landing too."""
+    ramp = rate_limit("torque_reference", "torque_ramp", rate=rate, dt=s.dt)
+    damped = _damping(s).renamed({"torque_reference": "torque_ramp"})
+    return [ramp, behind(damped, s, **soft) if soft else damped]
+
+
+#: Ramps of the torque that are compared, Nm/s (option: from what a passenger does not feel to a step).
+RAMPS = (100.0, 300.0, 400.0, 500.0, 1000.0, 10000.0)
+#: Ramp in front of soft landing, Nm/s, its contact speed (rad/s) and release (calibrated on the virtual rigs 1 to 5: a
+#: jerk of the load below 45 krad/s³ in tip-in and tip-out).
+TIP_RAMP = 5000.0
+TIP_LANDING: dict[str, Any] = {"contact_speed": 0.3, "release": 4.0}
+
+#: Soft landing near the bound of time: all of the torque brakes, and the limit gives way at once (calibrated on the
+#: virtual rigs 1 to 4).
+FAST: dict[str, Any] = {"contact_speed": 0.45, "release": 100.0, "braking_torque": 73.5}
+
+CONTESTANTS: tuple[Contestant, ...] = (
+    Contestant("PI, Table II", "speed", _pi, None),
+    Contestant("PI, symmetrical optimum", "speed", _pi_optimum, None),
+    Contestant("PI, symmetrical optimum, friction", "speed", lambda s: _pi_optimum(s, friction=True), None),
+    Contestant("pole placement", "speed", _pole_placement, plain_observer),
+    Contestant("LQI", "speed", lambda s: [_lqi(s)], load_observer),
+    Contestant("H∞", "speed", _h_infinity, load_observer),
+    Contestant("flat, 300 rad/s²", "speed", lambda s: _flat(s, 300.0, 1e5), load_observer),
+    Contestant("flat, 100 rad/s²", "speed", lambda s: _flat(s, 100.0, 1e4), load_observer),
+    Contestant("sliding mode", "speed", _sliding_mode, load_observer),
+    Contestant("super-twisting", "speed", _super_twisting, load_observer),
+    Contestant("soft landing", "speed", lambda s: _soft(s, 2.3, 8.0, contact_speed=0.5), load_observer),
+    Contestant("soft landing, fast", "speed", lambda s: _soft(s, 1.0, 6.0, **FAST), load_observer),
+    *(
+        Contestant(f"ramp {rate:g} Nm/s, active damping", "torque", partial(_ramp, rate=rate), load_observer)
+        for rate in RAMPS
+    ),
+    Contestant(
+        "ramp, active damping, soft landing",
+        "torque",
+        lambda s: _ramp(s, TIP_RAMP, **TIP_LANDING),
+        load_observer,
+    ),
+)
+#: The law of the paper; the others are seen beside it.
+REFERENCE = "pole placement"

@@ -1,0 +1,125 @@
+"""One law in one case on the rig of a seed: the true signals of the run."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ... import rig
+from ...curves import dead_zone, saturation
+from ...drivetrain import Drivetrain
+from ...recording import Recording
+from ...simulation import Sensor
+from ...systems import DiscreteSystem
+from ..experiment import LEVELS, identified
+from .cases import Case
+from .contestants import Contestant, Setting
+from .work import Work, work
+
+#: Longest sample time of plant and record, s (option: crossings and jerk are judged by it).
+FINEST = 1e-4
+#: Speed over which the true friction turns, rad/s (numerics).
+TURN = 0.01
+#: Sensors that show the truth.
+TRUE_SENSORS = {
+    "speed_motor": Sensor("speed_motor"),
+    **{f"true_{name}": Sensor(name) for name in ("twist", "speed_motor", "speed_load", "torque_load")},
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A plant with its sensors, the setting of the laws, and the work."""
+
+    plant: rig.Rig
+    setting: Setting
+    work: Work
+    true_states: bool
+    dt: float
+
+
+def experiment(case: Case, seed: int) -> Experiment:
+    """The case on the rig of the seed; the laws are given the model that was identified on the rig as it was."""
+    original = rig.varied_rig(seed)
+    model = _model(seed)
+    model = model.with_parameters(**{name: f * getattr(model, name) for name, f in case.factors.items()})
+    sensors = {
+        "speed_motor": Sensor(
+            "angle_motor", 2.0 * math.pi / 2**case.encoder_bits, difference=True, dropout=case.dropouts
+        ),
+        # What the drive reports: the torque set-point that acts in this sample.
+        "torque_motor_acting": Sensor("torque_motor"),
+    }
+    plant = replace(original, drivetrain=_changed(original.drivetrain, case), sensors=sensors)
+    dt = min(case.dt, FINEST)
+    asked = work(case.work, dt, plant.drivetrain.inertia_total)
+    return Experiment(plant, Setting(model, case.dt, rig.TORQUE_LIMIT), asked, case.true_states, dt)
+
+
+@functools.lru_cache(maxsize=64)
+def _model(seed: int) -> Drivetrain:
+    """The two masses that an identification finds from one recording."""
+    truth = rig.two_mass_equivalent(rig.varied_rig(seed).drivetrain, np.linspace(-LEVELS[1], LEVELS[1], 2000))
+    found = identified(seed, {name: value for name, value in truth.items() if value is not None})
+    return Drivetrain.two_mass(**found)  # type: ignore[arg-type]
+
+
+def _changed(drivetrain: Drivetrain, case: Case) -> Drivetrain:
+    *others, load = drivetrain.inertias
+    shafts = tuple(replace(shaft, backlash=case.backlash * shaft.backlash) for shaft in drivetrain.shafts)
+    return replace(drivetrain, inertias=(*others, case.load_inertia * load), shafts=shafts)
+
+
+def run(contestant: Contestant, data: Experiment) -> Recording:
+    """The true signals with the contestant's laws in the loop, one sample of computing delay."""
+    laws = list(contestant.control(data.setting))
+    plant = data.plant
+    if contestant.observer is not None:
+        laws.insert(0, true_states(data) if data.true_states else contestant.observer(data.setting))
+    if data.true_states:
+        plant = replace(plant, sensors={**plant.sensors, **TRUE_SENSORS})
+    n = len(plant.drivetrain.inertias)
+    references: dict[str, Any] = dict(data.work.references)
+    _, truth = rig.record(
+        plant,
+        dt=data.dt,
+        law=laws,
+        delay=round(data.setting.dt / data.dt),
+        torque_load=data.work.torque_load,
+        state=[0.0] * (n - 1) + [data.work.speed] * n,
+        channels=(),
+        **references,
+    )
+    return truth.signals
+
+
+def true_states(data: Experiment) -> DiscreteSystem:
+    """What an observer would tell if it knew the plant's state and the load torque."""
+    load = data.plant.drivetrain.frictions[-1]
+    half = 0.5 * math.fsum(shaft.backlash for shaft in data.plant.drivetrain.shafts)
+    signals = ["true_twist", "true_speed_motor", "true_speed_load"]
+    if data.work.torque_load is not None:
+        signals.append("true_torque_load")
+    rows = np.eye(len(signals))
+    nothing = np.zeros(len(signals))
+    torque = nothing if data.work.torque_load is None else rows[3]
+    friction = saturation(load.coulomb_plus, load.coulomb_plus / TURN)
+    stiffness = data.setting.model.stiffness
+    outputs = {
+        "twist_estimated": (rows[0], (0.0, 0.0)),
+        "twist_elastic_estimated": (nothing, (1.0, 0.0)),
+        "speed_motor_estimated": (rows[1], (0.0, 0.0)),
+        "speed_load_estimated": (rows[2], (0.0, 0.0)),
+        "torque_shaft_estimated": (nothing, (stiffness, 0.0)),
+        "friction_load_estimated": (load.viscous * rows[2], (0.0, 1.0)),
+        "torque_load_estimated": (torque, (0.0, 0.0)),
+    }
+    return DiscreteSystem(
+        name="true_states", dt=data.setting.dt, inputs=tuple(signals), outputs=tuple(outputs),
+        curves=(dead_zone(half), friction), G=rows[[0, 2]],
+        D=np.array([row for row, _ in outputs.values()]), J=np.array([by for _, by in outputs.values()]),
+    )  # fmt: skip

@@ -1,0 +1,29 @@
+"""One case on one rig for the named laws: a job of ``compare_controllers``."""
+
+from __future__ import annotations
+
+from ..jobs import Job, Result
+from .cases import CASES
+from .contestants import CONTESTANTS
+from .experiment import experiment, run
+from .scores import score, time_per_step
+
+
+def score_controllers(job: Job) -> Result:
+    """Scores of the named laws; a law whose set-point the case does not give has an empty one.
+
+    A step's time is taken in the first case alone: it does not depend on the case.
+    """
+    name, seed, _, names = job
+    data = experiment(next(c for c in CASES if c.name == name), seed)
+    entries = {entry.name: entry for entry in CONTESTANTS}
+    found = {}
+    for law in names:
+        asked = "torque" if data.work.asks_for_torque else "speed"
+        if entries[law].kind == asked:
+            found[law] = score(run(entries[law], data), data)
+            if name == CASES[0].name:
+                found[law]["time_per_step"] = time_per_step(entries[law], data)
+        else:
+            found[law] = {}
+    return name, seed, found

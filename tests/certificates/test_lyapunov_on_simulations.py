@@ -1,0 +1,104 @@
+"""V of a certificate never rises along the exact simulation, from far starts, through impacts and sticking."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.certificates import prove_running
+from lostmotion.certificates.equilibrium import Equilibrium, equilibrium
+from lostmotion.certificates.lure import LureLoop, lure_loop
+from lostmotion.certificates.static_curves import StaticCurve
+from lostmotion.systems import pruned
+
+DT = 1e-4
+
+
+def integral(curve: StaticCurve, start: float, ends: np.ndarray) -> np.ndarray:
+    """∫ (w(z) − w(start)) dz from start to each end, segment by segment."""
+    segment = curve.segment(Fraction(start))
+    assert segment is not None
+    at_start = sum(float(c) * z for c, z in zip(curve.line(segment), (1.0, start), strict=True))
+    edges = [-np.inf, *(float(z) for z, _ in curve.points), np.inf]
+    total = np.zeros_like(ends)
+    for i, slope in enumerate(curve.slopes):
+        if slope is None:
+            continue
+        value, steep = (float(c) for c in curve.line(i))
+        low, high = np.clip(start, edges[i], edges[i + 1]), np.clip(ends, edges[i], edges[i + 1])
+        total += (high - low) * (value - at_start + 0.5 * steep * (low + high))
+    return total
+
+
+def v_of(loop: LureLoop, rest: Equilibrium, proof: dict[str, Any], states: np.ndarray) -> np.ndarray:
+    """V just after a sample, for each row of states."""
+    m, p = proof["multipliers"], len(loop.plant_curves)
+    xi = states - rest.state.astype(float)
+    arguments = [loop.Z[i].astype(float) @ states.T for i in range(p)]
+    values: dict[int, np.ndarray] = {}
+    total = np.zeros(len(states))
+    for i, z in enumerate(arguments):
+        weight = m["eta_plus"][i] - m["eta_minus"][i]
+        total += 2.0 * weight * integral(loop.plant_curves[i], float(rest.arguments[i]), z)
+    for j in range(len(m["theta_plus"])):
+        curve = loop.law_curves[j]
+        s = loop.N[j].astype(float) @ states.T
+        s += sum(float(loop.N_v[j, i]) * v for i, v in values.items())
+        points = [(float(z), float(w)) for z, w in curve.points]
+        values[j] = np.interp(s, *zip(*points, strict=True))
+        weight = m["theta_plus"][j] - m["theta_minus"][j]
+        total += 2.0 * weight * integral(curve, float(rest.arguments[p + j]), s)
+    at_rest = [float(curve.line(rest.segments[p + j])[0]) for j, curve in enumerate(loop.law_curves)]
+    zeta = np.column_stack([xi, *(v - at_rest[j] for j, v in values.items())])
+    return total + np.einsum("ki,ij,kj->k", zeta, np.array(proof["P"][0]), zeta)
+
+
+def laws(plant: lm.Drivetrain) -> dict[str, lm.DiscreteSystem]:
+    parts = [lm.observers.kalman(plant, dt=DT), lm.controllers.pole_placement(plant, dt=DT)]
+    return {
+        "pi": lm.controllers.pi(dt=DT),
+        "observer 1": lm.connect(parts, ("speed_reference", "speed_motor"), ("torque_motor",)),
+    }
+
+
+@pytest.mark.parametrize("name", ["pi", "observer 1"])
+def test_v_never_rises(name: str) -> None:
+    plant = lm.Drivetrain.two_mass(
+        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
+        viscous=0.0175,
+    )  # fmt: skip
+    law = pruned(laws(plant)[name])
+    found = prove_running(plant, law)
+    assert found.certificate is not None
+    loop = lure_loop(plant, law)
+    n = len(law.states)
+    shown = replace(
+        law, outputs=("torque_motor", *(f"state_{i}" for i in range(n))), C=np.vstack([law.C, np.eye(n)]),
+        D=np.vstack([law.D, np.zeros((n, len(law.inputs)))]), J=np.vstack([law.J, np.zeros((n, len(law.curves)))]),
+    )  # fmt: skip
+    rng = np.random.default_rng(7)
+    touched = 0
+    for _ in range(12):
+        speed = float(rng.uniform(found.speed or 0.0, 3.0))
+        rest = equilibrium(loop, Fraction(speed))
+        assert rest is not None
+        start = (rng.uniform(-0.02, 0.02), rng.uniform(-8.0, 8.0), rng.uniform(-4.0, 4.0))
+        run = lm.simulate(
+            plant, law=shown, dt=DT, state=start, speed_reference=np.full(3000, float(rest.reference))
+        )
+        own = np.column_stack([run[f"state_{i}"] for i in range(n)])
+        plant_states = np.column_stack(
+            [run[name] for name in ("twist", "speed_motor", "speed_load", "torque_motor")]
+        )
+        v = v_of(loop, rest, found.certificate["proof"], np.hstack([plant_states[:-1], own[1:]]))
+        assert np.all(v > 0.0)
+        # Rounding of the simulation, relative to where it starts.
+        assert np.max(np.diff(v)) <= 1e-11 * v[0]
+        assert v[-1] < 0.2 * v[0]
+        touched += len(run.events)
+    assert touched > 20, "impacts, separations, sticking: the proof is about them"

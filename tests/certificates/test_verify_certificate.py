@@ -1,0 +1,172 @@
+"""The verifier: alone, without packages; right about good certificates and about damaged ones."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+import shutil
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.certificates import prove_running, verdict, verify_certificate
+from lostmotion.certificates.equilibrium import equilibrium
+from lostmotion.certificates.lure import lure_loop
+from lostmotion.certificates.rational import is_positive_definite, rational
+from lostmotion.certificates.sampled_proof import sampled_proof
+from lostmotion.certificates.sectors import copies, sectors
+from lostmotion.io import save_law
+
+
+@pytest.fixture(scope="module")
+def proved() -> tuple[lm.DiscreteSystem, dict[str, Any]]:
+    """PI with torque limit and anti-windup, with a load torque: small, and every kind of condition is in it but
+    copies."""
+    plant = lm.Drivetrain.two_mass(
+        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
+        viscous=0.0175, torque_limit=73.5,
+    )  # fmt: skip
+    law = lm.controllers.pi(dt=1e-4, torque_limit=73.5)
+    proof = prove_running(plant, law, torque_load=(-1.0, 0.5), fastest=100.0)
+    assert proof.certificate is not None
+    return law, proof.certificate
+
+
+def test_it_runs_without_any_package(
+    tmp_path: Path, proved: tuple[lm.DiscreteSystem, dict[str, Any]]
+) -> None:
+    law, certificate = proved
+    shutil.copy(verify_certificate.__file__, tmp_path / "verify_certificate.py")
+    (tmp_path / "certificate.json").write_text(json.dumps(certificate))
+    save_law(law, tmp_path / "law.json")
+    save_law(lm.controllers.pi(dt=1e-4, kp=11.0, torque_limit=73.5), tmp_path / "other.json")
+
+    def verified(*files: str) -> tuple[int, str]:
+        # -I and -S: nothing but the standard library can be imported.
+        command = [sys.executable, "-I", "-S", "verify_certificate.py", *files]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        return done.returncode, done.stdout
+
+    assert verified("certificate.json")[0] == 0
+    code, said = verified("certificate.json", "law.json")
+    assert code == 0 and said.startswith("PROVED: globally asymptotically stable")
+    code, said = verified("certificate.json", "other.json")
+    assert code == 1 and "another law" in said
+
+
+def independent(data: dict[str, Any]) -> bool:
+    """The package's own conditions in fractions, from the certificate's drivetrain, law and numbers."""
+    d, claim, own = data["drivetrain"], data["claim"], data["proof"]
+    limit = d["torque_limit"]
+    plant = lm.Drivetrain(
+        inertias=(d["inertia_motor"], d["inertia_load"]),
+        shafts=(lm.Shaft(d["stiffness"], d["damping"], d["backlash"], d["contact"]),),
+        frictions=(
+            lm.Friction((d["coulomb_motor_plus"], d["coulomb_motor_minus"]), d["viscous_motor"]),
+            lm.Friction((d["coulomb_plus"], d["coulomb_minus"]), d["viscous"]),
+        ),
+        actuator=lm.Actuator(d["lag"], np.inf if limit is None else limit),
+    )
+    loop = lure_loop(plant, lm.DiscreteSystem.from_dict(data["law"]), delay=data["delay"])
+    corners = [
+        equilibrium(loop, Fraction(r), Fraction(m))
+        for r in (claim["speed_from"], claim["speed_to"])
+        for m in claim["torque_load"]
+    ]
+    low, high = claim["torque_load"]
+    if any(c is None or list(c.segments) != data["segments"] for c in corners) or low > high:
+        return False
+    if not 0 < claim["speed_from"] <= claim["speed_to"] or (claim["both_directions"] and not loop.is_odd):
+        return False
+    known = [c for c in corners if c is not None]
+    bounds = sectors(loop, known)
+    if bounds is None:
+        return False
+    problem = sampled_proof(loop, known[0], bounds, copies(loop, known, bounds), own["pieces"])
+    m, knots = own["multipliers"], own["pieces"] + 1
+    unknowns = {f"P{k}": rational(own["P"][k]) for k in range(knots)}
+    unknowns |= {name: rational(m[name]) for name in ("eta_plus", "eta_minus", "theta_plus", "theta_minus")}
+    ends = [(k, end) for k in range(own["pieces"]) for end in (0, 1)]
+    for where, names in (
+        ("rest", [f"rest_{k}" for k in range(knots)]),
+        ("flow", [f"flow_{k}_{end}" for k, end in ends]),
+        ("jump", ["jump"]),
+    ):
+        count = problem.layout().multipliers[f"{where}_sectors"] // len(names)
+        unknowns[f"{where}_sectors"] = rational([v for name in names for v in m[name][:count]])
+        unknowns[f"{where}_copies"] = rational([v for name in names for v in m[name][count:]])
+    sizes = {**problem.layout().multipliers, **dict.fromkeys(problem.layout().symmetric)}
+    if len(own["P"]) != knots or any(sizes[n] not in (None, v.size) for n, v in unknowns.items()):
+        return False
+    multipliers = [v for name, values in unknowns.items() if not name.startswith("P") for v in values.ravel()]
+    symmetric = all(np.array_equal(unknowns[f"P{k}"], unknowns[f"P{k}"].T) for k in range(knots))
+    if any(v < 0 for v in multipliers) or not symmetric:
+        return False
+    return all(is_positive_definite(matrix) for matrix in problem.conditions(unknowns))
+
+
+#: No part of the claim: how the law starts, and what it does with rejected inputs.
+NOT_READ = ("initial_state", "checks", "P", "Q", "R", "outputs")
+
+
+def leaves(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Paths to all numbers and lists of a certificate that the claim depends on."""
+    if isinstance(value, dict):
+        own = [key for key in value if not (path == ("law",) and key in NOT_READ)]
+        return [p for key in own for p in leaves(value[key], (*path, key))]
+    if isinstance(value, list):
+        return [path, *(p for i, v in enumerate(value) for p in leaves(v, (*path, i)))]
+    return [path] if isinstance(value, float | int) else []
+
+
+def mutated(certificate: dict[str, Any], rng: random.Random, paths: list[tuple[Any, ...]]) -> dict[str, Any]:
+    """One number changed a little, much, or in sign; or a list made longer or shorter."""
+    data = copy.deepcopy(certificate)
+    *way, last = rng.choice(paths)
+    place: Any = data
+    for key in way:
+        place = place[key]
+    value = place[last]
+    if isinstance(value, list):
+        if value and rng.random() < 0.5:
+            value.pop()
+        else:
+            value.append(0.0)
+    elif isinstance(value, bool):
+        place[last] = not value
+    elif isinstance(value, int):
+        place[last] = value + rng.choice((-1, 1))
+    else:
+        scale = rng.choice((-1.0, 0.0, 0.5, 1.0 - 1e-6, 1.0 + 1e-6, 1.001, 2.0))
+        place[last] = value * scale if value else rng.choice((1e-9, -1e-9, 1.0))
+    return data
+
+
+def said(judge: Any, data: dict[str, Any]) -> bool:
+    """A verdict; what cannot be read at all is not proved."""
+    try:
+        return bool(judge(data))
+    except (lm.LostMotionError, LookupError, TypeError, ValueError, ArithmeticError, AttributeError):
+        return False
+
+
+def test_its_verdict_is_that_of_an_independent_check(
+    proved: tuple[lm.DiscreteSystem, dict[str, Any]],
+) -> None:
+    _, certificate = proved
+    rng, paths = random.Random(1), leaves(certificate)
+    assert verdict(certificate) is None and independent(certificate)
+    verdicts = []
+    for _ in range(150):
+        data = mutated(certificate, rng, paths)
+        own = said(lambda d: verdict(d) is None, data)
+        assert own == said(independent, data), json.dumps(data)
+        verdicts.append(own)
+    assert 10 < sum(verdicts) < 140, "mutations of both kinds"

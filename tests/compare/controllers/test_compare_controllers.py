@@ -1,0 +1,138 @@
+"""The leaderboard of the controllers: the loop, the scores, the tables, and that it goes on."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lostmotion.compare import compare_controllers
+from lostmotion.compare.controllers import CASES, CONTESTANTS
+from lostmotion.compare.controllers.cases import WORKS
+from lostmotion.compare.controllers.experiment import experiment, run
+from lostmotion.compare.controllers.scores import score
+from lostmotion.compare.controllers.work import work
+from lostmotion.errors import InvalidInput
+from lostmotion.plot.controllers.leaderboard import controller_leaderboard
+from lostmotion.rig import TORQUE_LIMIT
+
+CASE = {case.name: case for case in CASES}
+ENTRY = {entry.name: entry for entry in CONTESTANTS}
+
+
+@pytest.fixture(scope="module")
+def step():
+    return experiment(CASE["step"], 1)
+
+
+@pytest.fixture(scope="module")
+def pulled(step):
+    return run(ENTRY["pole placement"], step)
+
+
+def test_names_are_unique_and_every_work_has_a_case():
+    assert len(CASE) == len(CASES) and len(ENTRY) == len(CONTESTANTS)
+    assert {case.work for case in CASES} == set(WORKS)
+
+
+@pytest.mark.parametrize("kind", WORKS)
+def test_a_work_asks_for_one_thing_and_is_judged_within_its_length(kind):
+    asked = work(kind, 1e-4, 0.13)
+    (reference,) = asked.references.values()
+    assert 0.0 < asked.start < asked.stop <= 1e-4 * reference.size + 1e-9
+    assert asked.asks_for_torque == kind.startswith("tip")
+    before, after = (reference[round(t / 1e-4)] for t in (asked.start - 1e-3, asked.start + 1e-3))
+    if kind in ("step", "pulse", "rest", "tip-in", "tip-out"):
+        assert (before, after) == (asked.before, asked.after)
+
+
+def test_the_laws_know_the_identified_model_and_not_the_changed_rig(step):
+    heavy = experiment(CASE["load inertia × 3"], 1)
+    assert heavy.setting.model == step.setting.model
+    assert heavy.plant.drivetrain.inertias[-1] == 3.0 * step.plant.drivetrain.inertias[-1]
+    wrong = experiment(CASE["known backlash +20 %"], 1)
+    assert wrong.setting.model.backlash == pytest.approx(1.2 * step.setting.model.backlash)
+    assert wrong.plant.drivetrain == step.plant.drivetrain
+    assert step.setting.model.backlash != step.plant.drivetrain.shafts[-1].backlash
+
+
+@pytest.mark.parametrize("case", ["step", "true states", "sample time 1 ms", "backlash × 0", "drop-outs 2 %"])
+@pytest.mark.parametrize("name", ENTRY)
+def test_every_law_runs_and_never_asks_for_more_than_the_limit(name, case):
+    data = experiment(CASE["tip-in" if ENTRY[name].kind == "torque" else case], 1)
+    # The rig itself has no limit here, so it shows what the law asks for.
+    free = replace(data.plant.drivetrain.actuator, torque_limit=np.inf)
+    plant = replace(data.plant, drivetrain=replace(data.plant.drivetrain, actuator=free))
+    found = run(ENTRY[name], replace(data, plant=plant))
+    assert np.all(np.isfinite(found["torque_motor"]))
+    assert np.max(np.abs(found["torque_motor"])) <= TORQUE_LIMIT
+
+
+def test_scores_of_a_step(step, pulled):
+    found = score(pulled, step)
+    assert 0.015 < found["arrival_time"] < 0.02 and found["overshoot"] < 2.0
+    assert 2.5 < found["impact_speed"] < 4.5 and found["impacts"] == 1.0
+    assert found["unstable"] == 0.0 and found["ripple"] is None and found["recovery_time"] is None
+
+
+def test_a_law_that_stops_is_unstable_and_a_number_that_is_none_counts_so(step, pulled):
+    still = pulled.with_signals("simulated", speed_load=np.zeros(len(pulled)))
+    assert score(still, step)["unstable"] == 1.0
+    broken = pulled.with_signals("simulated", speed_load=np.full(len(pulled), np.nan))
+    assert score(broken, step)["unstable"] == 1.0
+
+
+def test_jerk_of_a_parabola(step, pulled):
+    jerk, time = 5e4, pulled.time - step.work.start
+    speed = pulled.with_signals("simulated", speed_load=0.5 * jerk * time**2)
+    assert score(speed, step)["load_jerk"] == pytest.approx(jerk, rel=1e-6)
+
+
+def test_a_load_torque_is_in_the_scores():
+    data = experiment(CASE["load step"], 1)
+    found = score(run(ENTRY["LQI"], data), data)
+    assert 0.4 < found["recovery_error"] < 1.0 and found["recovery_time"] < 0.06
+    assert found["overshoot"] is None
+
+
+CHOSEN = {"cases": ["step", "encoder 14 bit"], "controllers": ["PI, Table II"], "seeds": [1], "workers": 1}
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("controllers")
+    return folder, compare_controllers(folder, **CHOSEN)
+
+
+def test_tables(small):
+    folder, table = small
+    assert list(table.entries) == ["PI, Table II", "pole placement"]
+    data = json.loads((folder / "leaderboard.json").read_text())
+    assert data == json.loads(json.dumps(table.to_dict()))
+    middle, low, high, worst = data["cases"][0]["controllers"]["pole placement"]["arrival_time"]
+    assert middle == low == high == worst
+    rows = list(csv.DictReader((folder / "leaderboard.csv").open()))
+    assert [row["controller"] for row in rows] == 2 * ["PI, Table II", "pole placement"]
+    text = (folder / "leaderboard.md").read_text()
+    assert text.count("| pole placement |") == 5 and "encoder 10 to 18 bit" in text
+    assert (folder / "leaderboard.svg").stat().st_size > 5000
+
+
+def test_it_goes_on_where_it_was_stopped(small):
+    folder, _ = small
+    scores = sorted((folder / "scores").glob("*.json"))
+    assert len(scores) == 2
+    scores[0].unlink()
+    told = []
+    compare_controllers(folder, **CHOSEN, progress=lambda fraction, text: told.append(text))
+    assert len(told) == 1
+
+
+def test_misuse(small):
+    with pytest.raises(InvalidInput, match=r"compare_controllers\.controllers.*compare controllers --list"):
+        compare_controllers(controllers=["nobody"])
+    with pytest.raises(InvalidInput, match="no step of the speed"):
+        controller_leaderboard({**small[1].to_dict(), "cases": []})
