@@ -310,6 +310,13 @@ def test_an_observer_without_a_signal_to_judge_it_says_why():
     assert "1 part skipped" in Balanced(render(alone)).words
 
 
+def test_wide_tables_stack_on_a_narrow_screen():
+    page = render(RESULTS)
+    for head in ("Signals", "Duration", "Remedy"):
+        assert f'data-head="{head}"' in page
+    assert "table.stack td[data-head]::before" in page
+
+
 def test_the_observers_are_explained_before_their_first_number():
     words = Balanced(render(RESULTS)).words
     assert words.index("Observer 2 measures the shaft torque") < words.index("Load speed error, Observer 1")
