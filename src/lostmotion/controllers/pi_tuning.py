@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import design_model, loop_margin
@@ -63,6 +64,7 @@ class PiTuning:
         return {"kp": self.kp, "ki": self.ki, "filter_time": self.filter_time}
 
 
+@checks_arguments
 def symmetrical_optimum(
     drivetrain: Drivetrain,
     *,

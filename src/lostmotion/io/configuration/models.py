@@ -94,9 +94,11 @@ class IdentifyModel(_Model):
 class LawModel(_Model):
     """What the law shall do."""
 
-    sample_time: Annotated[float | None, value.positive("s", "default: that of the recording")] = None
+    sample_time: Annotated[
+        float | None, value.positive("s", "default: that of the recording", 1e-7, 10.0)
+    ] = None
     torque_limit: Annotated[
-        float | None, value.positive("Nm", "default: the largest recorded motor torque")
+        float | None, value.positive("Nm", "default: the largest recorded motor torque", 1e-9, 1e12)
     ] = None
     poles: Annotated[
         tuple[float, ...] | None,
@@ -195,7 +197,8 @@ def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
     cause = error.get("ctx", {}).get("error")
     if isinstance(cause, value.SeveralProblems):
         return [
-            Problem("error", place((*location, p.where)), p.got, p.expected, p.remedy) for p in cause.problems
+            Problem("error", place((*location, *p.where.split(", "))), p.got, p.expected, p.remedy)
+            for p in cause.problems
         ]
     if isinstance(cause, InvalidInput):
         p = cause.problem
@@ -221,10 +224,19 @@ def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
             "error",
             where,
             shown(error["input"]),
-            error["msg"].removeprefix("Input should be "),
+            _EXPECTED.get(error["type"]) or error["msg"].removeprefix("Input should be "),
             "Correct the value.",
         )
     ]
+
+
+#: What pydantic says of a value, in words that a user knows.
+_EXPECTED = {
+    "int_type": "a whole number, without quotes",
+    "string_type": "a text in quotes",
+    "string_too_short": "the name of a file",
+    "bool_type": "true or false, without quotes",
+}
 
 
 def _known_keys(location: tuple[str | int, ...]) -> list[str]:

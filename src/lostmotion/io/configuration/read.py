@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
@@ -19,6 +20,7 @@ from ..storage.toml_files import read_toml
 from ..tables.channels import Channel
 
 _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
+_ADDRESS = re.compile(r"\w{2,}://", re.ASCII)
 _TABLE = re.compile(r"\s*\[(\[?)\s*([\w.\-\"]+)\s*\]")
 _KEY = re.compile(r"\s*([\w.\-\"]+)\s*=")
 
@@ -101,6 +103,7 @@ class Configuration:
     run: RunSettings = field(default_factory=RunSettings)
 
 
+@checks_arguments
 def read_configuration(path: str | Path) -> Configuration:
     """Read and check a TOML; docs/configuration.md describes every key.
 
@@ -149,6 +152,7 @@ def read_configuration(path: str | Path) -> Configuration:
     )
 
 
+@checks_arguments
 def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]:
     """All recordings of a configuration with their use (``identify`` or ``validate``), in its order.
 
@@ -184,6 +188,11 @@ def file_of(toml: Path, file: str, where: str) -> Path:
 
     ``${NAME}`` and ``${NAME:-default}`` are replaced from the environment, ~ by the home folder.
     """
+
+    if _ADDRESS.match(file):
+        raise InvalidInput(
+            where, f"the address {shown(file)}", "a file of this machine", "Download it first."
+        )
 
     def value(match: re.Match[str]) -> str:
         found = os.environ.get(match[1]) or match[2]

@@ -39,6 +39,8 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
 IDENTIFIED = tuple(name for name in PARAMETER_UNITS if not name.endswith("_motor") or name == "inertia_motor")
 #: The fastest pole, 1/s: a law at 1 MHz cannot have a faster one (option).
 FASTEST_POLE = 1e6
+#: Largest gain of a controller, SI (option: as the largest plausible stiffness).
+LARGEST_GAIN = 1e12
 
 
 @dataclass(frozen=True)
@@ -68,13 +70,15 @@ def _quantity(**number: Any) -> dict[str, Any]:
     return {"anyOf": [{"type": "number", **number}, {"type": "string"}]}
 
 
-def positive(dimension: str, meaning: str) -> Key:
-    """A number above zero of that unit."""
+def positive(dimension: str, meaning: str, low: float, high: float) -> Key:
+    """A number above zero of that unit, between the plausible bounds."""
 
     def convert(value: object) -> float:
         number = parse_quantity(value, dimension)
-        if number <= 0.0:
-            raise InvalidInput("", shown(value), "a positive number", "Check the sign.")
+        if not low <= number <= high:
+            remedy = "Check the sign." if number <= 0.0 else "Check the unit and the power of ten."
+            expected = f"a positive number, {low:g} to {high:g} {dimension}"
+            raise InvalidInput("", shown(value), expected, remedy)
         return number
 
     return Key(convert, {**_quantity(exclusiveMinimum=0), "description": f"{dimension}, {meaning}"})
@@ -110,7 +114,8 @@ def _window(value: object) -> tuple[float, float]:
         )
     start, stop = (parse_quantity(edge, "s") for edge in value)
     if not start < stop:
-        raise InvalidInput("", f"[{start}, {stop}]", "[start, stop] with start < stop, s", "Swap them.")
+        remedy = "Swap them." if stop < start else "Give a later stop, or leave window out."
+        raise InvalidInput("", f"[{start}, {stop}]", "[start, stop] with start < stop, s", remedy)
     return start, stop
 
 
@@ -125,6 +130,10 @@ def _gain(unit: str, zero: bool = True) -> Callable[[object], float]:
                 "A negative gain drives the speed away from its set-point; if torque and speed have opposite signs, "
                 "set sign = -1 in their channels.",
             )  # fmt: skip
+        if number > LARGEST_GAIN:
+            raise InvalidInput(
+                "", shown(value), f"at most {LARGEST_GAIN:g} {unit}", "Check the power of ten."
+            )
         if number == 0.0 and not zero:
             raise InvalidInput(
                 "",
@@ -150,7 +159,10 @@ def _poles(value: object) -> tuple[float, ...]:
             expected,
             "A two-mass drivetrain has three states: give one pole for each.",
         )
-    numbers = tuple(finite_number("", pole) for pole in value)
+    try:
+        numbers = tuple(finite_number("", pole) for pole in value)
+    except InvalidInput as error:
+        raise InvalidInput("", error.problem.got, expected, f"Write poles = {example}.") from None
     if max(numbers) >= 0.0:
         raise InvalidInput("", shown(value), expected, "A stable pole lies left of zero: check the signs.")
     if min(numbers) < -FASTEST_POLE:

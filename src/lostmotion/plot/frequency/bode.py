@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...argument_checks import checks_arguments
+from ...errors import InvalidInput
+from ...plain_data import shown
 from ..style import SERIES, panels, title_and_legend
 
 if TYPE_CHECKING:
@@ -22,9 +25,13 @@ BROKEN = "Phase: not drawn where the 95 % interval of the response contains zero
 #: Margin of the phase axis beyond 360°, in degrees (option).
 EDGE = 10.0
 
+#: Frequency (Hz), response, and perhaps its margin.
+Curve = tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, ArrayLike]
 
+
+@checks_arguments
 def bode(
-    responses: Mapping[str, tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, ArrayLike]],
+    responses: Mapping[str, Curve],
     *,
     unit: str = "rad/(Nm)",
     title: str = "Frequency response",
@@ -60,6 +67,7 @@ def bode(
     count = 3 if coherences else 2
     figure, grid = panels(axes, count, size=(8.0, 1.0 + 2.7 * count), sharex=True)
     upper, lower = grid[:2]
+    _check_curves(responses)
     phases = [_known_phase(*values) for values in responses.values()]
     top = min(_TOPS, key=lambda edge: sum(_jumps(_within(phase, edge)) for phase in phases))
     for (label, values), style in zip(responses.items(), SERIES, strict=False):
@@ -92,6 +100,19 @@ def bode(
 
 def _db(magnitude: Any) -> Any:
     return 20.0 * np.log10(np.maximum(magnitude, 1e-300))
+
+
+def _check_curves(responses: Mapping[str, Curve]) -> None:
+    """Raises ``InvalidInput`` where one has not two or three rows of one length."""
+    for label, values in responses.items():
+        rows = values if isinstance(values, tuple | list) else ()
+        if len(rows) not in (2, 3) or len({np.shape(row) for row in rows}) > 1:
+            raise InvalidInput(
+                f"bode.responses[{label!r}]",
+                shown(values),
+                "(frequency, response) or (frequency, response, margin) of one length",
+                "Give two or three rows.",
+            )
 
 
 def _known_phase(_: Any, response: Any, margin: Any = None) -> Any:
