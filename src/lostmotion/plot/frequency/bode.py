@@ -64,6 +64,8 @@ def bode(
     -------
     Figure
     """
+    from matplotlib.font_manager import FontProperties
+
     count = 3 if coherences else 2
     figure, grid = panels(axes, count, size=(8.0, 1.0 + 2.7 * count), sharex=True)
     upper, lower = grid[:2]
@@ -94,7 +96,7 @@ def bode(
     plain_ticks(grid[-1])
     title_and_legend(figure, [upper], title)
     if below := "\n".join(line for line in (*lines, note) if line):
-        figure.legends[0].set_title(below, {"size": 9})
+        figure.legends[0].set_title(below, FontProperties(size=9))
     return figure
 
 
