@@ -15,6 +15,7 @@ from ...recording import Recording
 from ..statistics.estimates import Source
 from . import initial_values, warnings
 from . import problems as problem
+from .agreement import confirmed
 from .channel_innovations import ChannelPredictor
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descend, descent, fit
 from .identifiability import Told, higher_mode, told
@@ -150,7 +151,11 @@ def identify(
         channels = _channel_predictor(predictor, pieces, recordings[0], measured, contact, speed_from_counts)
         predictor, stage = refine(channels, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
-    result = _result(pieces, predictor, *told(predictor, stage, start, box, total), start, fixed, total)
+    stage, values = told(predictor, stage, start, box, total)
+    if not wide:
+        say(0.9, "comparing with the contact-switching filter")
+        predictor, stage, values = confirmed(predictor, stage, values, start, fixed)
+    result = _result(pieces, predictor, stage, values, start, fixed, total)
     result = replace(result, problems=(*result.problems, *ambiguous, *coarse))
     say(1.0, "identified")
     return result

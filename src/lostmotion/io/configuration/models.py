@@ -78,6 +78,19 @@ class RecordingModel(_Model):
     ] = None
 
 
+class IdentifyModel(_Model):
+    """How to identify."""
+
+    fixed: Annotated[
+        tuple[str, ...],
+        value.FIXED,
+        Field(description="parameters that keep their nameplate value"),
+    ] = ()
+    load_torque: Annotated[
+        bool, Field(strict=True, description="whether an unknown, slowly changing torque acts on the load")
+    ] = False
+
+
 class LawModel(_Model):
     """What the law shall do."""
 
@@ -131,14 +144,15 @@ class ConfigurationModel(_Model):
             json_schema_extra={"minItems": 1}
         ),  # min_length would count what has problems of its own as missing
     ]
+    identify: IdentifyModel = IdentifyModel()
     law: LawModel = LawModel()
     run: RunModel = RunModel()
 
 
 def validated(
     content: dict[str, Any], place: Place
-) -> tuple[dict[str, float], list[dict[str, Any]], dict[str, Any], dict[str, Any]]:
-    """Nameplate, recordings, law and run of a TOML as plain values in SI.
+) -> tuple[dict[str, float], list[dict[str, Any]], dict[str, dict[str, Any]]]:
+    """Nameplate and recordings of a TOML, and its further tables by name, as plain values in SI.
 
     Raises
     ------
@@ -151,8 +165,29 @@ def validated(
         raise InputProblems([p for e in error.errors() for p in _problems(dict(e), place)]) from None
     nameplate = {name: v for name in PARAMETER_UNITS if (v := getattr(model.nameplate, name)) is not None}
     recordings = [{name: getattr(r, name) for name in type(r).model_fields} for r in model.recording]
-    law = {name: getattr(model.law, name) for name in LawModel.model_fields}
-    return nameplate, recordings, law, {"seed": model.run.seed}
+    _check_fixed(model, place)
+    tables = {
+        name: {key: getattr(table, key) for key in type(table).model_fields}
+        for name, table in (("identify", model.identify), ("law", model.law), ("run", model.run))
+    }
+    return nameplate, recordings, tables
+
+
+def _check_fixed(model: ConfigurationModel, place: Place) -> None:
+    """Raise ``InputProblems`` for a parameter that shall keep a value that is not given."""
+    unknown = [
+        Problem(
+            "error",
+            place(("identify", "fixed")),
+            f"{name}, which has no value",
+            f"a value for {name} under [nameplate]",
+            f"Give {name} = ... under [nameplate], or take it out of fixed.",
+        )
+        for name in model.identify.fixed
+        if getattr(model.nameplate, name) is None
+    ]
+    if unknown:
+        raise InputProblems(unknown)
 
 
 def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
@@ -208,6 +243,7 @@ def _known_keys(location: tuple[str | int, ...]) -> list[str]:
     models: dict[str, type[_Model]] = {
         "nameplate": NameplateModel,
         "recording": RecordingModel,
+        "identify": IdentifyModel,
         "law": LawModel,
         "run": RunModel,
     }

@@ -63,10 +63,18 @@ class RecordingSource:
 
 
 @dataclass(frozen=True)
-class LawSettings:
-    """``[law]``: sample time (s; None: the recording's), torque limit (Nm; None: none), poles (1/s), PI.
+class IdentifySettings:
+    """``[identify]``: parameters that keep their nameplate value; whether an unknown torque acts on the load."""
 
-    ``kp`` (Nm s/rad) and ``ki`` (Nm/rad) are both given or both None.
+    fixed: tuple[str, ...] = ()
+    load_torque: bool = False
+
+
+@dataclass(frozen=True)
+class LawSettings:
+    """``[law]``: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), PI.
+
+    ``kp`` (Nm s/rad) and ``ki`` (Nm/rad) are both given or both None. None: from the drive, see ``stages.design``.
     """
 
     sample_time: float | None = None
@@ -85,11 +93,12 @@ class RunSettings:
 
 @dataclass(frozen=True)
 class Configuration:
-    """What a TOML says: start values (SI, only those given), recordings, law, run."""
+    """What a TOML says: start values (SI, only those given), recordings, how to identify, law, run."""
 
     path: Path
     nameplate: Mapping[str, float]
     recordings: tuple[RecordingSource, ...]
+    identify: IdentifySettings = field(default_factory=IdentifySettings)
     law: LawSettings = field(default_factory=LawSettings)
     run: RunSettings = field(default_factory=RunSettings)
 
@@ -123,7 +132,7 @@ def read_configuration(path: str | Path) -> Configuration:
     from .models import validated
 
     lines = _lines_of_keys(text)
-    nameplate, sources, law, run = validated(content, lambda location: _place(path, location, lines))
+    nameplate, sources, tables = validated(content, lambda location: _place(path, location, lines))
     recordings, problems = [], []
     for i, source in enumerate(sources):
         try:
@@ -134,7 +143,12 @@ def read_configuration(path: str | Path) -> Configuration:
     if problems:
         raise InputProblems(problems)
     return Configuration(
-        path, MappingProxyType(nameplate), tuple(recordings), LawSettings(**law), RunSettings(**run)
+        path,
+        MappingProxyType(nameplate),
+        tuple(recordings),
+        IdentifySettings(**tables["identify"]),
+        LawSettings(**tables["law"]),
+        RunSettings(**tables["run"]),
     )
 
 

@@ -35,6 +35,8 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "lag": (1e-9, 10.0),
     }
 )
+#: Parameters that identification finds: friction of the motor keeps its nameplate value.
+IDENTIFIED = tuple(name for name in PARAMETER_UNITS if not name.endswith("_motor") or name == "inertia_motor")
 #: The fastest pole, 1/s: a law at 1 MHz cannot have a faster one (option).
 FASTEST_POLE = 1e6
 #: Largest gain of a controller, SI (option: as the largest plausible stiffness).
@@ -168,6 +170,25 @@ def _poles(value: object) -> tuple[float, ...]:
     return numbers
 
 
+def _fixed(value: object) -> tuple[str, ...]:
+    """Names of parameters that are not identified."""
+    if not isinstance(value, list | tuple):
+        raise InvalidInput(
+            "", shown(value), 'a list of parameters, such as ["lag"]', 'Write fixed = ["lag"].'
+        )
+    for name in value:
+        if name not in IDENTIFIED:
+            raise InvalidInput(
+                "",
+                f"unknown parameter {shown(name)}",
+                ", ".join(IDENTIFIED),
+                suggestion(str(name), IDENTIFIED),
+            )
+    if set(value) >= set(IDENTIFIED):
+        raise InvalidInput("", "every parameter", "at least one to identify", "Take one out.")
+    return tuple(value)
+
+
 def tables(value: object) -> object:
     expected = "[[recording]], once for each file"
     if isinstance(value, dict):
@@ -270,6 +291,7 @@ POLES = Key(
     _poles,
     {"type": "array", "items": {"type": "number", "exclusiveMaximum": 0}, "minItems": 3, "maxItems": 3},
 )
+FIXED = Key(_fixed, {"type": "array", "items": {"enum": list(IDENTIFIED)}})
 CHANNELS = Key(
     _channels,
     {"type": "object", "properties": dict.fromkeys(SIGNAL_UNITS, _CHANNEL), "additionalProperties": False},

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Upper ends of the phase axis to choose from, in order of preference: that of an angle over torque first (option).
 _TOPS = (0.0, 180.0, 90.0, 270.0)
+#: Why a phase has gaps.
+BROKEN = "Phase: not drawn where the 95 % interval of the response contains zero."
 #: Margin of the phase axis beyond 360°, in degrees (option).
 EDGE = 10.0
 
@@ -35,6 +37,7 @@ def bode(
     title: str = "Frequency response",
     marks: Mapping[str, float] | None = None,
     coherences: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
+    note: str = "",
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
     """Bode diagram, at most four responses; a shaded 95 % band where a margin is given.
@@ -53,6 +56,8 @@ def bode(
         Vertical lines, as for zero and pole.
     coherences : mapping of label → (frequency, coherence), optional
         A third panel; the same labels have the same line.
+    note : str
+        Stands below the panels, after what explains band and phase.
     axes : sequence of two or, with coherences, three Axes, optional
 
     Returns
@@ -70,6 +75,7 @@ def bode(
         upper.plot(frequency, _db(np.abs(response)), label=label, **style)
         lower.plot(frequency, _broken(_within(_known_phase(*values), top)), **style)
         if len(values) == 3:
+            upper.fill_between([], [], color=style["color"], alpha=0.25, linewidth=0.0, label="95 % interval")
             _bands(upper, lower, frequency, response, np.asarray(values[2], dtype=float), top, style)
     for name, place in (marks or {}).items():
         for axis in grid:
@@ -84,7 +90,9 @@ def bode(
         grid[2].plot(np.asarray(places), np.asarray(coherence), **style)
     if coherences:
         grid[2].set(xscale="log", ylabel="coherence (1)", ylim=(0.0, 1.03))
-    grid[-1].set_xlabel("frequency (Hz)")
+    lines = [BROKEN] if any(len(values) == 3 for values in responses.values()) else []
+    below = "".join(f"\n{line}" for line in (*lines, note) if line)
+    grid[-1].set_xlabel(f"frequency (Hz){below}")
     plain_ticks(grid[-1])
     title_and_legend(figure, [upper], title)
     return figure
