@@ -68,6 +68,16 @@ def test_no_gap_and_no_friction_validate_as_well(prepared) -> None:
     plain = replace(found, drivetrain=found.drivetrain.with_parameters(backlash=0.0, coulomb=0.0), table={})
     table, _, _, _ = validate_controllers(replace(material, virtual=False), plain, design(material, plain))
     assert table["pi"]["steady_error"] < 0.01
+    assert table["soft_landing"] == {"skipped": "no backlash to land in"}
+
+
+def test_soft_landing_is_as_quick_and_lands_softly(prepared) -> None:
+    material, found, _ = prepared
+    table, responses, _, _ = validate_controllers(material, found, design(material, found))
+    hard, soft = table["pole_placement"], table["soft_landing"]
+    assert set(responses) == {"pi", "pole_placement", "soft_landing"}
+    assert soft["impact_speed"] < 0.25 * hard["impact_speed"]
+    assert soft["rise_time"] < 1.1 * hard["rise_time"] and soft["overshoot"] < 1.0
 
 
 def test_torque_of_the_rig_reaches_the_observer_in_time(prepared) -> None:

@@ -33,6 +33,7 @@ PARTS = {
 _NAMES = {
     "pi": "PI",
     "pole_placement": "Observer 1 + pole placement",
+    "soft_landing": "Observer 1 + pole placement + soft landing",
     "motor_speed": "motor speed taken as estimate",
     "no_backlash": "observer without backlash",
 }
@@ -276,6 +277,7 @@ def _controllers(controllers: Mapping[str, Any], taken: Mapping[str, Any]) -> li
                 else "does not settle within 2 %",
                 "peak_torque": quantity(entry.get("peak_torque"), "Nm"),
                 "steady_error": percent(entry.get("steady_error")),
+                "impact": quantity(entry.get("impact_speed"), "rad/s"),
             }
         )
     return rows
