@@ -54,6 +54,9 @@ ALIKE, ALIKE_SHARE = 0.003, 0.2
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
+#: What the model leaves unexplained is no noise, and shifts the values: half widths grow by this times the cost
+#: (calibrated, see docs/identification.md).
+INFLATION = 10.0
 #: And up to which it leaves nothing but the noise (numerics: 5 % above it).
 NOISE_ALONE = 0.05
 #: A cost from which on no other minima are looked for (numerics: moves gain less).
@@ -266,7 +269,7 @@ def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collect
     spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
     theta = _eight(best)
     apart = np.max([np.abs(_eight(one) - theta) for one in others], axis=0)
-    half = np.hypot(student_factor(1) * np.sqrt(spread), apart)
+    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * max(best.cost, 0.0))
     for i, name in enumerate(TOLD):
         place = INDEX[name]
         held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
@@ -306,8 +309,8 @@ def _eight(candidate: Candidate) -> Array:
 
 
 def _other_does_as_well(candidate: Candidate, name: str) -> bool:
-    """Whether a gap or a Coulomb torque that is off by ``NOT_EXCITED`` either way would predict about as well."""
-    if name not in ("backlash", "coulomb"):
+    """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
+    if name not in ("backlash", "coulomb", "viscous", "damping"):
         return False
     most = candidate.cost + ALIKE + ALIKE_SHARE * max(candidate.cost, 0.0)
     for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):
