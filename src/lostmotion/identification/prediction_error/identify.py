@@ -14,8 +14,8 @@ from ...recording import Recording
 from ..statistics.estimates import Source
 from . import initial_values, warnings
 from . import problems as problem
-from .agreement import confirmed
 from .channel_innovations import ChannelPredictor
+from .contact_switching.agreement import confirmed
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descend, descent, fit
 from .identifiability import Told, higher_mode, told
 from .innovations import NAMES, Predictor, from_theta

@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...drivetrain import Drivetrain
-from ...errors import InvalidInput, Problem
-from ..statistics.levenberg_marquardt import sum_of_squares
-from . import problems as problem
+from ....drivetrain import Drivetrain
+from ....errors import InvalidInput, Problem
+from ...statistics.levenberg_marquardt import sum_of_squares
+from .. import problems as problem
+from ..gain_schedule import Stage
+from ..identifiability import Told
+from ..innovations import NAMES, Predictor, to_theta
+from ..warnings import NEGLIGIBLE
 from .candidates import POLES, Estimate, estimate
-from .contact_filter import INDEX, ContactFilter
-from .gain_schedule import Stage
-from .identifiability import Told
-from .innovations import NAMES, Predictor, to_theta
-from .warnings import NEGLIGIBLE
+from .filter import INDEX, ContactFilter
 
 Array = NDArray[np.float64]
 
