@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
@@ -40,6 +41,7 @@ MIN_ROWS, MIN_TIME = 2000, 0.5
 SETTLING, SETTLING_LATER = 0.1, 0.4
 
 
+@checks_arguments
 def identify(
     recording: Recording | Sequence[Recording],
     *,
