@@ -68,6 +68,7 @@ def _law() -> None:
 
 def _innovations() -> None:
     from .identification.prediction_error.channel_innovations import ChannelPredictor
+    from .identification.prediction_error.contact_switching.filter import ContactFilter
     from .identification.prediction_error.innovations import NAMES, Bandwidth, Predictor, to_theta
     from .identification.prediction_error.intermediate_inertia import JointPredictor
 
@@ -75,6 +76,8 @@ def _innovations() -> None:
     for kind in (Predictor, JointPredictor):
         kind(TORQUE, SPEED, DT, True, PLANT, skip=1).residual(theta, gains)
     ChannelPredictor(TORQUE, SPEED, DT, True, PLANT, skip=1, channels={}).residual(theta, gains)
+    switching = ContactFilter(SPEED, SPEED, DT, False, 1.0, 1.0, 1, (0, SAMPLES))
+    switching.run(switching.theta(PLANT.parameters()), [0])
 
 
 def _estimator(kind: str) -> Callable[[], None]:
