@@ -79,7 +79,7 @@ def test_friction_of_the_motor_that_the_nameplate_left_out() -> None:
     helped = find_parameters(material(recording, START | {"coulomb_motor": 1.0}))
     assert coulomb_error(without) < 0.02 and coulomb_error(helped) < 0.02
     residual = [found.identification.prediction.rms for found in (without, helped) if found.identification]
-    assert residual[1] < 1.05 * residual[0]
+    assert max(residual) < 0.01  # 0.058 rad/s with the friction left out of the model
 
 
 def test_a_torque_on_the_load() -> None:
@@ -98,7 +98,7 @@ def test_parameters_that_cannot_be_told_apart() -> None:
     helped = find_parameters(material(recording, KNOWN, fixed=("viscous",)))
     assert not [p for p in helped.problems if "fixed" in p.remedy]
     assert helped.table["viscous"]["source"] == "nameplate"
-    assert helped.table["viscous"]["value"] == KNOWN["viscous"]
+    assert helped.table["viscous"]["value"] == pytest.approx(KNOWN["viscous"])
 
 
 def test_a_torque_of_the_wrong_sign() -> None:
