@@ -96,7 +96,7 @@ def excite(
     dt: Annotated[float, typer.Option(callback=finite_positive, help="Sample time of the drive, s.")] = 1e-4,
     torque_limit: Annotated[
         float | None,
-        typer.Option(callback=positive, help="Nm; default: the torque_limit of the TOML, else 40."),
+        typer.Option(callback=positive, help="Nm; default: that of the TOML, on the virtual rig 40."),
     ] = None,
     speed_limit: Annotated[float, typer.Option(callback=positive, help="rad/s")] = 50.0,
     angle_limit: Annotated[float, typer.Option(callback=positive, help="rad")] = float("inf"),
