@@ -8,17 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.certificates import prove_running, verdict
 from lostmotion.certificates.equilibrium import equilibrium
 from lostmotion.certificates.lure import lure_loop
 from lostmotion.errors import InvalidInput
-
-TABLE_I: dict[str, Any] = {
-    "inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397, "backlash": 0.012,
-    "coulomb": 2.0, "viscous": 0.0175,
-}  # fmt: skip
 
 
 def drivetrain(**changes: Any) -> lm.Drivetrain:
@@ -51,6 +47,23 @@ def test_observer_1_with_pole_placement_and_compensation() -> None:
     proof = prove_running(plant, observer_1(plant))
     assert proof.speed is not None and proof.speed <= 0.2
     assert proof.reference == pytest.approx(proof.speed, rel=1e-9), "compensated: it rests at its set-point"
+
+
+def test_a_limit_that_acts_leaves_a_proof_for_steps() -> None:
+    plant = drivetrain()
+    law = observer_1(plant, limit=73.5)
+    proof = prove_running(plant, law)
+    assert proof.speed is not None and proof.step is not None
+    assert proof.speed <= 0.5 and proof.step >= 1.0
+    assert verdict(proof.certificate or {}) is None
+    # The simulated step settles, and a larger step or a smaller share is another claim, which the numbers do not prove.
+    reference = np.where(np.arange(20_000) < 10_000, 2.0, 2.0 + proof.step)
+    loop = lm.simulate(plant, law=law.without_checks(), dt=1e-4, speed_reference=reference)
+    assert loop["speed_load"][-1] == pytest.approx(2.0 + proof.step, rel=1e-6)
+    for change in ({"step": 1000.0}, {"share": 0.01}):
+        claim = {**(proof.certificate or {})["claim"]}
+        claim["limit"] = {**claim["limit"], **change}
+        assert verdict({**(proof.certificate or {}), "claim": claim}) is not None
 
 
 def test_with_torque_lag_and_a_sample_of_delay() -> None:

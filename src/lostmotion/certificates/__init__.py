@@ -2,5 +2,6 @@
 
 from .certificate import verdict
 from .running import RunningProof, prove_running
+from .statement import conditions, headline, stability
 
-__all__ = ["RunningProof", "prove_running", "verdict"]
+__all__ = ["RunningProof", "conditions", "headline", "prove_running", "stability", "verdict"]

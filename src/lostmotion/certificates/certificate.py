@@ -58,6 +58,8 @@ def proof_data(proof: SampledProof, unknowns: Unknowns) -> dict[str, Any]:
     multipliers |= {f"rest_{k}": values for k, values in enumerate(parts("rest", knots))}
     multipliers |= {f"flow_{i // 2}_{i % 2}": values for i, values in enumerate(parts("flow", ends))}
     multipliers["jump"] = parts("jump", 1)[0]
+    if proof.limit is not None:
+        multipliers |= {"level": unknowns["level"].tolist(), "region": parts("region", 1)[0]}
     return {
         "pieces": proof.pieces,
         "P": [unknowns[f"P{k}"].tolist() for k in range(knots)],

@@ -35,7 +35,8 @@ REFERENCE = "speed_reference"
 class LureLoop:
     """The closed loop; symbols as in the module's equations, sizes n states, p plant curves, q law curves.
 
-    ``dt`` in s. ``plant_size``: number of plant states, which come first; the held torque follows.
+    ``dt`` in s. ``plant_size``: number of plant states, which come first; the held torque follows. ``limit``: the law
+    curve that limits the torque, if one does.
     """
 
     dt: Fraction
@@ -56,6 +57,7 @@ class LureLoop:
     plant_curves: tuple[StaticCurve, ...]
     law_curves: tuple[StaticCurve, ...]
     names: tuple[str, ...]
+    limit: int | None = None
 
     @property
     def is_odd(self) -> bool:
@@ -83,7 +85,10 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
     """
     if isinstance(delay, bool) or not isinstance(delay, int) or delay < 0:
         raise InvalidInput("certify: delay", repr(delay), "a whole number of samples", "Use 0 for none.")
-    plant, law = plant_of(drivetrain), _law_alone(drivetrain, law, delay)
+    plant, law = plant_of(drivetrain), _limited_law(drivetrain, law)
+    limit = _own_limit(law)
+    for i in range(delay):
+        law = _followed_by(law, one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}"))
     n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)
     size = n + 1 + k
     inputs = zeros(len(law.inputs), n + p)
@@ -128,12 +133,12 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
         N=arguments[:, :size], N_w=arguments[:, size : size + p], N_v=arguments[:, size + p : -1],
         M=arguments[:, -1:],
         plant_curves=plant.curves, law_curves=tuple(curve for _, _, curve in parts),
-        names=(*plant.names, *(f"law: curve {j}" for j in range(q))),
+        names=(*plant.names, *(f"law: curve {j}" for j in range(q))), limit=limit,
     )  # fmt: skip
 
 
-def _law_alone(drivetrain: Drivetrain, law: DiscreteSystem, delay: int) -> DiscreteSystem:
-    """The law as it acts on the motor: limited and delayed, without checks and without what nothing reads."""
+def _limited_law(drivetrain: Drivetrain, law: DiscreteSystem) -> DiscreteSystem:
+    """The law with the drive's torque limit, without checks and without what nothing reads."""
     if "torque_motor" not in law.outputs:
         raise InvalidInput(
             "certify: law", f"outputs {law.outputs}", "torque_motor", "Connect the controller."
@@ -144,33 +149,29 @@ def _law_alone(drivetrain: Drivetrain, law: DiscreteSystem, delay: int) -> Discr
             "certify: law", f"inputs {', '.join(unknown)}", f"{REFERENCE} and any of {', '.join(MEASURABLE)}",
             "Connect observer and controller to one law first.",
         )  # fmt: skip
-    law = _limited(pruned(law, ("torque_motor",)), drivetrain.actuator.torque_limit)
-    for i in range(delay):
-        law = _followed_by(law, one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}"))
-    return law
-
-
-def _limited(law: DiscreteSystem, limit: float) -> DiscreteSystem:
-    """The law with the drive's torque limit as its last curve, unless its own last curve is within it."""
-    own = np.flatnonzero(law.J[0])
-    if not np.any(law.C) and not np.any(law.D) and own.size == 1 and law.J[0, own[0]] == 1.0:
-        curve = law.curves[own[0]]
-        if curve.slope_left == curve.slope_right == 0.0 and all(abs(w) <= limit for _, w in curve.points):
-            return law
-    if not np.isfinite(limit):
+    law = pruned(law, ("torque_motor",))
+    limit, own = drivetrain.actuator.torque_limit, _own_limit(law)
+    if not np.isfinite(limit) or (
+        own is not None and all(abs(w) <= limit for _, w in law.curves[own].points)
+    ):
         return law
     one = np.ones((1, 1))
     return _followed_by(
         law,
         DiscreteSystem(
-            inputs=("torque_motor",),
-            outputs=("torque_limited",),
-            dt=law.dt,
-            curves=(saturation(limit),),
-            G=one,
+            inputs=("torque_motor",), outputs=("torque_limited",), dt=law.dt, curves=(saturation(limit),), G=one,
             J=one,
         ),
-    )
+    )  # fmt: skip
+
+
+def _own_limit(law: DiscreteSystem) -> int | None:
+    """The curve that keeps the law's torque within bounds: the torque is its value and nothing else."""
+    own = np.flatnonzero(law.J[0])
+    if np.any(law.C) or np.any(law.D) or own.size != 1 or law.J[0, own[0]] != 1.0:
+        return None
+    curve = law.curves[own[0]]
+    return int(own[0]) if curve.slope_left == curve.slope_right == 0.0 else None
 
 
 def _followed_by(law: DiscreteSystem, last: DiscreteSystem) -> DiscreteSystem:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -18,8 +18,8 @@ from .equilibrium import Equilibrium, equilibrium
 from .lure import LureLoop, lure_loop
 from .sampled_proof import SampledProof, sampled_proof
 from .scaling import condition_sizes, state_sizes
-from .sectors import copies, sectors
-from .semidefinite import Unknowns, largest_margin
+from .sectors import copies, limit_region, sectors
+from .semidefinite import Inequalities, Unknowns
 
 Progress = Callable[[float, str], None]
 
@@ -29,6 +29,16 @@ SPEEDS = tuple(
     for decade in range(-3, 2)
     for step in (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 )
+
+#: Steps of the load speed (rad/s) that are tried where the torque limit keeps a proof from holding everywhere (option).
+STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+
+#: Step (rad/s) that must be proved there, by default (option).
+STEP = 0.5
+
+#: Shares of its slope that the limit keeps in the region of such a proof: the torque may ask for 1/share times the room
+#: that the limit leaves (option: larger regions allow larger steps, and are proved more seldom).
+SHARES = (0.2, 0.5)
 
 #: Load speed up to which a proof holds, rad/s (option).
 FASTEST = 1000.0
@@ -52,6 +62,11 @@ class RunningProof:
         Set-point (rad/s) that leads to ``speed``.
     torque_load : (float, float), Nm
         Range of constant load torques, positive in the direction of the motion.
+    step : float or None
+        Where the torque limit keeps the proof from holding for every state: the largest step of the load speed (rad/s)
+        within the range after which it holds. None: it holds from every state.
+    delay : int
+        Computing delay in samples that is part of the loop.
     both_directions : bool
         Whether it also holds for the opposite speeds and load torques.
     certificate : dict or None
@@ -64,6 +79,8 @@ class RunningProof:
     fastest: float
     reference: float | None
     torque_load: tuple[float, float]
+    step: float | None
+    delay: int
     both_directions: bool
     certificate: dict[str, Any] | None
     reason: str
@@ -77,6 +94,7 @@ def prove_running(
     torque_load: tuple[float, float] = (0.0, 0.0),
     fastest: float = FASTEST,
     pieces: int = 1,
+    step: float = STEP,
     progress: Progress | None = None,
 ) -> RunningProof:
     """The smallest load speed from which the sampled loop is proved globally asymptotically stable.
@@ -91,6 +109,9 @@ def prove_running(
         Largest load speed.
     pieces : int
         Into how many pieces P(τ) is cut over a sample.
+    step : float, rad/s
+        Step of the load speed that must be proved where the torque limit keeps the proof from holding for every state;
+        larger ones of ``STEPS`` are tried.
     progress : callable, optional
         Told the share done and what is tried.
 
@@ -105,34 +126,47 @@ def prove_running(
         )
     if not SPEEDS[0] < fastest < math.inf:
         raise InvalidInput("fastest", repr(fastest), f"more than {SPEEDS[0]} rad/s", "Raise it.")
+    if not 0.0 < step < math.inf:
+        raise InvalidInput("step", repr(step), "a step of the load speed in rad/s above 0", "Raise it.")
     search = _Search(
-        drivetrain, law, delay, torque_load, fastest, pieces, progress or (lambda share, text: None)
-    )
-    return search.smallest()
+        lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, pieces, step,
+        progress or (lambda share, text: None),
+    )  # fmt: skip
+    proof = search.smallest()
+    search.progress(1.0, "")
+    return proof
+
+
+@dataclass(frozen=True)
+class _Goal:
+    """Stability from every state, or after steps (rad/s) within the region in which the limit keeps a share."""
+
+    step: float | None = None
+    share: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """A rest of the loop, what is to be proved there, and the numbers that do it."""
+    """A rest of the loop, what is to be proved there, the numbers that do it, and for what goal."""
 
     rest: Equilibrium
     problem: SampledProof
     unknowns: Unknowns
+    goal: _Goal
 
 
 @dataclass(eq=False)
 class _Search:
+    loop: LureLoop
     drivetrain: Drivetrain
     law: DiscreteSystem
     delay: int
     torque_load: tuple[float, float]
     fastest: float
     pieces: int
+    step: float
     progress: Progress
-
-    def __post_init__(self) -> None:
-        self.loop: LureLoop = lure_loop(self.drivetrain, self.law, delay=self.delay)
-        self.reason = ""
+    reason: str = ""
 
     def smallest(self) -> RunningProof:
         """Bisection over ``SPEEDS``: the sectors nest, so what holds from one speed on holds from any larger one.
@@ -140,32 +174,60 @@ class _Search:
         The floats of the solver guide it; the exact check of the last one decides, and goes up where it fails.
         """
         speeds = [speed for speed in SPEEDS if speed < self.fastest]
+        goal = self._goal(speeds[-1])
         found: dict[int, _Candidate] = {}
         low, high = -1, len(speeds)
-        step, steps = 0, math.ceil(math.log2(len(speeds) + 1))
+        done, tries = 0, math.ceil(math.log2(len(speeds) + 1))
         while high - low > 1:
             middle = (low + high) // 2
-            self.progress(step / steps, f"load speed from {speeds[middle]:g} rad/s")
-            step += 1
+            self.progress(0.8 * done / tries, f"load speed from {speeds[middle]:g} rad/s")
+            done += 1
             try:
-                found[middle] = self.at(speeds[middle])
+                found[middle] = self.at(speeds[middle], goal)
                 high = middle
             except Unproved as error:
                 low, self.reason = middle, str(error)
         for place in sorted(found):
-            self.progress(0.95, f"exact check from {speeds[place]:g} rad/s")
-            try:
-                return self.checked(speeds[place], found[place])
-            except Unproved as error:
-                self.reason = str(error)
-        return RunningProof(None, self.fastest, None, self.torque_load, self.loop.is_odd, None, self.reason)
+            for candidate in self.with_larger_steps(speeds[place], found[place]):
+                self.progress(0.95, f"exact check from {speeds[place]:g} rad/s")
+                try:
+                    return self.checked(speeds[place], candidate)
+                except Unproved as error:
+                    self.reason = str(error)
+        return RunningProof(
+            None, self.fastest, None, self.torque_load, None, self.delay, self.loop.is_odd, None, self.reason
+        )
 
-    def at(self, speed: float) -> _Candidate:
+    def _goal(self, speed: float) -> _Goal:
+        """What can be proved at a high speed: stability from every state, else within the torque limit's region."""
+        goals = [_Goal(), *(_Goal(self.step, share) for share in SHARES if self.loop.limit is not None)]
+        for goal in goals[:-1]:
+            self.progress(0.0, "torque limit")
+            try:
+                self.at(speed, goal)
+            except Unproved:
+                continue
+            return goal
+        return goals[-1]
+
+    def with_larger_steps(self, speed: float, candidate: _Candidate) -> list[_Candidate]:
+        """Candidates with larger steps of the set-point, the largest first; the last is the given one."""
+        found = [candidate]
+        for step in STEPS if candidate.goal.step is not None else ():
+            if step > self.step:
+                self.progress(0.9, f"steps of {step:g} rad/s")
+                try:
+                    found.insert(0, self.at(speed, replace(candidate.goal, step=step)))
+                except Unproved:
+                    break
+        return found
+
+    def at(self, speed: float, goal: _Goal) -> _Candidate:
         """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
         corners = [
             equilibrium(self.loop, Fraction(r), Fraction(m))
-            for r in (speed, self.fastest)
             for m in sorted(set(self.torque_load))
+            for r in (speed, self.fastest)
         ]
         known = [corner for corner in corners if corner is not None]
         if len(known) < len(corners):
@@ -173,8 +235,12 @@ class _Search:
         bounds = sectors(self.loop, known)
         if bounds is None:
             raise Unproved("a curve changes its segment between the smallest and the largest speed")
-        problem = sampled_proof(self.loop, known[0], bounds, copies(self.loop, known, bounds), self.pieces)
-        return _Candidate(known[0], problem, self.solved(problem))
+        pairs = copies(self.loop, known, bounds)
+        region = None
+        if goal.step is not None:
+            region, bounds = limit_region(self.loop, known, bounds, Fraction(goal.step), Fraction(goal.share))
+        problem = sampled_proof(self.loop, known[0], bounds, pairs, self.pieces, region)
+        return _Candidate(known[0], problem, self.solved(problem), goal)
 
     def checked(self, speed: float, candidate: _Candidate) -> RunningProof:
         """The proof, which holds in exact fractions; raises ``Unproved`` if not."""
@@ -183,6 +249,7 @@ class _Search:
             "speed_to": float(self.fastest),
             "torque_load": [float(torque) for torque in self.torque_load],
             "both_directions": self.loop.is_odd,
+            "limit": None if candidate.goal.step is None else asdict(candidate.goal),
         }
         rest, numbers = candidate.rest, proof_data(candidate.problem, candidate.unknowns)
         data = certificate(self.drivetrain, self.law, self.delay, claim, rest.segments, numbers)
@@ -190,8 +257,9 @@ class _Search:
         if reason is not None:
             raise Unproved(f"the exact check failed: {reason}")
         return RunningProof(
-            speed, self.fastest, float(rest.reference), self.torque_load, self.loop.is_odd, data, self.reason
-        )
+            speed, self.fastest, float(rest.reference), self.torque_load, candidate.goal.step, self.delay,
+            self.loop.is_odd, data, self.reason,
+        )  # fmt: skip
 
     def solved(self, problem: SampledProof) -> Unknowns:
         """P and multipliers, rounded, that satisfy the inequalities in floats."""
@@ -200,7 +268,7 @@ class _Search:
         if sizes is None:
             raise Unproved("the loop is not stable where it rests, in contact and slipping")
         scales = condition_sizes(numbers, sizes)
-        found = largest_margin(numbers.conditions, numbers.layout(), scales)
+        found = Inequalities(numbers.conditions, numbers.layout(), scales).largest_margin()
         if found is None:
             raise Unproved("the solver found no numbers")
         unknowns = {name: short(value) for name, value in found[0].items()}

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -20,7 +21,7 @@ import numpy as np
 from .equilibrium import Equilibrium
 from .lure import LureLoop
 from .rational import Matrix, rational
-from .sectors import Copies, Sector
+from .sectors import Copies, Region, Sector
 from .semidefinite import Layout, Unknowns
 
 
@@ -56,6 +57,13 @@ class SampledProof:
     seen : tuple of int
         Plant curves that count at a sample: the law reads them, or has copies of them.
     pieces : int
+    limit : int or None
+        Law curve that is the torque limit, where the proof holds in a sublevel set of V alone: its sector is that of a
+        region of its argument.
+    reach : (1, 1) array or None
+        Half the width of that region, in the argument's unit.
+    start : (1, n) array or None
+        Deviation of the state from which V must stay in the region.
     """
 
     A: Matrix
@@ -74,6 +82,9 @@ class SampledProof:
     of_state: tuple[int, ...]
     seen: tuple[int, ...]
     pieces: int
+    limit: int | None = None
+    reach: Matrix | None = None
+    start: Matrix | None = None
 
     def floats(self) -> SampledProof:
         """The same in floats."""
@@ -99,9 +110,9 @@ class SampledProof:
         """Names and sizes of the unknowns of ``conditions``."""
         _, p, _ = self.sizes
         knots, ends = self.pieces + 1, 2 * self.pieces
-        _, still = self.rest()
-        _, flowing = self.flow()
-        _, jumping = self.sample()
+        _, still = self.rest
+        _, flowing = self.flow
+        _, jumping = self.sample
         return Layout(
             {f"P{k}": self.size for k in range(knots)},
             {
@@ -115,8 +126,16 @@ class SampledProof:
                 "flow_copies": ends * len(self.pairs(flowing)),
                 "jump_sectors": len(jumping),
                 "jump_copies": len(self.pairs(jumping)),
+                **self._region_layout(),
             },
         )
+
+    def _region_layout(self) -> dict[str, int]:
+        """Multipliers of ``contains``."""
+        if self.limit is None:
+            return {}
+        _, before = self.before_sample
+        return {"level": 1, "region_sectors": len(before), "region_copies": len(self.pairs(before))}
 
     def conditions(self, unknowns: Unknowns) -> list[Matrix]:
         """Matrices that must be positive definite: V at each knot, its fall along each piece, and at the sample."""
@@ -125,13 +144,16 @@ class SampledProof:
             *(self.positive(unknowns, k) for k in knots),
             *(self.falls(unknowns, k, end) for k in range(self.pieces) for end in (0, 1)),
             self.does_not_rise(unknowns),
+            *([] if self.limit is None else [self.contains(unknowns), self.starts_inside(unknowns)]),
         ]
 
+    @cached_property
     def rest(self) -> tuple[Matrix, list[Evaluation]]:
         """Rows of ζ over itself, and the law's curves in it."""
         zeta = self._rows(self.size)
         return zeta, self._of_state(zeta[: self.A.shape[0]], zeta)
 
+    @cached_property
     def flow(self) -> tuple[tuple[Matrix, Matrix, Matrix], list[Evaluation]]:
         """Rows over (ζ, w) of ζ, of its rate times the length of a piece, and of z's; all curves."""
         n, p, _ = self.sizes
@@ -142,6 +164,7 @@ class SampledProof:
         plant = [Evaluation(i, self.Z[i] @ zeta[:n], w[i]) for i in range(p)]
         return (zeta, rate, self.Z @ rate[:n]), plant + self._of_state(zeta[:n], zeta)
 
+    @cached_property
     def sample(self) -> tuple[tuple[Matrix, Matrix, dict[int, Any]], list[Evaluation]]:
         """Rows over (ξ, w seen, v, v after the sample) of ζ and ζ⁺, of the integrals' ends, and all evaluations."""
         n, p, q = self.sizes
@@ -163,30 +186,63 @@ class SampledProof:
         kept = list(self.of_state)
         return (np.vstack([xi, v[kept]]), np.vstack([jumped, later[kept]]), ends), evaluations
 
+    @cached_property
+    def before_sample(self) -> tuple[Matrix, list[Evaluation]]:
+        """Rows over (ξ, w seen, v) of ξ, and all evaluations."""
+        n, p, q = self.sizes
+        one = self._rows(n + len(self.seen) + q)
+        xi, v, w = one[:n], one[n + len(self.seen) :], 0 * one[:p]
+        for place, i in enumerate(self.seen):
+            w[i] = one[n + place]
+        s = self.N @ xi + self.N_w @ w + self.N_v @ v
+        plant = [Evaluation(i, self.Z[i] @ xi, w[i]) for i in self.seen]
+        return xi, plant + [Evaluation(p + j, s[j], v[j]) for j in range(q)]
+
     def positive(self, unknowns: Unknowns, k: int) -> Matrix:
         """V at knot k over ζ, with each negative integral at its largest (equation 12)."""
-        zeta, evaluations = self.rest()
-        xi = zeta[: self.A.shape[0]]
-        form = 1 * unknowns[f"P{k}"]
+        zeta, evaluations = self.rest
+        form = self._least(unknowns, k, zeta[: self.A.shape[0]], evaluations)
+        return form - self._known(unknowns, "rest", k, self.pieces + 1)
+
+    def contains(self, unknowns: Unknowns) -> Matrix:
+        """V before a sample minus level times the square of the limit's argument (equation 17)."""
+        xi, evaluations = self.before_sample
+        p = self.sizes[1]
+        laws = {e.curve - p: e for e in evaluations if e.curve >= p}
+        form = self._least(unknowns, self.pieces, xi, [laws[j] for j in self.of_state])
+        form = form - unknowns["level"][0] * _square(laws[self.limit or 0].argument)
+        return form - self._known(unknowns, "region", 0, 1)
+
+    def starts_inside(self, unknowns: Unknowns) -> Matrix:
+        """What the level leaves for V at the start, where every curve rests on its segment (equation 18)."""
+        assert self.reach is not None and self.start is not None
+        n = self.A.shape[0]
+        v = self.start @ unknowns[f"P{self.pieces}"][:n, :n] @ self.start.T
+        return unknowns["level"][0] * self.reach**2 - v
+
+    def _least(self, unknowns: Unknowns, k: int, xi: Matrix, of_state: Sequence[Evaluation]) -> Matrix:
+        """What V at knot k is at least, by rows of ξ and the law's curves in it (equation 11)."""
+        zeta = np.vstack([xi, *(e.value for e in of_state)])
+        form = zeta.T @ unknowns[f"P{k}"] @ zeta
         for i, eta in enumerate(unknowns["eta_minus"]):
             form = form - eta * self.sectors[i, 1] * _square(self.Z[i] @ xi)
-        for theta, e in zip(unknowns["theta_minus"], evaluations, strict=True):
+        for theta, e in zip(unknowns["theta_minus"], of_state, strict=True):
             form = form - theta * self.sectors[e.curve, 1] * _square(e.argument)
-        return form - self._known(unknowns, "rest", k, self.pieces + 1, evaluations)
+        return form
 
     def falls(self, unknowns: Unknowns, k: int, end: int) -> Matrix:
         """−dV/dτ over (ζ, w) at one end of piece k, in the sectors (equation 13)."""
-        (zeta, rate, z_rate), evaluations = self.flow()
+        (zeta, rate, z_rate), evaluations = self.flow
         form = zeta.T @ (unknowns[f"P{k + 1}"] - unknowns[f"P{k}"]) @ zeta
         form = form + _twice(unknowns[f"P{k + end}"] @ zeta, rate)
         eta = unknowns["eta_plus"] - unknowns["eta_minus"]
         for i in range(self.sizes[1]):
             form = form + eta[i] * _product(evaluations[i].value, z_rate[i])
-        return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.pieces, evaluations)
+        return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.pieces)
 
     def does_not_rise(self, unknowns: Unknowns) -> Matrix:
         """V before minus V after a sample, in the sectors and with the curves' copies (equations 14 to 16)."""
-        (zeta, jumped, ends), evaluations = self.sample()
+        (zeta, jumped, ends), _ = self.sample
         form = jumped.T @ unknowns["P0"] @ jumped - zeta.T @ unknowns[f"P{self.pieces}"] @ zeta
         p = self.sizes[1]
         for place, (j, (s, v, s_later, later)) in enumerate(ends.items()):
@@ -194,7 +250,7 @@ class SampledProof:
             rise, fall = _product(later, s_later - s), _product(v, s_later - s)
             form = form + unknowns["theta_plus"][place] * (rise - curvature)
             form = form - unknowns["theta_minus"][place] * (fall + curvature)
-        return -form - self._known(unknowns, "jump", 0, 1, evaluations)
+        return -form - self._known(unknowns, "jump", 0, 1)
 
     def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any]]:
         """Pairs of evaluations of one curve, or of copies of it, with slope and mismatch."""
@@ -208,24 +264,32 @@ class SampledProof:
                 found.append((a, b, *known[places]))
         return found
 
-    def _known(
-        self, unknowns: Unknowns, where: str, part: int, parts: int, evaluations: Sequence[Evaluation]
-    ) -> Matrix:
-        """What is known of the curves, ≥ 0, times its multipliers: sectors and copies (equations 8 and 9)."""
-        total: Any = 0
-        for multiplier, e in zip(
-            unknowns[f"{where}_sectors"].reshape(parts, -1)[part], evaluations, strict=True
-        ):
+    @cached_property
+    def facts(self) -> dict[str, Matrix]:
+        """What is known of the curves at rest, in the flow, at and before a sample: forms ≥ 0, sectors then copies."""
+        where = {"rest": self.rest, "flow": self.flow, "jump": self.sample, "region": self.before_sample}
+        return {name: self._forms(evaluations) for name, (_, evaluations) in where.items()}
+
+    def _forms(self, evaluations: Sequence[Evaluation]) -> Matrix:
+        """Twice the products of equations 7 and 8, one matrix for each multiplier."""
+        forms = []
+        for e in evaluations:
             low, high = self.sectors[e.curve]
-            total = total + multiplier * _product(e.value - low * e.argument, high * e.argument - e.value)
-        pairs = self.pairs(evaluations)
-        multipliers = unknowns[f"{where}_copies"].reshape(parts, -1)[part]
-        for multiplier, (a, b, steepest, mismatch) in zip(multipliers, pairs, strict=True):
+            forms.append(_product(e.value - low * e.argument, high * e.argument - e.value))
+        for a, b, steepest, mismatch in self.pairs(evaluations):
             rise, apart = a.value - b.value, a.argument - b.argument
-            total = total + multiplier * (_product(rise, steepest * apart) - 2 * _square(rise))
+            forms.append(_product(rise, steepest * apart - rise))
             if mismatch:
-                total = total + multiplier * 2 * mismatch * (_square(a.argument) + _square(b.argument))
-        return np.asarray(total)
+                forms[-1] = forms[-1] + 2 * mismatch * (_square(a.argument) + _square(b.argument))
+        return np.array(forms)
+
+    def _known(self, unknowns: Unknowns, where: str, part: int, parts: int) -> Matrix:
+        """What is known of the curves times its multipliers, in one of the parts of a condition."""
+        each = [unknowns[f"{where}_{kind}"].reshape(parts, -1)[part] for kind in ("sectors", "copies")]
+        multipliers = np.concatenate(each)
+        if not multipliers.size:
+            return np.asarray(0)
+        return np.asarray(np.tensordot(multipliers, self.facts[where], 1))
 
     def _of_state(self, xi: Matrix, zeta: Matrix) -> list[Evaluation]:
         """The law's curves in ζ, by rows of ξ and ζ."""
@@ -241,9 +305,17 @@ class SampledProof:
 
 
 def sampled_proof(
-    loop: LureLoop, corner: Equilibrium, sectors: Sequence[Sector], copies: Sequence[Copies], pieces: int = 1
+    loop: LureLoop,
+    corner: Equilibrium,
+    sectors: Sequence[Sector],
+    copies: Sequence[Copies],
+    pieces: int = 1,
+    region: Region | None = None,
 ) -> SampledProof:
-    """The problem for a loop without the law curves that hang on the set-point alone: they stand still."""
+    """The problem for a loop without the law curves that hang on the set-point alone: they stand still.
+
+    With a region, the sector of the torque limit among ``sectors`` is that of the region.
+    """
     p = len(loop.plant_curves)
     moving: list[int] = []
     for j in range(len(loop.law_curves)):
@@ -257,7 +329,8 @@ def sampled_proof(
     for j, curve in enumerate(curves[p:]):
         alone = not np.any(n[j, : loop.plant_size + 1]) and not np.any(n_w[j])
         inside = set(map(int, np.flatnonzero(n_v[j])))
-        if alone and inside <= set(of_state) and curve.rises and curve.steepest:
+        integrated = alone and inside <= set(of_state) and curve.rises and curve.steepest
+        if integrated and not (region and moving[j] == loop.limit):
             of_state.append(j)
     known = tuple(
         Copies(kept[c.first], kept[c.second], c.steepest, c.mismatch)
@@ -276,6 +349,9 @@ def sampled_proof(
         N=n, N_w=n_w, N_v=n_v, sectors=rational([[s.low, s.high] for s in bounds]).reshape(len(curves), 2),
         slopes=rational(slopes), steepest=steepest, copies=known,
         of_state=tuple(of_state), seen=tuple(sorted(read)), pieces=pieces,
+        limit=None if region is None else moving.index(region.limit),
+        reach=None if region is None else rational([[region.reach]]),
+        start=None if region is None else region.start[np.newaxis],
     )  # fmt: skip
 
 

@@ -47,4 +47,8 @@ def condition_sizes(proof: SampledProof, sizes: Array) -> list[Array]:
         v[j] = power_of_two(highest[w.size + j] * s)
     zeta = np.concatenate([sizes, v[list(proof.of_state)]])
     jump = np.concatenate([sizes, w[list(proof.seen)], v, v[list(proof.of_state)]])
-    return [zeta] * (proof.pieces + 1) + [np.concatenate([zeta, w])] * (2 * proof.pieces) + [jump]
+    sizes_of = [zeta] * (proof.pieces + 1) + [np.concatenate([zeta, w])] * (2 * proof.pieces) + [jump]
+    if proof.limit is not None:
+        sizes_of.append(jump[: jump.size - len(proof.of_state)])
+        sizes_of.append(power_of_two(1.0 / np.linalg.norm(np.asarray(proof.start) / sizes, axis=1)))
+    return sizes_of

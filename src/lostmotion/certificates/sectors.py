@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from .equilibrium import Equilibrium
 from .lure import LureLoop
+from .rational import Matrix
 from .static_curves import StaticCurve
 
 
@@ -78,3 +79,33 @@ def _mismatch(
             return None
     room = min(curve.room(corner.arguments[k]) for corner in corners for k in (i, j))
     return 2 * (curve.steepest or Fraction(0)) * high * apart / room
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Where the sector of the torque limit, a law curve, holds: within ``reach`` of its argument at rest.
+
+    ``start`` (n,): the deviation of the state after the largest step, from which V must stay there.
+    """
+
+    limit: int
+    reach: Fraction
+    start: Matrix
+
+
+def limit_region(
+    loop: LureLoop, corners: Sequence[Equilibrium], of: Sequence[Sector], step: Fraction, share: Fraction
+) -> tuple[Region, tuple[Sector, ...]]:
+    """The region in which the limit keeps ``share`` of its slope, and the sectors with that of the limit changed.
+
+    docs/stability.md, equation 16. The first two corners are the slowest and the fastest equilibrium at one load
+    torque; ``step`` of the load speed in rad/s.
+    """
+    assert loop.limit is not None
+    place = len(loop.plant_curves) + loop.limit
+    slow, fast = corners[:2]
+    room = min(loop.law_curves[loop.limit].room(corner.arguments[place]) for corner in corners)
+    changed = list(of)
+    changed[place] = Sector(share * of[place].high, of[place].high)
+    per_speed = (fast.state - slow.state) / (fast.speed - slow.speed)
+    return Region(loop.limit, room / share, per_speed * step), tuple(changed)

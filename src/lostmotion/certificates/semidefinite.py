@@ -53,65 +53,62 @@ class Layout:
         return made
 
 
-def largest_margin(
-    conditions: Conditions,
-    layout: Layout,
-    scales: Sequence[Array],
-) -> tuple[dict[str, Array], float] | None:
-    """Unknowns for which every scaled condition minus margin·I is positive semidefinite, with the largest margin.
+class Inequalities:
+    """Conditions as Clarabel takes them, scaled; all in floats.
 
     Parameters
     ----------
     conditions, layout
-        In floats.
     scales : sequence of (n,) arrays
         For each condition: typical sizes of its vector.
 
-    Returns
-    -------
-    unknowns, margin
-        None if the solver ends without numbers. What comes back holds to the solver's accuracy alone, and a negative
-        margin is no proof of anything: the exact check decides.
+    What comes back holds to the solver's accuracy alone: the exact check decides.
     """
-    import clarabel
-    from scipy.sparse import csc_matrix, vstack
 
-    count = sum(layout.multipliers.values())
-    columns, weights = [], np.ones(layout.size)
-    for i, row in enumerate(np.eye(layout.size)):
-        parts = [
-            m * np.outer(scale, scale)
-            for m, scale in zip(conditions(layout.unknowns(row)), scales, strict=True)
-        ]
-        largest = max(float(np.max(np.abs(part))) for part in parts)
-        weights[i] = np.exp2(-np.round(np.log2(largest))) if largest > 0.0 else 1.0
-        columns.append([_packed(part) * weights[i] for part in parts])
-    blocks: list[Any] = []
-    cones: list[Any] = []
-    for i, scale in enumerate(scales):
-        blocks.append(csc_matrix(np.column_stack([-c[i] for c in columns] + [_packed(np.eye(scale.size))])))
-        cones.append(clarabel.PSDTriangleConeT(scale.size))
-    first = layout.size - count
-    positive = np.hstack([np.zeros((count, first)), -np.eye(count), np.zeros((count, 1))])
-    trace = np.concatenate([_diagonal(layout), np.ones(count), [0.0]])
-    blocks += [csc_matrix(positive), csc_matrix(trace[np.newaxis])]
-    cones += [clarabel.NonnegativeConeT(count), clarabel.NonnegativeConeT(1)]
-    matrix = csc_matrix(vstack(blocks))
-    right = np.zeros(matrix.shape[0])
-    right[-1] = 1.0
-    cost = np.zeros(layout.size + 1)
-    cost[-1] = -1.0
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_threads = 1
-    nothing = csc_matrix((cost.size, cost.size))
-    solution = clarabel.DefaultSolver(nothing, cost, matrix, right, cones, settings).solve()
-    found = np.asarray(solution.x)
-    if found.size != cost.size or not np.all(np.isfinite(found)):
-        return None
-    values = found[:-1] * weights
-    values[first:] = np.maximum(values[first:], 0.0)
-    return layout.unknowns(values), float(found[-1])
+    def __init__(self, conditions: Conditions, layout: Layout, scales: Sequence[Array]) -> None:
+        self.layout, self.scales = layout, scales
+        self.weights = np.ones(layout.size)
+        self.columns: list[list[Array]] = []
+        for i, row in enumerate(np.eye(layout.size)):
+            made = conditions(layout.unknowns(row))
+            parts = [m * np.outer(scale, scale) for m, scale in zip(made, scales, strict=True)]
+            largest = max(float(np.max(np.abs(part))) for part in parts)
+            self.weights[i] = np.exp2(-np.round(np.log2(largest))) if largest > 0.0 else 1.0
+            self.columns.append([_packed(part) * self.weights[i] for part in parts])
+        #: Sum of all traces and multipliers, over the scaled unknowns.
+        self.trace = np.concatenate([_diagonal(layout), np.ones(sum(layout.multipliers.values()))])
+
+    def largest_margin(self) -> tuple[dict[str, Array], float] | None:
+        """Unknowns of total trace 1 at most for which every condition minus margin·I is positive semidefinite, with the
+        largest margin; None if the solver ends without numbers."""
+        import clarabel
+        from scipy.sparse import csc_matrix, vstack
+
+        size = self.layout.size
+        count = sum(self.layout.multipliers.values())
+        blocks: list[Any] = []
+        cones: list[Any] = []
+        for i, scale in enumerate(self.scales):
+            columns = [-column[i] for column in self.columns]
+            blocks.append(csc_matrix(np.column_stack([*columns, _packed(np.eye(scale.size))])))
+            cones.append(clarabel.PSDTriangleConeT(scale.size))
+        positive = np.hstack([np.zeros((count, size - count)), -np.eye(count), np.zeros((count, 1))])
+        blocks += [csc_matrix(positive), csc_matrix(np.append(self.trace, 0.0)[np.newaxis])]
+        cones += [clarabel.NonnegativeConeT(count), clarabel.NonnegativeConeT(1)]
+        matrix = csc_matrix(vstack(blocks))
+        right = np.append(np.zeros(matrix.shape[0] - 1), 1.0)
+        cost = np.append(np.zeros(size), -1.0)
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        settings.max_threads = 1
+        nothing = csc_matrix((size + 1, size + 1))
+        solution = clarabel.DefaultSolver(nothing, cost, matrix, right, cones, settings).solve()
+        found = np.asarray(solution.x)
+        if found.size != size + 1 or not np.all(np.isfinite(found)):
+            return None
+        values = found[:-1] * self.weights
+        values[size - count :] = np.maximum(values[size - count :], 0.0)
+        return self.layout.unknowns(values), float(found[-1])
 
 
 def _diagonal(layout: Layout) -> Array:

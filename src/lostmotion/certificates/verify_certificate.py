@@ -250,9 +250,12 @@ class Loop:
             points = [(z, w) for z, w in content["points"]]
             argument = row(law["F"][i], law["G"][i], law["H"][i])
             curve(argument, points, content["slope_left"], content["slope_right"])
+        self.limit = own_limit(law)
         torque = row(law["C"][0], law["D"][0], law["J"][0])
         after = [row(*rows) for rows in zip(law["A"], law["B"], law["E"], strict=True)]
-        if limit is not None and not within_limit(law, limit):
+        if limit is not None and not (self.limit and within(law["curves"][int(self.limit[6:])], limit)):
+            demand(limit > 0, "a torque limit that is not positive")
+            self.limit = f"curve_{len(values)}"
             torque = curve(torque, [(-limit, -limit), (limit, limit)], Fraction(0), Fraction(0))
         line = [f"law: torque_motor_{i + 1}" for i in range(delay)]
         held = [torque, *({name: Fraction(1)} for name in line)]
@@ -261,14 +264,17 @@ class Loop:
         self.jump.update(zip(line, held))
 
 
-def within_limit(law, limit):
-    """Whether the law's own last curve keeps the torque within the limit."""
+def own_limit(law):
+    """The curve that bounds the law's torque: the torque is its value and nothing else."""
     used = [i for i, value in enumerate(law["J"][0]) if value]
     if any(law["C"][0]) or any(law["D"][0]) or len(used) != 1 or law["J"][0][used[0]] != 1:
-        return False
+        return None
     content = law["curves"][used[0]]
-    flat = not content["slope_left"] and not content["slope_right"]
-    return flat and all(abs(w) <= limit for _, w in content["points"])
+    return None if content["slope_left"] or content["slope_right"] else f"curve_{used[0]}"
+
+
+def within(content, limit):
+    return all(abs(w) <= limit for _, w in content["points"])
 
 
 def pruned(law):
@@ -305,7 +311,8 @@ def pruned(law):
 
 
 def equilibrium(loop, segments, speed, torque_load):
-    """Arguments of all curves with the loop at rest: every curve continued along its segment (4), then checked (5)."""
+    """Arguments of all curves, and states, with the loop at rest: every curve continued along its segment (4), then
+    checked (5)."""
     lines = {}
     for name, segment in zip(loop.curves, segments, strict=True):
         value, slope = loop.curves[name].line(segment)
@@ -320,7 +327,7 @@ def equilibrium(loop, segments, speed, torque_load):
     for name, segment in zip(loop.curves, segments, strict=True):
         arguments[name] = sum(value * found[key] for key, value in loop.arguments[name].items())
         demand(loop.curves[name].segment(arguments[name]) == segment, f"{name} rests on another segment")
-    return arguments
+    return arguments, {name: found[name] for name in loop.states}
 
 
 def sectors_of(loop, corners):
@@ -356,13 +363,26 @@ def copies_of(loop, corners, sectors):
 # --- the proof ----------------------------------------------------------------------------------------------------
 
 
-class Proof:
-    """The inequalities (12), (13) and (15), with P and multipliers taken from the certificate in their order."""
+def moving_curves(loop):
+    """Law curves whose argument hangs on more than the set-point; the others stand still at a set-point."""
+    moving = []
+    for name in loop.law_curves:
+        still = {"speed_reference", *(c for c in loop.law_curves if c not in moving)}
+        if set(loop.arguments[name]) - still:
+            moving.append(name)
+    return moving
 
-    def __init__(self, loop, sectors, copies, dt, proof):
-        self.loop, self.sectors, self.copies, self.dt = loop, sectors, copies, dt
+
+class Proof:
+    """The inequalities (12), (13) and (15), with P and multipliers taken from the certificate in their order.
+
+    With a region, also (17) and (18).
+    """
+
+    def __init__(self, loop, sectors, copies, dt, proof, region):
+        self.loop, self.sectors, self.copies, self.dt, self.region = loop, sectors, copies, dt, region
         self.pieces = whole(proof["pieces"], 1)
-        self.moving = self.moving_curves()
+        self.moving = moving_curves(loop)
         self.of_state = self.curves_of_the_state()
         self.zeta = [*loop.states, *self.of_state]
         self.p = [self.symmetric(m) for m in proof["P"]]
@@ -374,22 +394,18 @@ class Proof:
         self.eta = self.signed("eta", loop.plant_curves)
         self.theta = self.signed("theta", self.of_state)
 
-    def moving_curves(self):
-        """Law curves whose argument hangs on more than the set-point; the others stand still at a set-point."""
-        moving = []
-        for name in self.loop.law_curves:
-            still = {"speed_reference", *(c for c in self.loop.law_curves if c not in moving)}
-            if set(self.loop.arguments[name]) - still:
-                moving.append(name)
-        return moving
-
     def curves_of_the_state(self):
         """Rising law curves without a jump whose argument is the law's state alone: the integrals of V (10)."""
         found, states = [], {s for s in self.loop.states if s.startswith("law: ")}
         for name in self.moving:
             curve = self.loop.curves[name]
             reads_state_alone = set(self.deviation(self.loop.arguments[name])) <= states | set(found)
-            if reads_state_alone and curve.rises and curve.steepest:
+            if (
+                reads_state_alone
+                and curve.rises
+                and curve.steepest
+                and not (self.region and name == self.loop.limit)
+            ):
                 found.append(name)
         return found
 
@@ -453,13 +469,37 @@ class Proof:
             for name in names
         ]
 
-    def positive(self, k):
-        """(12): V at knot k, with the largest value of each integral that it subtracts (11)."""
+    def least(self, k):
+        """V at knot k, with the largest value of each integral that it subtracts (11)."""
         total = self.quadratic(self.p[k], [self.own(name) for name in self.zeta])
         for weights in (self.eta, self.theta):
             for name, (_, negative) in weights.items():
                 z = self.deviation(self.loop.arguments[name])
                 add_product(total, -negative * self.sectors[name][1], z, z)
+        return total
+
+    def contains(self):
+        """(17): V before a sample is at least level · (the limit's argument)²."""
+        total = self.least(self.pieces)
+        s = self.deviation(self.loop.arguments[self.loop.limit])
+        add_product(total, -self.level(), s, s)
+        seen = self.seen()
+        self.subtract_known(total, "region", self.evaluated([*seen, *self.moving]))
+        return positive_definite(total, [*self.loop.states, *seen, *self.moving])
+
+    def starts_inside(self):
+        """(18): V after the largest step, with every curve on its flat segment, is within the level."""
+        start = [self.region["start"].get(name, Fraction(0)) for name in self.zeta]
+        v = sum(a * b * value for a, row in zip(start, self.p[-1]) for b, value in zip(start, row))
+        return v < self.level() * self.region["reach"] ** 2
+
+    def level(self):
+        (level,) = self.multipliers["level"]
+        return level
+
+    def positive(self, k):
+        """(12): what V at knot k is at least, is positive."""
+        total = self.least(k)
         self.subtract_known(total, f"rest_{k}", self.evaluated(self.of_state))
         return positive_definite(total, self.zeta)
 
@@ -515,6 +555,7 @@ class Proof:
 
 def verify(certificate, law=None):
     """The claim that is proved; raises ``NotProved``."""
+    demand(certificate["claim"] is not None, "the file claims nothing")
     claim, own = certificate["claim"], certificate["law"]
     if law is not None:
         demand(pruned(law) == pruned(own) and law["dt"] == own["dt"], "the certificate is about another law")
@@ -529,16 +570,50 @@ def verify(certificate, law=None):
     if claim["both_directions"]:
         demand(all(c.key == mirrored(c) for c in loop.curves.values()), "the two directions differ")
     ends = [(r, m) for r in sorted(set(speeds)) for m in sorted(set(torques))]
-    corners = [equilibrium(loop, segments, r, m) for r, m in ends]
+    rests = [equilibrium(loop, segments, r, m) for r, m in ends]
+    corners = [arguments for arguments, _ in rests]
     sectors = sectors_of(loop, corners)
-    proof = Proof(loop, sectors, copies_of(loop, corners, sectors), own["dt"], certificate["proof"])
+    region = None
+    if claim["limit"] is not None:
+        region = region_of(loop, claim, sectors, rests, ends)
+    proof = Proof(loop, sectors, copies_of(loop, corners, sectors), own["dt"], certificate["proof"], region)
     for k in range(proof.pieces + 1):
         demand(proof.positive(k), f"V is not positive at knot {k} (12)")
     for k in range(proof.pieces):
         for end in (0, 1):
             demand(proof.falls(k, end), f"V does not fall in piece {k}, end {end} (13)")
     demand(proof.does_not_rise(), "V rises at a sample (15)")
+    if region is not None:
+        demand(loop.limit in proof.moving, "the torque limit reads nothing")
+        demand(proof.contains(), "the level does not keep the torque in its region (17)")
+        demand(proof.starts_inside(), "the step starts above the level (18)")
     return claim
+
+
+def region_of(loop, claim, sectors, rests, ends):
+    """Where the limit's sector is [share · slope, slope]: within reach of its argument (16). Changes the sector."""
+    step, share = claim["limit"]["step"], claim["limit"]["share"]
+    demand(loop.limit is not None, "there is no torque limit")
+    demand(step > 0 and 0 < share <= 1, "no step or no share in the claim")
+    curve = loop.curves[loop.limit]
+    high, moving = sectors[loop.limit][1], {*loop.plant_curves, *moving_curves(loop)}
+    for arguments, _ in rests:
+        for name, other in loop.curves.items():
+            slope = other.line(other.segment(arguments[name]))[1]
+            demand(slope == (high if name == loop.limit else slope), "the limit acts at rest")
+            # Then no curve but the limit changes its value from one rest to the other, and every integral is zero.
+            demand(slope == 0 or name == loop.limit or name not in moving, f"{name} rests on a slope")
+    room = min(abs(arguments[loop.limit] - z) for arguments, _ in rests for z, _ in curve.points)
+    sectors[loop.limit] = share * high, high
+    lowest, highest = (
+        ends.index((claim["speed_from"], ends[0][1])),
+        ends.index((claim["speed_to"], ends[0][1])),
+    )
+    span = claim["speed_to"] - claim["speed_from"]
+    demand(span > 0, "the claim has no room for a step")
+    low, high = rests[lowest][1], rests[highest][1]
+    start = {name: (high[name] - low[name]) / span * step for name in low}
+    return {"reach": room / share, "start": start}
 
 
 def mirrored(curve):
@@ -583,12 +658,15 @@ def main(paths):
         print(f"NOT PROVED: the file is no certificate ({type(error).__name__}: {error})")
         return 1
     low, high = float(claim["speed_from"]), float(claim["speed_to"])
-    print(f"PROVED: globally asymptotically stable at every load speed from {low!r} to {high!r} rad/s")
-    print(
-        f"        load torque {float(claim['torque_load'][0])!r} to {float(claim['torque_load'][1])!r} Nm,",
-        end=" ",
-    )
-    print("in both directions" if claim["both_directions"] else "in the positive direction")
+    print(f"PROVED: asymptotically stable at every load speed from {low!r} to {high!r} rad/s,")
+    print("        in both directions," if claim["both_directions"] else "        in the positive direction,")
+    print("        load torque {!r} to {!r} Nm,".format(*map(float, claim["torque_load"])), end=" ")
+    if claim["limit"] is None:
+        print("from every state")
+    else:
+        print(
+            f"after every step of the load speed by up to {float(claim['limit']['step'])!r} rad/s between them"
+        )
     return 0
 
 

@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io.storage.whole_files import make_folder, write_bytes
@@ -69,6 +70,7 @@ class ExportCheck:
         return self.compiler is None
 
 
+@checks_arguments
 def c(
     law: DiscreteSystem,
     folder: str | os.PathLike[str],

@@ -86,10 +86,17 @@ def design(material: Material, found: Found) -> Design:
     def target(outputs: tuple[str, ...], landing: bool = False) -> DiscreteSystem:
         return target_law(drivetrain, poles.values, limit, dt, averaged, outputs, landing=landing)
 
-    law, law_problem = _tried(lambda: target(("torque_motor",)))
-    watched, _ = _tried(lambda: target(("torque_motor", *ESTIMATES)))
+    own_poles = settings.poles is not None
+    law, law_problem = _tried(
+        lambda: target(("torque_motor",)),
+        "Give a shorter sample_time under [law]" + (", or leave poles out." if own_poles else "."),
+    )
+    watched, _ = _tried(lambda: target(("torque_motor", *ESTIMATES)), "")
     landing, landing_skipped = _soft_landing(drivetrain, limit, target)
-    controller, pi_problem = _tried(lambda: pi(dt=dt, torque_limit=limit, **gains))
+    controller, pi_problem = _tried(
+        lambda: pi(dt=dt, torque_limit=limit, **gains),
+        "Leave kp and ki out of [law]: the default is made for this drivetrain.",
+    )
     step = PAPER_STEP
     if not material.virtual:
         step = speed_step(recording, drivetrain, limit, poles.slowest, gains.get("filter_time", 0.0), dt)
@@ -117,7 +124,7 @@ def _soft_landing(
         return None, "no backlash to land in"
     if math.isinf(torque_limit):
         return None, "no torque limit: give torque_limit in [law]"
-    law, problem = _tried(lambda: target(("torque_motor", *ESTIMATES), landing=True))
+    law, problem = _tried(lambda: target(("torque_motor", *ESTIMATES), landing=True), "")
     return law, str(problem or "")
 
 
@@ -195,12 +202,12 @@ def _text(pole: complex) -> str:
     )
 
 
-def _tried(make: Callable[[], DiscreteSystem]) -> tuple[DiscreteSystem | None, Problem | None]:
-    """A law, or a warning why it cannot be designed."""
+def _tried(make: Callable[[], DiscreteSystem], remedy: str) -> tuple[DiscreteSystem | None, Problem | None]:
+    """A law, or a warning why it cannot be designed, with the remedy in the words of the TOML."""
     try:
         return make(), None
     except InvalidInput as error:
-        return None, replace(error.problem, severity="warning")
+        return None, replace(error.problem, severity="warning", remedy=remedy)
 
 
 def is_averaged(recording: Recording | None, found: Found) -> bool:

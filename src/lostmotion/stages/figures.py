@@ -145,7 +145,7 @@ def _observers(material: Material, validation: Validation) -> list[ReportFigure]
 
 
 def _withheld(recording: Recording, observer: str) -> str:
-    """Which of the drawn signals the observer does not see, and which nobody measured."""
+    """Which of the drawn signals the observer does not see, and which were not recorded."""
     hidden = [signal for signal in WITHHELD if signal not in OBSERVERS[observer]]
     seen = [plot.words(signal) for signal in hidden if signal in recording]
     absent = [plot.words(signal) for signal in hidden if signal not in recording]

@@ -14,7 +14,7 @@ from ..errors import InvalidInput, Problem
 from ..metrics import compare, step_metrics
 from ..recording import Recording
 from ..systems import DiscreteSystem
-from .design import OBSERVERS, Design, is_averaged, observer
+from .design import GIVEN, OBSERVERS, Design, is_averaged, observer
 from .material import Material
 from .parameters import Found
 from .speed_step import PAPER_STEP, SpeedStep
@@ -143,15 +143,14 @@ def validate_controllers(
     for name, reason in skipped.items():
         if name in unstable:
             table[name] = {"skipped": f"unstable loop: {unstable[name]}"}
-            problems.append(_loop_problem(name, unstable[name]))
+            problems.append(_loop_problem(name, unstable[name], laws))
         elif name not in responses:
             table[name] = {"skipped": reason}
         else:
             table[name] = judged_step(responses[name], step)
             if not table[name]["steady_error"] < STEADY:
-                problems.append(
-                    _loop_problem(name, f"a steady error of {table[name]['steady_error']:.2g} of the step")
-                )
+                got = f"a steady error of {table[name]['steady_error']:.2g} of the step"
+                problems.append(_loop_problem(name, got, laws, _holds(found.drivetrain)))
     return table, responses, step, tuple(problems)
 
 
@@ -198,14 +197,25 @@ def _stable_response(
     return response, ""
 
 
-def _loop_problem(name: str, got: str) -> Problem:
-    return Problem(
-        "warning",
-        f"controller {name} in the simulated loop",
-        got,
-        "a load speed that settles at the set-point",
-        "Set kp and ki, poles, torque_limit or a shorter sample_time in [law] to suit this drivetrain.",
-    )
+def _holds(drivetrain: Drivetrain) -> float:
+    """Torque that friction holds, Nm."""
+    return drivetrain.coulomb + drivetrain.coulomb_motor
+
+
+def _loop_problem(name: str, got: str, laws: Design, friction: float = 0.0) -> Problem:
+    """A loop that does not settle, with what helps: what the user has set comes first."""
+    given = laws.taken["pi_kp" if name == "pi" else "poles"]["source"] == GIVEN
+    key = "kp and ki" if name == "pi" else "poles"
+    if laws.torque_limit <= friction:
+        remedy = f"Raise torque_limit under [law]: friction alone holds {friction:.3g} Nm."
+    elif given:
+        remedy = f"Leave {key} out of [law]: the default is made for this drivetrain."
+    else:
+        remedy = (
+            "Give a shorter sample_time under [law]; check whether backlash and stiffness are identified."
+        )
+    where = f"controller {name} in the simulated loop"
+    return Problem.warning(where, got, "a load speed that settles at the set-point", remedy)
 
 
 def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep) -> Recording:

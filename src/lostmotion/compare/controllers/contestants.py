@@ -159,9 +159,10 @@ def _ramp(s: Setting, rate: float, **soft: Any) -> list[Law]:
 
 #: Ramps of the torque that are compared, Nm/s (option: from what a passenger does not feel to a step).
 RAMPS = (100.0, 300.0, 400.0, 500.0, 1000.0, 10000.0)
-#: Ramp in front of soft landing, Nm/s, its contact speed (rad/s) and release (calibrated on the virtual rigs 1 to 5: a
-#: jerk of the load below 45 krad/s³ in tip-in and tip-out).
+#: Ramp in front of soft landing, Nm/s (calibrated on the virtual rigs 1 to 5: a jerk of the load below 45 krad/s³ in
+#: tip-in and tip-out).
 TIP_RAMP = 5000.0
+#: Its contact speed, rad/s, and release (calibrated likewise).
 TIP_LANDING: dict[str, Any] = {"contact_speed": 0.3, "release": 4.0}
 
 #: Soft landing that stays below pole placement's impact where the backlash is known to ±20 % alone (calibrated on the

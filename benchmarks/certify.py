@@ -1,0 +1,109 @@
+"""What is proved of the paper's loops, how long it takes, and whether the verifier says the same.
+
+python benchmarks/certify.py [--mutations 1000]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import sys
+from pathlib import Path
+from typing import Any
+
+import lostmotion as lm
+from lostmotion.certificates import prove_running, verdict
+
+TABLE_I: dict[str, Any] = {
+    "inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397, "backlash": 0.012,
+    "coulomb": 2.0, "viscous": 0.0175,
+}  # fmt: skip
+
+
+def drivetrain(**changes: Any) -> lm.Drivetrain:
+    return lm.Drivetrain.two_mass(**{**TABLE_I, **changes})
+
+
+def feedback(
+    plant: lm.Drivetrain, measured: tuple[str, ...] = ("speed_motor",), dt: float = 1e-4, **options: Any
+) -> lm.DiscreteSystem:
+    parts = [
+        lm.observers.kalman(plant, measured=measured, dt=dt),
+        lm.controllers.pole_placement(plant, dt=dt, **options),
+    ]
+    return lm.connect(parts, ("speed_reference", *measured), ("torque_motor",))
+
+
+def cases() -> dict[str, tuple[lm.Drivetrain, lm.DiscreteSystem, dict[str, Any]]]:
+    """Loop → drivetrain, law, options of ``prove_running``."""
+    plain, lagging, paper = drivetrain(), drivetrain(lag=3e-4), drivetrain(contact="dead_zone")
+    both = ("torque_shaft", "speed_motor")
+    return {
+        "PI, 0.1 ms": (plain, lm.controllers.pi(dt=1e-4), {}),
+        "PI with torque limit, 0.1 ms": (plain, lm.controllers.pi(dt=1e-4, torque_limit=73.5), {}),
+        "PI, 1 ms": (plain, lm.controllers.pi(dt=1e-3), {"pieces": 2}),
+        "Observer 1, 0.1 ms": (plain, feedback(plain), {}),
+        "Observer 1, dead_zone, 0.1 ms": (paper, feedback(paper), {}),
+        "Observer 1, no compensation, 0.1 ms": (
+            plain, feedback(plain, friction_compensation="none"), {},
+        ),
+        "Observer 1, compensation by reference, 0.1 ms": (
+            plain, feedback(plain, friction_compensation="reference"), {},
+        ),
+        "Observer 1, lag 0.3 ms, delay 0.1 ms": (lagging, feedback(lagging), {"delay": 1}),
+        "Observer 1, torque limit, 0.1 ms": (plain, feedback(plain, torque_limit=73.5), {}),
+        "Observer 1, torque limit, lag, delay": (
+            lagging, feedback(lagging, torque_limit=73.5), {"delay": 1},
+        ),
+        "Observer 1, 1 ms": (plain, feedback(plain, dt=1e-3), {"pieces": 2}),
+        "Observer 2, 0.1 ms": (plain, feedback(plain, both), {}),
+    }  # fmt: skip
+
+
+def table() -> None:
+    print("| loop | proved from, rad/s | set-point there | steps up to | prove, s of CPU | verify |")
+    print("|---|---|---|---|---|---|")
+    for name, (plant, law, options) in cases().items():
+        start = os.times().user
+        proof = prove_running(plant, law, **options)
+        proved = os.times().user
+        if proof.certificate is None:
+            print(f"| {name} | not proved: {proof.reason} | | | {proved - start:.1f} | |", flush=True)
+            continue
+        agrees = "proved" if verdict(proof.certificate) is None else "REFUSED"
+        spent = os.times().user - proved
+        steps = "any state" if proof.step is None else f"{proof.step:g}"
+        print(
+            f"| {name} | {proof.speed:g} | {proof.reference:.3g} | {steps} | {proved - start:.1f} | "
+            f"{agrees}, {spent:.2f} s |",
+            flush=True,
+        )
+
+
+def mutations(count: int) -> None:
+    """Damaged certificates: the verifier's verdict against the independent check of the tests."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificates"))
+    import test_verify_certificate as tests
+
+    plant = drivetrain(torque_limit=73.5)
+    law = lm.controllers.pi(dt=1e-4, torque_limit=73.5)
+    certificate = prove_running(plant, law, torque_load=(-1.0, 0.5), fastest=100.0).certificate
+    assert certificate is not None
+    rng, paths = random.Random(1), tests.leaves(certificate)
+    agreed = proved = 0
+    for _ in range(count):
+        data = tests.mutated(certificate, rng, paths)
+        own = tests.said(lambda d: verdict(d) is None, data)
+        agreed += own == tests.said(tests.independent, data)
+        proved += own
+    print(f"{agreed} of {count} verdicts agree; {proved} damaged certificates still prove their claim")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--mutations", type=int, default=0)
+    given = parser.parse_args()
+    table()
+    if given.mutations:
+        mutations(given.mutations)

@@ -1,0 +1,57 @@
+"""What a proof says, in words: for the terminal, the report and a safety file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .running import RunningProof
+
+#: What voids every proof, whatever its numbers.
+CONDITIONS = (
+    "the set-point and the load torque are constant",
+    "the drivetrain has the values of the certificate, within their rounding",
+    "friction is Coulomb and viscous: no Stribeck curve, no breakaway level above it",
+    "no input check of the law has fired, and every sample is taken in time",
+)
+
+
+def headline(proof: RunningProof) -> str:
+    """One sentence that is read in ten seconds."""
+    if proof.speed is None:
+        return f"Stability is not proved: {proof.reason}."
+    directions = "in both directions" if proof.both_directions else "in the positive direction"
+    where = f"at every load speed from {proof.speed:g} to {proof.fastest:g} rad/s, {directions}"
+    if proof.step is None:
+        return f"Proved: {where}, the loop returns to its rest from every state, with the whole gap and friction."
+    return (
+        f"Proved: {where}, the loop comes to its rest after every step by up to {proof.step:g} rad/s between them, "
+        "with the whole gap, friction and torque limit."
+    )
+
+
+def conditions(proof: RunningProof) -> list[str]:
+    """What must hold for the headline, a sentence part each."""
+    low, high = proof.torque_load
+    torque = "there is no load torque but friction"
+    if low or high:
+        torque = f"the load torque is constant between {low:g} and {high:g} Nm, positive in the direction of motion"
+    samples = {0: "acts at its own sample", 1: "acts one sample later"}.get(
+        proof.delay, f"acts {proof.delay} samples later"
+    )
+    return [torque, f"the torque {samples}", *CONDITIONS]
+
+
+def stability(proof: RunningProof) -> dict[str, Any]:
+    """The section "Stability" of the report, as JSON can hold it."""
+    return {
+        "headline": headline(proof),
+        "proved": proof.speed is not None,
+        "speed_from": proof.speed,
+        "speed_to": proof.fastest,
+        "reference": proof.reference,
+        "step": proof.step,
+        "torque_load": list(proof.torque_load),
+        "conditions": conditions(proof),
+        "not_below": proof.reason,
+        "checked": "in exact fractions by verify_certificate.py" if proof.speed is not None else None,
+    }

@@ -1,0 +1,47 @@
+"""Proofs as commands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .messages import finished, interruptible
+from .options import ForceOption, finite_positive
+
+
+def certify(
+    drivetrain: Annotated[
+        Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML of the main job.")
+    ],
+    law: Annotated[
+        Path | None, typer.Option(help="law.json; default: the one beside it, or the nameplate's own law.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Name of the files to write: .json, _verify.py.")] = Path(
+        "certificate"
+    ),
+    delay: Annotated[int, typer.Option(min=0, help="Computing delay, samples of the law.")] = 1,
+    torque_load: Annotated[
+        tuple[float, float],
+        typer.Option(help="Smallest and largest constant load torque in the direction of motion, Nm."),
+    ] = (0.0, 0.0),
+    fastest: Annotated[
+        float, typer.Option(callback=finite_positive, help="Largest load speed, rad/s.")
+    ] = 1000.0,
+    force: ForceOption = False,
+) -> None:
+    """Prove from which load speed on the loop is stable, with the whole gap, and write a certificate to check it."""
+    from ..commands.certify import certify_file
+    from ..terminal import StageLines
+
+    with interruptible(), StageLines() as lines:
+        result = certify_file(
+            drivetrain, out, law, delay, torque_load, fastest,
+            lambda fraction, text: lines("certify", fraction, text), force,
+        )  # fmt: skip
+    typer.echo(f"  {result['headline']}")
+    if result["proved"]:
+        typer.echo(f"  set-point there: {result['reference']:g} rad/s")
+        typer.echo("  valid while " + ";\n              ".join(result["conditions"]))
+    finished([], out, ".json", "_verify.py")

@@ -1,0 +1,78 @@
+"""lostmotion certify: from which load speed on a drivetrain and its law are proved stable, and the certificate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..certificates import prove_running, stability
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
+from ..io import load_law, read_configuration
+from ..io.storage.certificate_files import save_certificate
+from ..io.storage.whole_files import read_bytes
+from ..stages.target_law import default_poles, target_law
+from ..systems import DiscreteSystem
+from .outputs import outputs
+from .recordings import drivetrain_of
+
+#: Sample time of a law that is designed for a TOML without one, s (option).
+SAMPLE_TIME = 1e-4
+
+
+def certify_file(
+    drivetrain: Path,
+    out: Path,
+    law: Path | None = None,
+    delay: int = 0,
+    torque_load: tuple[float, float] = (0.0, 0.0),
+    fastest: float = 1000.0,
+    progress: Callable[[float, str], None] | None = None,
+    force: bool = False,
+) -> dict[str, Any]:
+    """Prove what can be proved, write OUT.json and OUT_verify.py; returns the section "Stability".
+
+    Parameters
+    ----------
+    drivetrain : Path
+        drivetrain.toml, as a run writes it, with law.json beside it or given; or a TOML of the main job, whose
+        nameplate's own law is designed.
+    """
+    law = law_beside(drivetrain, law)
+    with outputs(out, ".json", "_verify.py", sources=(drivetrain, law), force=force) as (file, script):
+        plant = drivetrain_of(drivetrain)
+        system = law_of(drivetrain, plant, law)
+        proof = prove_running(
+            plant, system, delay=delay, torque_load=torque_load, fastest=fastest, progress=progress
+        )
+        save_certificate(proof, file, script)
+    return stability(proof)
+
+
+def law_beside(drivetrain: Path, law: Path | None) -> Path | None:
+    """The law that is given, or the law.json of the same run."""
+    beside = drivetrain.with_name("law.json")
+    if law is None and beside.is_file() and b"[nameplate]" not in read_bytes(drivetrain):
+        return beside
+    return law
+
+
+def law_of(drivetrain: Path, plant: Drivetrain, law: Path | None) -> DiscreteSystem:
+    """The law of a file, or the one that the main job would design for a TOML's nameplate."""
+    if law is not None:
+        loaded = load_law(law)
+        if isinstance(loaded, DiscreteSystem):
+            return loaded
+        raise InvalidInput(
+            str(law), f"a {loaded.estimator} filter", "a law of matrices and curves (DiscreteSystem)",
+            "Certify one of the fixed-gain observers with its controller.",
+        )  # fmt: skip
+    if b"[nameplate]" not in read_bytes(drivetrain):
+        raise InvalidInput(str(drivetrain), "no law.json beside it", "a law", "Give it with --law.")
+    settings = read_configuration(drivetrain).law
+    dt = settings.sample_time or SAMPLE_TIME
+    poles = settings.poles or default_poles(plant, dt, False).values
+    limit = math.inf if settings.torque_limit is None else settings.torque_limit
+    return target_law(plant, poles, limit, dt, False)
