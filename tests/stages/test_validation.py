@@ -12,6 +12,7 @@ from lostmotion.stages.design import design, observer
 from lostmotion.stages.figures import figures
 from lostmotion.stages.material import from_rig
 from lostmotion.stages.parameters import find_parameters
+from lostmotion.stages.speed_step import SpeedStep
 from lostmotion.stages.validation import validate, validate_controllers, validate_observers
 
 
@@ -111,6 +112,16 @@ def test_a_loop_that_runs_away_is_a_result_with_a_warning(prepared) -> None:
     assert set(responses) == {"pole_placement"}
     assert any("pi" in p.where for p in problems)
     assert table["pole_placement"]["overshoot"] < 3.0
+
+
+def test_a_step_that_is_too_short_for_the_law_is_lengthened_until_both_settle(prepared) -> None:
+    material, found, _ = prepared
+    laws = design(material, found)
+    short = replace(laws, step=SpeedStep(-2.0, 2.0, 0.03, 0.06, 0.09))
+    table, responses, step, problems = validate_controllers(material, found, short)
+    assert step.stop - step.start >= 0.12  # the PI of the paper settles in 0.13 s
+    assert all(table[name]["settling_time"] < step.stop - step.start for name in responses)
+    assert problems == ()
 
 
 def test_a_loop_that_never_arrives_has_no_overshoot(prepared) -> None:

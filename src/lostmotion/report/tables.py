@@ -41,6 +41,7 @@ _TAKEN = {
     "sample_time": "Sample time",
     "torque_limit": "Torque limit",
     "poles": "Poles of the state feedback",
+    "integral_action": "Integral action of the state feedback",
     "pi_kp": "PI: kp",
     "pi_ki": "PI: ki",
     "pi_filter_time": "PI: time constant of the set-point filter",
@@ -80,6 +81,8 @@ def skipped(results: Mapping[str, Any]) -> list[tuple[str, str]]:
             found.append((name, reason))
         elif isinstance(part, Mapping) and depth:
             for key, value in part.items():
+                if key == "baselines":
+                    continue  # the observers say what was not recorded
                 search(f"{name}: {words(key)}", value, depth - 1)
 
     for key, value in results.items():
@@ -243,7 +246,7 @@ def _design(taken: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         if isinstance(value, (list, tuple)):
             shown = f"{', '.join(digits(v) if is_number(v) else str(v) for v in value)} {unit}"
         else:
-            shown = quantity(value, unit) if is_number(value) else "none"
+            shown = value if isinstance(value, str) else quantity(value, unit) if is_number(value) else "none"
         yield {
             "name": _TAKEN.get(str(name), words(name)),
             "value": shown,

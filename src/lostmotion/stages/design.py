@@ -187,6 +187,10 @@ def _taken(
             "value": limit[0] if math.isfinite(limit[0]) else None, "unit": "Nm", "source": limit[1],
         },
         "poles": {"value": [_text(pole) for pole in poles.values], "unit": "1/s", "source": source},
+        "integral_action": {
+            "value": "load torque, estimated by the law's observer, which is as fast as the poles", "unit": "",
+            "source": "always",
+        },
         **{f"pi_{n}": {"value": v, "unit": units[n], "source": gains_source} for n, v in gains.items()},
         "step": {
             "value": [step.low, step.high], "unit": "rad/s",
