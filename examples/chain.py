@@ -10,15 +10,16 @@ estimates the speed of the table. The lower picture shows where the energy went.
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 import lostmotion as lm
 from lostmotion.drivetrain import Gear
+from lostmotion.plot import style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DT = 1e-4
 #: Speed before the gearbox over speed behind it.
@@ -82,46 +83,46 @@ def simulated() -> lm.Recording:
     )
 
 
-def picture(recording: lm.Recording) -> plt.Figure:
-    figure, (speeds, gaps, energies) = plt.subplots(3, 1, figsize=(8, 8), sharex=True, layout="constrained")
+def picture(recording: lm.Recording) -> Figure:
+    """Speeds with the table's sticking, both gaps with their impacts, and where the energy went."""
+    figure, (speeds, gaps, energies) = style.panels(None, 3, size=(10.0, 9.0), sharex=True)
     t = recording.time
-    speeds.plot(t, recording["speed_motor"] / GEAR.ratio, label="motor / 5", lw=0.8)
-    speeds.plot(t, GEAR.behind("speed_load", recording["speed_load"]), label="table", lw=1.2)
+    speeds.plot(t, recording["speed_motor"] / GEAR.ratio, label="motor / 5", color="#999999", linewidth=0.8)
+    speeds.plot(t, GEAR.behind("speed_load", recording["speed_load"]), label="table", **style.MEASURED)
     estimate = GEAR.behind("speed_load", recording["speed_load_estimated"])
-    speeds.plot(t, estimate, label="table, estimated from the motor's encoder", lw=0.8, ls="--", color="k")
+    speeds.plot(t, estimate, label="table, estimated from the motor's encoder", **style.ESTIMATED)
     for event in recording.events:
         if event.place == "friction 5" and event.kind in ("stick", "slip"):
-            color = "tab:red" if event.kind == "stick" else "tab:green"
-            speeds.axvline(event.time, color=color, lw=0.5)
+            dashes = (0, (1, 2)) if event.kind == "stick" else "-"
+            speeds.axvline(event.time, color="#777777", linewidth=0.7, linestyle=dashes)
     speeds.set_ylim(top=1.5)
-    speeds.set_ylabel("speed behind the gear, rad/s")
-    speeds.set_title("Table sticks (red) and breaks away (green)")
-    for number, name in ((2, "gear teeth"), (4, "coupling")):
-        twist = GEAR.behind("twist", recording[f"twist_{number}"])
-        gaps.plot(t, 1e3 * twist, lw=0.8, label=name)
-    impacts = [e for e in recording.impacts(merge=2e-3)]
+    speeds.set_ylabel("speed behind the gear (rad/s)")
+    speeds.set_title("Table sticks (dotted) and breaks away (solid line)", fontweight="bold")
+    for (number, name), line in zip(((2, "gear teeth"), (4, "coupling")), style.SERIES, strict=False):
+        gaps.plot(t, 1e3 * GEAR.behind("twist", recording[f"twist_{number}"]), label=name, **line)
+    impacts = recording.impacts(merge=2e-3)
     for event in impacts:
-        gaps.axvline(event.time, color="0.8", lw=0.5, zorder=0)
-    gaps.set_ylabel("twist behind the gear, mrad")
-    gaps.set_title(f"Both gaps; {len(impacts)} impacts, bounces within 2 ms merged")
+        gaps.axvline(event.time, color="#d9d9d9", linewidth=0.5, zorder=0)
+    gaps.set_ylabel("twist behind the gear (mrad)")
+    gaps.set_title(f"Both gaps; {len(impacts)} impacts, bounces within 2 ms merged", fontweight="bold")
     energy = recording.energy()
-    for name in ("input", "stored", "dissipated"):
-        energies.plot(t, energy[name], label=name)
-    energies.set_ylabel("energy, J")
-    energies.set_xlabel("time, s")
-    energies.set_title(f"Energy; largest error of the balance {np.max(np.abs(energy['balance'])):.0e} J")
+    for name, line in zip(("input", "stored", "dissipated"), style.SERIES, strict=False):
+        energies.plot(t, energy[name], label=name, **line)
+    energies.set_ylabel("energy (J)")
+    energies.set_xlabel("time (s)")
+    error = np.max(np.abs(energy["balance"]))
+    energies.set_title(f"Energy; largest error of the balance {error:.0e} J", fontweight="bold")
     for axes in (speeds, gaps, energies):
-        axes.legend(
-            loc="upper left" if axes is energies else "upper right",
-            ncols=3 if axes is speeds else 1,
-            fontsize="small",
-        )
-        axes.grid(alpha=0.3)
+        place = "upper left" if axes is energies else "upper right"
+        axes.legend(loc=place, ncols=3 if axes is speeds else 1, frameon=False)
+    figure.align_ylabels()
     return figure
 
 
 def main() -> None:
-    picture(simulated()).savefig(sys.argv[1] if len(sys.argv) > 1 else "chain.png", dpi=100)
+    picture(simulated()).savefig(
+        sys.argv[1] if len(sys.argv) > 1 else "chain.png", dpi=100, facecolor="white"
+    )
 
 
 if __name__ == "__main__":

@@ -92,7 +92,7 @@ def test_wrong_run_inputs(data, complaint):
         ({"B": np.array([[np.nan]])}, r"law\.B: got NaN"),
         ({"inputs": ("u", "u")}, "without doubles"),
         ({"dt": 0.0}, r"law\.dt"),
-        ({"dt": float("nan")}, r"law\.dt"),
+        ({"dt": float("nan")}, r"DiscreteSystem\.dt: got nan"),
         ({"H": np.ones((1, 1))}, "strictly lower triangular"),
         ({"initial_state": np.zeros(2)}, "initial_state"),
         ({"inputs": tuple(f"u{i}" for i in range(32)), "B": [], "G": []}, "at most 31"),

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .argument_checks import checks_arguments
 from .errors import InvalidInput, within
 from .plain_data import entries, number, numbers, shown, table
 
 
+@checks_arguments
 @dataclass(frozen=True)
 class PiecewiseLinear:
     """A continuous static curve w(z), given by its points and the slopes beyond the first and the last.
@@ -100,6 +102,7 @@ class PiecewiseLinear:
         return np.asarray(w_points[anchor] + slopes[segment] * (z - z_points[anchor]))
 
 
+@checks_arguments
 def dead_zone(half_width: float, slope: float = 1.0) -> PiecewiseLinear:
     """slope · dz(z), dz(z) = z − clip(z, −half_width, half_width); a half width of 0 gives the straight line."""
     if number("dead_zone.half_width", half_width) < 0.0:
@@ -111,6 +114,7 @@ def dead_zone(half_width: float, slope: float = 1.0) -> PiecewiseLinear:
     return PiecewiseLinear(((-half_width, 0.0), (half_width, 0.0)), slope, slope)
 
 
+@checks_arguments
 def saturation(limit: float, slope: float = 1.0) -> PiecewiseLinear:
     """clip(slope · z, −limit, limit); a limit of 0 gives zero."""
     if number("saturation.limit", limit) < 0.0 or number("saturation.slope", slope) <= 0.0:

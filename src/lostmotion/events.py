@@ -81,7 +81,9 @@ class Events(Sequence[Event]):
         """The same events as columns; raises ``InvalidInput`` where one is of an unknown kind."""
         if isinstance(events, Events):
             return events
-        rows = tuple(events)
+        rows = tuple(events) if isinstance(events, Iterable) else (events,)
+        if not all(isinstance(row, Event) for row in rows):
+            raise InvalidInput("events", shown(events), "a sequence of Event", "Give () for none.")
         places = tuple(dict.fromkeys(event.place for event in rows))
         return cls(
             np.array([event.time for event in rows], dtype=float),

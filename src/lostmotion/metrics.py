@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .argument_checks import checks_arguments, not_negative
 from .errors import InvalidInput
 from .events import Events
 
@@ -49,23 +50,27 @@ def _pair(a: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
     return first, second
 
 
+@checks_arguments
 def rmse(a: ArrayLike, b: ArrayLike) -> float:
     """Root of the mean squared difference of two (n,) arrays, in their unit."""
     first, second = _pair(a, b)
     return float(np.sqrt(np.mean((first - second) ** 2)))
 
 
+@checks_arguments
 def largest_error(a: ArrayLike, b: ArrayLike) -> float:
     """Largest absolute difference of two (n,) arrays, in their unit."""
     first, second = _pair(a, b)
     return float(np.max(np.abs(first - second)))
 
 
+@checks_arguments
 def signal_range(a: ArrayLike) -> float:
     """Largest minus smallest value of an (n,) array, in its unit."""
     return float(np.ptp(_finite("array", a)))
 
 
+@checks_arguments
 def lag(estimate: ArrayLike, truth: ArrayLike, dt: float, max_lag: float = MAX_LAG) -> float | None:
     """Time (s) by which the estimate is late; negative if it is early.
 
@@ -89,7 +94,8 @@ def lag(estimate: ArrayLike, truth: ArrayLike, dt: float, max_lag: float = MAX_L
         the variance has no minimum within ±max_lag.
     """
     late, early = _pair(estimate, truth)
-    reach = min(int(np.ceil(max_lag / dt)), late.size // 4)
+    not_negative("lag.max_lag", max_lag)
+    reach = int(min(np.ceil(max_lag / not_negative("lag.dt", dt, positive=True)), late.size // 4))
     if reach < 2 or np.ptp(late) == 0.0 or np.ptp(early) == 0.0:
         return None
     variance = _difference_variance(late - late.mean(), early - early.mean(), reach)
@@ -120,6 +126,7 @@ def _moving_sum(values: Array, count: int) -> Array:
     return np.asarray(running[count:] - running[:-count])
 
 
+@checks_arguments
 def compare(estimate: ArrayLike, truth: ArrayLike, dt: float) -> dict[str, float | None]:
     """Metrics of an estimate against the truth, as in ``results.json``.
 
@@ -168,6 +175,7 @@ class StepMetrics:
         return asdict(self)
 
 
+@checks_arguments
 def step_metrics(
     time: ArrayLike,
     signal: ArrayLike,
@@ -278,6 +286,7 @@ class CrossingMetrics:
     lash_time: float
 
 
+@checks_arguments
 def crossing_metrics(
     time: ArrayLike,
     speed_motor: ArrayLike,
@@ -316,6 +325,7 @@ def crossing_metrics(
     if arrival is not None:
         judged = (times >= step_time + arrival) & (times < step_time + arrival + OSCILLATION_TIME)
         oscillation, swing = float(np.sqrt(np.mean(slip[judged] ** 2))), float(np.max(np.abs(slip[judged])))
+    events = Events.of(events)
     ours = events.only(
         np.array([place == f"shaft {shaft}" for place in events.places], dtype=bool)[events.place]
     )
@@ -353,6 +363,7 @@ class Recovery:
     time: float | None
 
 
+@checks_arguments
 def recovery(
     time: ArrayLike, error: ArrayLike, start: float, band: float, stop_time: float = np.inf
 ) -> Recovery:

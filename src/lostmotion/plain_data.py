@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .errors import InvalidInput
 
-_REMEDY = "Correct it; if a file holds it, write the file again."
+_REMEDY = "Correct it; what a program wrote is best written again."
 
 _short = reprlib.Repr()
 _short.maxlevel, _short.maxstring, _short.maxother = 3, 60, 60

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .argument_checks import checks_arguments, not_negative
 from .display import numbers, tables
 from .errors import InvalidInput
 from .events import NO_EVENTS, Event, Events
@@ -66,6 +67,7 @@ def _writable(array: NDArray[Any]) -> bool:
     )
 
 
+@checks_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Signals on one time axis. Arrays are read-only; those that somebody could still write are copied.
@@ -175,12 +177,14 @@ class Recording:
         """Sample time in s: the mean step."""
         return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
 
+    @checks_arguments
     def impacts(self, merge: float = 2e-3) -> tuple[Event, ...]:
         """The impacts; those at one place that follow each other within `merge` seconds count as one.
 
         A merged impact has the time of its first bounce, the largest speed, and the sum of the energies. The default,
         2 ms, is chosen: about a fifth of a period of the paper's 100 Hz mode.
         """
+        not_negative("Recording.impacts.merge", merge)
         merged: list[Event] = []
         latest: dict[str, tuple[int, float]] = {}
         for event in self.events.of_kind("impact"):
@@ -212,6 +216,7 @@ class Recording:
         balance = given - (stored - stored[0]) - lost
         return MappingProxyType({"input": given, "stored": stored, "dissipated": lost, "balance": balance})
 
+    @checks_arguments
     def window(self, start: float = -np.inf, stop: float = np.inf) -> Recording:
         """The rows with start ≤ time < stop (s), within a millionth of a sample for rounding."""
         slack = 1e-6 * self.dt

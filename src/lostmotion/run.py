@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from . import __version__
+from .argument_checks import checks_arguments
 from .io import Configuration, output_folder, read_configuration, save_drivetrain, save_json, save_recording
 from .plot import source_of
 from .report import write_report
@@ -31,6 +32,7 @@ def silent(stage: str, fraction: float, text: str = "") -> None:
     """No progress shown."""
 
 
+@checks_arguments
 def run(
     configuration: str | Path | Configuration | None = None,
     *,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.certificates import prove_running
@@ -68,14 +69,10 @@ def laws(plant: lm.Drivetrain) -> dict[str, lm.DiscreteSystem]:
 
 @pytest.mark.parametrize("name", ["pi", "observer 1"])
 def test_v_never_rises(name: str) -> None:
-    plant = lm.Drivetrain.two_mass(
-        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-        viscous=0.0175,
-    )  # fmt: skip
-    law = pruned(laws(plant)[name])
-    found = prove_running(plant, law)
+    law = pruned(laws(PAPER)[name])
+    found = prove_running(PAPER, law)
     assert found.certificate is not None
-    loop = lure_loop(plant, law)
+    loop = lure_loop(PAPER, law)
     n = len(law.states)
     shown = replace(
         law, outputs=("torque_motor", *(f"state_{i}" for i in range(n))), C=np.vstack([law.C, np.eye(n)]),
@@ -89,7 +86,7 @@ def test_v_never_rises(name: str) -> None:
         assert rest is not None
         start = (rng.uniform(-0.02, 0.02), rng.uniform(-8.0, 8.0), rng.uniform(-4.0, 4.0))
         run = lm.simulate(
-            plant, law=shown, dt=DT, state=start, speed_reference=np.full(3000, float(rest.reference))
+            PAPER, law=shown, dt=DT, state=start, speed_reference=np.full(3000, float(rest.reference))
         )
         own = np.column_stack([run[f"state_{i}"] for i in range(n)])
         plant_states = np.column_stack(

@@ -8,17 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.certificates import prove_running, verdict
 from lostmotion.certificates.equilibrium import equilibrium
 from lostmotion.certificates.lure import lure_loop
 from lostmotion.errors import InvalidInput
-
-TABLE_I: dict[str, Any] = {
-    "inertia_motor": 0.0182, "inertia_load": 0.111, "stiffness": 6285.896, "damping": 0.397, "backlash": 0.012,
-    "coulomb": 2.0, "viscous": 0.0175,
-}  # fmt: skip
 
 
 def drivetrain(**changes: Any) -> lm.Drivetrain:

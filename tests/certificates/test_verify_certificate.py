@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.certificates import prove_running, verdict, verify_certificate
@@ -29,10 +30,7 @@ from lostmotion.io import save_law
 def proved() -> tuple[lm.DiscreteSystem, dict[str, Any]]:
     """PI with torque limit and anti-windup, with a load torque: small, and every kind of condition is in it but
     copies."""
-    plant = lm.Drivetrain.two_mass(
-        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-        viscous=0.0175, torque_limit=73.5,
-    )  # fmt: skip
+    plant = lm.Drivetrain.two_mass(**TABLE_I, torque_limit=73.5)
     law = lm.controllers.pi(dt=1e-4, torque_limit=73.5)
     proof = prove_running(plant, law, torque_load=(-1.0, 0.5), fastest=100.0)
     assert proof.certificate is not None

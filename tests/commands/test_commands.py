@@ -136,6 +136,25 @@ def test_an_interrupted_batch_of_variants_goes_on(tmp_path: Path) -> None:
     assert 0.09 <= inertias.min() < 0.092 and 0.108 < inertias.max() <= 0.11
 
 
+def test_the_picture_of_variants_resolves_the_torsional_mode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a long run the 200 times of the quantiles lie apart: drawn over the whole of it, they would alias."""
+    from lostmotion import plot
+
+    drawn, real = [], plot.quantile_bands
+
+    def seen(time: np.ndarray, *arguments: object, **keywords: object) -> object:
+        drawn.append(time)
+        return real(time, *arguments, **keywords)
+
+    monkeypatch.setattr(plot, "quantile_bands", seen)
+    plant = plant_file(tmp_path)
+    simulate_variants(plant, tmp_path / "run.csv", count=3, duration=3.0)
+    (time,) = drawn
+    assert np.max(np.diff(time)) * lm.load_drivetrain(plant).pole_frequency < 0.11
+
+
 def test_every_number_that_varies_has_a_column(tmp_path: Path) -> None:
     frictions = (lm.Friction(0.2, 0.01), lm.Friction(0.5, 0.02, breakaway=0.8))
     plant = lm.Drivetrain((0.02, 0.1), (lm.Shaft(6e3, 0.3, 0.01),), frictions, lm.Actuator(lag=2e-3))

@@ -20,6 +20,7 @@ from lostmotion.controllers import (
     notch,
     pi,
     pole_placement,
+    predictive,
     sliding_mode,
     soft_landing,
     speed_course,
@@ -112,6 +113,13 @@ CONTROLLERS = {
         load_torque=10.0,
         torque_limit=73.5,
     ),
+    "predictive": predictive(
+        ONE_SIDED.with_parameters(lag=3e-4),
+        dt=1e-4,
+        largest_error=1.0,
+        largest_torque=73.5,
+        torque_limit=73.5,
+    ),
     "notch": notch("torque_wished", "torque_motor", frequency=100.0, dt=1e-4),
     "sliding mode": sliding_mode(PAPER, dt=1e-4, switching_torque=40.0, torque_limit=73.5),
     "speed course": speed_course(largest_acceleration=300.0, largest_jerk=1e5, dt=1e-4),
@@ -121,6 +129,9 @@ CONTROLLERS = {
     "active damping": active_damping(PAPER, dt=1e-4),
     "active damping with limit": active_damping(PAPER, dt=1e-4, torque_limit=73.5),
     "soft landing": soft_landing(PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
+    "soft landing, estimated backlash": soft_landing(
+        PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5, tolerance=0.05, backlash_estimated=True
+    ),
     "observer + lqi + soft landing": soft_landing_behind_lqi(),
     "minimum": minimum("a", "b", "c", 1e-4),
     "rate limit": rate_limit("a", "b", rate=1e4, dt=1e-4),

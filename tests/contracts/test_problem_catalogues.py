@@ -16,7 +16,7 @@ MAKERS = ("Problem", "Problem.error", "Problem.warning")
 def problems(folder: Path) -> Iterator[tuple[Path, ast.Call, tuple[str, ...]]]:
     """Every call that makes a ``Problem`` below a folder, and the expressions that it gets.
 
-    A local name counts as what the function assigns to it: ``remedy = "…"`` above the call.
+    A local name counts as what was assigned to it: ``remedy = "…"`` above the call.
     """
     for path in sorted(folder.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -29,10 +29,16 @@ def problems(folder: Path) -> Iterator[tuple[Path, ast.Call, tuple[str, ...]]]:
 
 
 def expression(argument: ast.expr, function: ast.FunctionDef | None) -> str:
+    """An argument's text; for a local name that of its last assignment above."""
     if isinstance(argument, ast.Name) and function is not None:
-        for node in ast.walk(function):
-            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == argument.id:
-                return ast.unparse(node.value)
+        assigned = {
+            node.lineno: node.value
+            for node in ast.walk(function)
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == argument.id
+        }
+        above = [line for line in assigned if line < argument.lineno]
+        if above:
+            return ast.unparse(assigned[max(above)])
     return ast.unparse(argument)
 
 

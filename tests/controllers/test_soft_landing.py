@@ -68,6 +68,42 @@ def test_the_gap_closes_at_the_speed_that_was_asked_for(contact_speed, backlash,
         assert np.sign(first.speed) == np.sign(torque)
 
 
+@pytest.mark.parametrize("share", [0.8, 1.2])
+def test_a_backlash_that_an_observer_tells_counts_and_not_the_known_one(share):
+    wrong = PLANT.with_parameters(backlash=share * PLANT.backlash)
+    rng, law = np.random.default_rng(6), limiter(wrong, backlash_estimated=True)
+    data = {name: rng.normal(size=300) for name in law.inputs}
+    data |= {"torque_wished": 60.0 * data["torque_wished"], "twist_estimated": 0.006 * data["twist_estimated"],
+             "backlash_estimated": np.full(300, PLANT.backlash)}  # fmt: skip
+    right = limiter().run(data)["torque_motor"]
+    # The chords of the parabola cover the known backlash, so they differ a little.
+    assert np.max(np.abs(law.run(data)["torque_motor"] - right)) < 1.0
+    assert np.max(np.abs(limiter(wrong).run(data)["torque_motor"] - right)) > 10.0
+
+
+def test_with_a_tolerance_a_narrower_gap_closes_more_slowly():
+    wider = PLANT.with_parameters(backlash=1.1 * PLANT.backlash, coulomb=0.0)
+
+    def impact(tolerance):
+        law = connect(
+            [limiter(wider, tolerance=tolerance), ACTING], outputs=("torque_motor",),
+            inputs=("torque_wished", "twist_estimated", "twist_elastic_estimated", "speed_motor_estimated",
+                    "speed_load_estimated"),
+        )  # fmt: skip
+        elastic = DiscreteSystem(
+            inputs=("twist",), outputs=("twist_elastic_estimated",), dt=DT, curves=(dead(wider),),
+            G=np.ones((1, 1)), J=np.ones((1, 1)),
+        )  # fmt: skip
+        seen = {f"{n}_estimated": Sensor(n) for n in ("twist", "speed_motor", "speed_load")}
+        run = simulate(
+            PLANT.with_parameters(coulomb=0.0), dt=DT, law=[elastic, law], delay=1, sensors=seen,
+            torque_wished=np.full(1000, 60.0), state=(-0.49 * PLANT.backlash, 0.0, 0.0),
+        )  # fmt: skip
+        return next(abs(e.speed) for e in run.events if e.kind == "impact")
+
+    assert impact(0.1) < 0.75 * impact(0.0)
+
+
 def test_in_the_gap_its_coordinates_are_a_double_integrator_of_the_next_torque():
     plant, n = PLANT.with_parameters(backlash=50.0, coulomb=0.0, viscous=0.0), 300
     torque = 40.0 * np.random.default_rng(5).normal(size=n)
@@ -147,6 +183,7 @@ def test_behind_lqi_the_impact_is_a_quarter_and_the_step_as_fast():
         ({"braking_torque": -1.0}, r"soft_landing\.braking_torque"),
         ({"rate": 2e4}, r"soft_landing\.rate"),
         ({"release": 1.5}, r"soft_landing\.release"),
+        ({"tolerance": 1.0}, r"soft_landing\.tolerance"),
         ({"dt": np.nan}, r"soft_landing\.dt"),
         ({"plant": PLANT.with_parameters(backlash=0.0)}, "backlash"),
     ],

@@ -305,6 +305,76 @@ def _retyped(data: bytes, rng: random.Random) -> bytes:
     return text.replace(b"real", rng.choice((b"real", b"complex", b"pattern", b"integer", b"x")))
 
 
+def _batch(trajectories: bool) -> bytes:
+    """The file of a finished chunk, or that with its trajectories."""
+    with tempfile.TemporaryDirectory() as folder:
+        lm.simulate_batch(
+            [_plant()],
+            dt=1e-3,
+            torque_motor=TORQUE,
+            folder=folder,
+            trajectories=True,
+            quantiles=("twist",),
+            workers=1,
+        )
+        found = [p for p in Path(folder).iterdir() if p.name.endswith(".summary.npz") != trajectories]
+        return found[0].read_bytes()
+
+
+@functools.cache
+def chunks() -> tuple[bytes, ...]:
+    return (_batch(trajectories=False),)
+
+
+@functools.cache
+def trajectories() -> tuple[bytes, ...]:
+    return (_batch(trajectories=True),)
+
+
+@functools.cache
+def score_files() -> tuple[bytes, ...]:
+    from lostmotion.compare.score_cache import ScoreCache
+
+    with tempfile.TemporaryDirectory() as folder:
+        ScoreCache(Path(folder), "long").add("ideal", 1, {"kalman": {"speed_load": 0.5, "twist": None}})
+        return (next(Path(folder).rglob("*.json")).read_bytes(),)
+
+
+def _read_scores(path: Path) -> object:
+    from lostmotion.compare.score_cache import ScoreCache
+
+    cache = ScoreCache(path.parent, "long")
+    assert cache.folder is not None
+    path.replace(cache.folder / "ideal__1.json")
+    return cache.scores("ideal", 1) or None
+
+
+@functools.cache
+def boards() -> tuple[bytes, ...]:
+    content = {
+        "observers": [{"name": "an observer of an older version"}],
+        "cases": [{"name": "a case of an older version"}],
+        "seeds": [],
+        "settings": {"duration": 1.0, "part": False},
+    }
+    return (json.dumps(content).encode(),)
+
+
+def _read_board(path: Path) -> object:
+    from lostmotion.compare.leaderboard import Leaderboard
+    from lostmotion.compare.whole_table import keep_whole_table
+
+    new = Leaderboard({}, (), (), {}, {"duration": 1.0})
+    keep_whole_table(path.parent, new, "observers", ["kalman"], ["nominal"])
+    return path
+
+
+def _read_chunk(path: Path) -> object:
+    from lostmotion.simulation.batch.store import _chunk
+
+    return _chunk(path)
+
+
 FORMATS = (
     Format("law.json", "law.json", laws, _law_rewritten, lm.load_law),
     Format("law.json of a stepper", "law.json", steppers, _law_rewritten, lm.load_law),
@@ -317,6 +387,16 @@ FORMATS = (
     Format(
         "manifest", ".lostmotion-run.json", manifests, _json_rewritten, lambda path: files.foreign_files(path.parent)
     ),
+    Format("chunk of a batch", "variants-000000.summary.npz", chunks, fuzz_tables.changed_npz, _read_chunk),
+    Format(
+        "trajectories",
+        "variants-000000.npz",
+        trajectories,
+        fuzz_tables.changed_npz,
+        lambda path: lm.simulation.read_trajectories(path.parent, 0),
+    ),
+    Format("scores", "ideal__1.json", score_files, _json_rewritten, _read_scores),
+    Format("leaderboard.json", "leaderboard.json", boards, _json_rewritten, _read_board),
     Format("matrices .npz", "m.npz", matrix_archives, fuzz_tables.changed_npz, _read_matrices),
     Format("matrices .csv", "m.csv", matrix_texts, _retyped, _read_matrices),
     Format("matrices .mtx", "m.mtx", matrix_markets, _retyped, _read_matrices),

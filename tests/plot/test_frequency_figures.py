@@ -108,3 +108,16 @@ def test_given_axes_are_used():
     axis = figure.add_subplot()
     assert draw_coherence(axes=axis) is figure
     assert len(axis.lines) == 2
+
+
+def test_a_bode_diagram_explains_its_band_and_the_gaps_of_its_phase() -> None:
+    frequency = np.linspace(1.0, 10.0, 50)
+    response = 1.0 / (1.0 + 1j * frequency)
+    with_band = bode({"measured": (frequency, response, 0.1 * np.abs(response))}, note="About the gap.")
+    labels = with_band.legends[0].get_texts()
+    assert "95 % interval" in [label.get_text() for label in labels]
+    below = with_band.legends[0].get_title().get_text()
+    assert "Phase: not drawn where" in below and below.endswith("About the gap.")
+    without = bode({"model": (frequency, response)})
+    assert "95 % interval" not in [label.get_text() for label in without.legends[0].get_texts()]
+    assert without.legends[0].get_title().get_text() == ""

@@ -207,12 +207,8 @@ def test_finer_rig_lies_within_the_intervals():
 
 
 def test_a_list_of_laws_does_what_the_joined_law_does():
-    model = lm.Drivetrain.two_mass(
-        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012, coulomb=2.0,
-        viscous=0.0175,
-    )  # fmt: skip
-    observer = lm.observers.kalman(model, dt=1e-4)
-    control = lm.controllers.pole_placement(model, dt=1e-4, torque_limit=73.5)
+    observer = lm.observers.kalman(PAPER, dt=1e-4)
+    control = lm.controllers.pole_placement(PAPER, dt=1e-4, torque_limit=73.5)
     reference = np.where(np.arange(2000) < 500, -2.0, 2.0)
     joined = lm.connect(
         [observer.renamed({"torque_motor": "torque_motor_acting"}), control,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from table_i import PAPER
 
 from lostmotion.controllers import pole_placement
 from lostmotion.drivetrain import Drivetrain
@@ -22,10 +23,7 @@ def law(drivetrain: Drivetrain) -> DiscreteSystem:
 
 @pytest.fixture
 def drivetrain() -> Drivetrain:
-    return Drivetrain.two_mass(
-        inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=0.397, backlash=0.012,
-        coulomb=2.0, viscous=0.0175,
-    )  # fmt: skip
+    return PAPER
 
 
 def test_the_torque_is_the_same_to_the_last_bit(drivetrain: Drivetrain) -> None:

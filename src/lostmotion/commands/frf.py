@@ -8,10 +8,15 @@ from typing import Any
 from ..identification import frequency_analysis
 from ..identification.frequency.response import Method
 from ..io import save_json
-from ..plot import bode, source_of
+from ..plot import bode, source_of, words
 from ..recording import unit_of
 from .outputs import outputs, save_picture
 from .recordings import recording_of
+
+#: What zero and pole of a drive with a gap mean.
+MOVING_GAP = (
+    "With backlash, zero and pole are those of the gap as it moved here: below those of the closed gap."
+)
 
 
 def frequency_response_file(
@@ -30,7 +35,11 @@ def frequency_response_file(
         recording, warnings = recording_of(file, seed)
         analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
         response, fit = analysis.response, analysis.fit
-        result = analysis.as_dict() | {"problems": [p.as_dict() for p in (*warnings, *analysis.problems)]}
+        result = (
+            analysis.as_dict()
+            | {"note": MOVING_GAP}
+            | {"problems": [p.as_dict() for p in (*warnings, *analysis.problems)]}
+        )
         save_json(json_file, "frequency_response", result)
         source = source_of(recording)
         curves: dict[str, Any] = {source: (response.frequency, response.response, response.margin)}
@@ -41,9 +50,10 @@ def frequency_response_file(
         figure = bode(
             curves,
             unit=f"{unit_of(output)}/({unit_of(input)})",
-            title=f"{output.replace('_', ' ')} / {input.replace('_', ' ')}",
+            title=f"{words(output).capitalize()} / {words(input)}",
             marks=marks,
             coherences={source: (response.frequency, response.coherence)},
+            note=MOVING_GAP if marks else "",
         )
         save_picture(figure, picture)
     return result

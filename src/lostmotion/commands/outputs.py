@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -63,7 +64,8 @@ def check_writable(*files: Path, sources: tuple[Path | None, ...] = ()) -> None:
 
 def _read_by(source: Path | None) -> set[Path]:
     """The file itself, and the recordings of a TOML of the main job."""
-    if source is None or not source.is_file():
+    # Path.is_file raises of names that no file can have; those are told where the file is read.
+    if source is None or not os.path.isfile(source):  # noqa: PTH113
         return set()
     kept = {source.resolve()}
     if source.suffix == ".toml" and b"[[recording]]" in read_bytes(source):

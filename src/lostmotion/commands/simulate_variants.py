@@ -11,12 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import plot
+from ..display.numbers import quantity
 from ..drivetrain import Drivetrain
 from ..io.memory import check_memory
 from ..io.storage.whole_files import write_bytes
-from ..recording import Recording, unit_of
+from ..recording import unit_of
+from ..rig import eigenfrequencies
 from ..simulation import BatchResult, simulate, simulate_batch, variants
 from .cost import Announce, Cost, silent
 from .outputs import outputs, save_picture
@@ -27,6 +30,8 @@ from .simulate import checked_name, torque_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Array = NDArray[np.float64]
+
 #: Shown as bands, and summed up.
 _SIGNALS = ("speed_motor", "speed_load", "twist", "torque_shaft")
 #: Bytes of memory that a variant takes, and seconds of one core for each of its samples and inertias (measured).
@@ -34,6 +39,9 @@ _SIGNALS = ("speed_motor", "speed_load", "twist", "torque_shaft")
 MEMORY, SECONDS = 20e3, 2e-8
 #: Names that ``simulation.batch.store`` gives to chunks.
 _CHUNK = re.compile(r"variants-\d{6,}(\.summary)?\.npz", re.ASCII)
+#: Periods of the first torsional mode that are drawn: with 200 times ten of them in a period (numerics); of a rigid
+#: drive the first seconds (option).
+PERIODS, RIGID_SHOWN = 20, 1.0
 #: Option.
 _LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 
@@ -79,9 +87,8 @@ def simulate_variants(
         )
         write_bytes(table, _table(plants, made).encode("utf-8"))
         if made.done.any():
-            alone = simulate(plant, torque_motor=given, dt=dt)
             title = f"{drivetrain.name}: {count} variants, ± {100.0 * spread:g} %"
-            save_picture(_picture(made, alone, signals, title), picture)
+            save_picture(_picture(plant, plants, given[: _drawn(plant, dt)], dt, signals, title), picture)
     _clear(chunk_folder(out))
     return made
 
@@ -93,13 +100,30 @@ def _cost(plant: Drivetrain, count: int) -> Cost:
     return Cost(1.0, memory, count * SECONDS * len(plant.inertias))
 
 
-def _picture(made: BatchResult, alone: Recording, signals: Sequence[str], title: str) -> Figure:
+def _drawn(plant: Drivetrain, dt: float) -> int:
+    """Samples that are drawn: so many periods of the torsional mode that the few times of the quantiles resolve it."""
+    if len(plant.inertias) == 1:
+        return round(RIGID_SHOWN / dt)
+    return max(100, round(PERIODS / (float(eigenfrequencies(plant)[1]) * dt)))
+
+
+def _picture(
+    plant: Drivetrain,
+    plants: Sequence[Drivetrain],
+    torque: Array,
+    dt: float,
+    signals: Sequence[str],
+    title: str,
+) -> Figure:
+    """The beginning of the run: over the whole of it a raster of 200 times would show what is not there."""
+    made = simulate_batch(plants, dt=dt, signals=signals, quantiles=signals, torque_motor=torque)
+    alone = simulate(plant, torque_motor=torque, dt=dt)
     step = -(-len(alone) // made.quantile_time.size)
     return plot.quantile_bands(
         made.quantile_time,
         {name: made.quantiles(name, _LEVELS) for name in signals},
         single={name: alone[name][::step] for name in signals},
-        title=title,
+        title=f"{title}: the first {quantity(alone.time[-1] + dt, 's', 2)}",
     )
 
 

@@ -8,6 +8,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from .cases import CASES
 from .comparison import Comparison, Progress
@@ -20,6 +21,7 @@ from .score_observers import score_observers
 FULL, QUICK = (20, 3.0), (2, 1.5)
 
 
+@checks_arguments
 def compare_observers(
     out: Path | str | None = None,
     *,

@@ -7,15 +7,18 @@ import json
 from pathlib import Path
 
 from ..errors import InvalidInput
+from ..io.storage.json_files import read_json
 from ..io.storage.whole_files import write_bytes
 from ..kernels.fresh_cache import combined_hash
+from ..plain_data import mapping, number
 from .scores import Score
 
 Scores = dict[str, Score]
 
 #: Sources that no score depends on: the layers above, and the modules that make tables of scores.
 ABOVE = (
-    "cli", "run", "commands", "terminal", "interruption", "stages", "experiment", "report", "plot", "export", "io",
+    "cli", "run", "commands", "terminal", "interruption", "precompile", "stages", "experiment", "report",
+    "plot", "export", "io",
 )  # fmt: skip
 TABLES = tuple(
     f"compare/{name}"
@@ -88,7 +91,16 @@ class ScoreCache:
         if self.folder is None or not self._path(case, seed).is_file():
             return {}
         try:
-            content = json.loads(self._path(case, seed).read_text(encoding="utf-8"))
-            return dict(content["scores"]) if content["sources"] == source_hash() else {}
-        except (ValueError, KeyError, TypeError):
+            content = read_json(self._path(case, seed), "scores")
+            if content["sources"] != source_hash():
+                return {}
+            return {
+                name: _score(name, values) for name, values in mapping("scores", content["scores"]).items()
+            }
+        except (InvalidInput, KeyError, TypeError):
             return {}
+
+
+def _score(where: str, values: object) -> Score:
+    """Each of its numbers, or None."""
+    return {name: None if v is None else number(where, v) for name, v in mapping(where, values).items()}

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
+from ..io.storage.json_files import read_json
+from ..plain_data import mapping
 from .score_table import ScoreTable
 
 
@@ -34,8 +35,8 @@ def keep_whole_table(
     InvalidInput
     """
     try:
-        old = json.loads((folder / "leaderboard.json").read_text(encoding="utf-8"))
-        settings = old["settings"]
+        old = read_json(folder / "leaderboard.json", "leaderboard")
+        settings = mapping("settings", old["settings"])
         old_entries, old_cases = ({row["name"] for row in old[what]} for what in (subject, "cases"))
         longer = settings.get("duration", 0.0) > new.settings.get("duration", 0.0)
         lost = {
@@ -43,7 +44,7 @@ def keep_whole_table(
             "cases": len(old_cases & set(cases) - {case.name for case in new.cases}),
             "rigs": len(set(old["seeds"]) - set(new.seeds)),
         }
-    except (OSError, ValueError, KeyError, TypeError):
+    except (InvalidInput, KeyError, TypeError):
         return  # no table, or not of this package
     if settings.get("part"):
         return

@@ -9,12 +9,13 @@ from .notch import notch
 from .pi import pi
 from .pi_tuning import PiTuning, symmetrical_optimum
 from .pole_placement import StateFeedback, pole_placement, state_feedback
+from .predictive import predictive
 from .quadratic_poles import quadratic_poles
 from .sliding_mode import sliding_mode, super_twisting
 from .soft_landing import soft_landing
 
 __all__ = [
     "PiTuning", "QuadraticFeedback", "RobustFeedback", "StateFeedback", "active_damping", "flatness", "h_infinity",
-    "lqi", "notch", "pi", "pole_placement", "quadratic_feedback", "quadratic_poles", "robust_feedback", "sliding_mode",
-    "soft_landing", "speed_course", "state_feedback", "super_twisting", "symmetrical_optimum",
+    "lqi", "notch", "pi", "pole_placement", "predictive", "quadratic_feedback", "quadratic_poles", "robust_feedback",
+    "sliding_mode", "soft_landing", "speed_course", "state_feedback", "super_twisting", "symmetrical_optimum",
 ]  # fmt: skip

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import Limit, checks_arguments
 from ..drivetrain import Drivetrain
 from ..systems import DiscreteSystem, design_model
 from .feedback_law import QuadraticFeedback, feedback_law, wished_rows, with_steady_state
@@ -14,13 +15,14 @@ from .feedback_law import QuadraticFeedback, feedback_law, wished_rows, with_ste
 Array = NDArray[np.float64]
 
 
+@checks_arguments
 def quadratic_feedback(
     drivetrain: Drivetrain,
     dt: float,
     *,
     largest_error: float,
     largest_torque: float,
-    largest_oscillation: float | None = None,
+    largest_oscillation: Limit | None = None,
     largest_twist: float = math.inf,
 ) -> QuadraticFeedback:
     """Gains that minimise Σ (error/largest_error)² + (torque/largest_torque)² + … with the gap closed.
@@ -40,13 +42,14 @@ def _riccati(A: Array, B: Array, Q: Array, r: float) -> Array:
     return np.asarray((B.T @ p @ A)[0] / (r + float((B.T @ p @ B)[0, 0])))
 
 
+@checks_arguments
 def lqi(
     drivetrain: Drivetrain,
     *,
     dt: float,
     largest_error: float,
     largest_torque: float,
-    largest_oscillation: float | None = None,
+    largest_oscillation: Limit | None = None,
     largest_twist: float = math.inf,
     torque_limit: float = math.inf,
     load_torque: bool = True,

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..curves import PiecewiseLinear, saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -13,6 +14,7 @@ from ..systems import DiscreteSystem
 from .reference_direction import reference_direction
 
 
+@checks_arguments
 def pi(
     *,
     dt: float,

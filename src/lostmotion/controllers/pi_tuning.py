@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import design_model, loop_margin
@@ -16,9 +17,9 @@ from .pi import pi
 GAP_SHARES = (1.0, 0.3, 0.1, 0.01)
 #: Largest sensitivity (Åström & Hägglund 2006, Advanced PID Control, section 4.6: 1.4 to 2 are usual).
 LARGEST_SENSITIVITY = 2.0
-#: Kessler's spread; that of a phase margin of 45°, from which on it is searched for (Schröder 2009); by which factor it
-#: then grows, and how often (numerics).
+#: Kessler's spread; that of a phase margin of 45°, from which on it is searched for (Schröder 2009).
 CLASSICAL_SPREAD, DAMPED_SPREAD = 2.0, 1.0 + math.sqrt(2.0)
+#: By which factor the spread grows in the search, and how often (numerics).
 GROWTH, ATTEMPTS = 1.1, 80
 
 
@@ -63,6 +64,7 @@ class PiTuning:
         return {"kp": self.kp, "ki": self.ki, "filter_time": self.filter_time}
 
 
+@checks_arguments
 def symmetrical_optimum(
     drivetrain: Drivetrain,
     *,

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -36,6 +37,7 @@ class StateFeedback:
     friction_gain: float
 
 
+@checks_arguments
 def state_feedback(
     drivetrain: Drivetrain, poles: Sequence[complex] = DEFAULT_POLES, dt: float | None = None
 ) -> StateFeedback:
@@ -77,6 +79,7 @@ def state_feedback(
     return StateFeedback(gain, prefilter, friction_gain)
 
 
+@checks_arguments
 def pole_placement(
     drivetrain: Drivetrain,
     *,

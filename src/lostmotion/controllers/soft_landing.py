@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..curves import PiecewiseLinear, saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -40,6 +41,7 @@ _INPUTS = (
 )
 
 
+@checks_arguments
 def soft_landing(
     drivetrain: Drivetrain,
     *,
@@ -49,6 +51,8 @@ def soft_landing(
     braking_torque: float | None = None,
     rate: float | None = None,
     release: float = RELEASE,
+    tolerance: float = 0.0,
+    backlash_estimated: bool = False,
 ) -> DiscreteSystem:
     """Limit of the approach speed in the gap: torque_motor = max(min(torque_wished, U₊), −U₋) within ±torque_limit.
 
@@ -81,6 +85,12 @@ def soft_landing(
     release : float
         Torque allowed per shaft torque; at 1 + rate·(lag + dt) or below the limit would hold back a steady torque.
 
+    tolerance : float
+        Share of the backlash by which the gap may be narrower than known: so much earlier v is reached. The crossing
+        takes longer by tolerance·backlash/v.
+    backlash_estimated : bool
+        Read the backlash from an observer that tracks it, as one more input ``backlash_estimated`` (rad).
+
     Returns
     -------
     DiscreteSystem
@@ -101,21 +111,26 @@ def soft_landing(
     """
     braking_torque = BRAKING_SHARE * torque_limit if braking_torque is None else braking_torque
     rate = 1.0 / max(drivetrain.lag + dt, LEAST_SAMPLES * dt) if rate is None else rate
-    _check(drivetrain, dt, rate, release, contact_speed=contact_speed, torque_limit=torque_limit,
+    _check(drivetrain, dt, rate, release, tolerance, contact_speed=contact_speed, torque_limit=torque_limit,
            braking_torque=braking_torque)  # fmt: skip
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag
     gain = rate * inertia
     # Rows over (state torque_actuator, inputs): speed and distance after the torque that is on its way.
-    one = {name: row for name, row in zip(("torque_actuator", *_INPUTS), np.eye(7), strict=True)}
+    inputs = (*_INPUTS, "backlash_estimated") if backlash_estimated else _INPUTS
+    signals = ("torque_actuator", *inputs)
+    one = dict(zip(signals, np.eye(len(signals)), strict=True))
     closing = one["speed_motor_estimated"] - one["speed_load_estimated"]
     speed = closing + (lag * one["torque_actuator"] + dt * one["torque_motor_acting"]) / inertia
     ahead = speed - 0.5 * dt / inertia * one["torque_motor_acting"]
     distance = one["twist_estimated"] + lag * closing + dt * ahead
     elastic, wished = one["twist_elastic_estimated"], one["torque_wished"]
-    approach = _approach(drivetrain.backlash, contact_speed, braking_torque / inertia, rate, gain)
+    # The curve is over the way to the edge; a known edge is in the curve, an estimated one in its argument.
+    half = 0.5 * one["backlash_estimated"] if backlash_estimated else 0.0 * distance
+    edge = (0.0 if backlash_estimated else 0.5 * drivetrain.backlash) - tolerance * drivetrain.backlash
+    approach = _approach(drivetrain.backlash, edge, contact_speed, braking_torque / inertia, rate, gain)
     released = PiecewiseLinear(((0.0, 0.0),), 0.0, release * drivetrain.stiffness)
     z = np.array([
-        -distance, distance, elastic, -elastic,
+        half - distance, half + distance, elastic, -elastic,
         wished + gain * speed,      # torque_wished − U₊
         -wished - gain * speed,     # −U₋ − min(torque_wished, U₊)
         wished,
@@ -132,7 +147,7 @@ def soft_landing(
             "B": (1.0 - decay) * one["torque_motor_acting"][None, 1:],
         }  # fmt: skip
     return DiscreteSystem(
-        inputs=_INPUTS, outputs=("torque_motor",), dt=dt, name="soft_landing", G=z[:, 1:], H=H, J=np.eye(1, 7, 6),
+        inputs=inputs, outputs=("torque_motor",), dt=dt, name="soft_landing", G=z[:, 1:], H=H, J=np.eye(1, 7, 6),
         curves=(
             approach, approach, released, released, POSITIVE_PART, POSITIVE_PART, saturation(torque_limit)
         ),
@@ -140,8 +155,10 @@ def soft_landing(
     )  # fmt: skip
 
 
-def _approach(backlash: float, contact: float, braking: float, rate: float, gain: float) -> PiecewiseLinear:
-    """K·W over minus the distance from the middle of the gap: rad → Nm.
+def _approach(
+    backlash: float, edge: float, contact: float, braking: float, rate: float, gain: float
+) -> PiecewiseLinear:
+    """K·W over the way to the edge − ``edge``: rad → Nm.
 
     The points of the parabola lie at equal steps of the speed.
     """
@@ -154,12 +171,14 @@ def _approach(backlash: float, contact: float, braking: float, rate: float, gain
     if straight > 0.0:
         s, w = np.append(0.0, s), np.append(contact * (1.0 - STEEPEST), w)
     behind = contact / rate
-    points = np.column_stack([np.append(-behind, s) - 0.5 * backlash, gain * np.append(contact, w)])
+    points = np.column_stack([np.append(-behind, s) - edge, gain * np.append(contact, w)])
     slope = float(np.diff(points[-2:, 1])[0] / np.diff(points[-2:, 0])[0])
     return PiecewiseLinear(tuple((float(a), float(b)) for a, b in points), 0.0, slope)
 
 
-def _check(drivetrain: Drivetrain, dt: float, rate: float, release: float, **torques: float) -> None:
+def _check(
+    drivetrain: Drivetrain, dt: float, rate: float, release: float, tolerance: float, **torques: float
+) -> None:
     for name, value in {"dt": dt, "rate": rate, **torques}.items():
         if not (math.isfinite(value) and value > 0.0):
             raise InvalidInput(
@@ -172,5 +191,9 @@ def _check(drivetrain: Drivetrain, dt: float, rate: float, release: float, **tor
             "soft_landing.rate", f"{rate:g} 1/s", f"at most 1/dt = {1.0 / dt:g} 1/s", "Lower it."
         )
     least = 1.0 + rate * (drivetrain.lag + dt)
+    if not 0.0 <= tolerance < 1.0:
+        raise InvalidInput(
+            "soft_landing.tolerance", f"{tolerance!r}", "0 or a share below 1", "0.05 is usual."
+        )
     if not release > least:
         raise InvalidInput("soft_landing.release", f"{release:g}", f"more than {least:.3g}", "Raise it.")

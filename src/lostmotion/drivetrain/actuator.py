@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..argument_checks import checks_arguments, not_negative
 from ..errors import InvalidInput
-from .checks import not_negative
 from .short_repr import call_of
 
 
+@checks_arguments
 @dataclass(frozen=True, repr=False)
 class Actuator:
     """The drive's torque actuator.

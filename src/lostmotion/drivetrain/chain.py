@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments, not_negative
 from ..display.numbers import quantity
 from ..errors import InvalidInput
 from .actuator import Actuator
-from .checks import not_negative
 from .friction import Friction
 from .html_table import html_table
 from .shaft import Shaft
@@ -33,6 +33,7 @@ PARAMETER_UNITS: dict[str, str] = {
 }
 
 
+@checks_arguments
 @dataclass(frozen=True, repr=False)
 class Drivetrain:
     """A chain of inertias J1 … Jn joined by shafts, motor first, load last.
@@ -94,6 +95,7 @@ class Drivetrain:
         return {None: None, "motor": 0, "load": len(self.inertias) - 1}[self.locked]
 
     @classmethod
+    @checks_arguments
     def two_mass(
         cls,
         *,

@@ -6,11 +6,12 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..argument_checks import checks_arguments, not_negative
 from ..errors import InvalidInput
-from .checks import not_negative
 from .short_repr import call_of
 
 
+@checks_arguments
 @dataclass(frozen=True, repr=False)
 class Friction:
     """Friction of one inertia: set-valued at rest, Coulomb + Stribeck + viscous when it turns.

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from ..recording import unit_of
 from .chain import Drivetrain
@@ -15,6 +16,7 @@ from .friction import Friction
 from .shaft import Shaft
 
 
+@checks_arguments
 @dataclass(frozen=True)
 class Gear:
     """A gear without losses: refers what turns behind it to the side before it, and back.

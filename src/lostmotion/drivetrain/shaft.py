@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from ..argument_checks import checks_arguments, not_negative
 from ..errors import InvalidInput
-from .checks import not_negative
 from .short_repr import call_of
 
 Contact = Literal["viscoelastic", "dead_zone", "limited", "clipped", "physical"]
@@ -16,6 +16,7 @@ CONTACT_LAWS: tuple[str, ...] = get_args(Contact)
 NO_BACKLASH = 1e-10
 
 
+@checks_arguments
 @dataclass(frozen=True, repr=False)
 class Shaft:
     """One elastic shaft with backlash.

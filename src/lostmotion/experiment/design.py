@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import PARAMETER_UNITS, Drivetrain
 from ..errors import InvalidInput, Problem
 from ..identification import Identification, identify
@@ -73,6 +74,7 @@ class ExcitationDesign:
         write_csv(path, self.recording)
 
 
+@checks_arguments
 def design_excitation(
     nameplate: Drivetrain,
     *,

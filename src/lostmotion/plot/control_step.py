@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..recording import Recording
 from .style import (
     SERIES,
@@ -29,6 +30,7 @@ SIGNALS = ("speed_load", "speed_motor", "torque_motor", "twist")
 BINS = 500
 
 
+@checks_arguments
 def control_step(
     responses: Mapping[str, Recording],
     *,

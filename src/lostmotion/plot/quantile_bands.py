@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .style import ESTIMATED, MEASURED, axis_label, display_unit, panels
+from .style import ESTIMATED, MEASURED, axis_label, display_unit, panels, title_and_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,8 +57,7 @@ def quantile_bands(
             axis.plot(time, values, color=MEASURED["color"], linewidth=0.9, label="as given")
         axis.set_ylabel(axis_label(signal).replace(" (", "\n("))
         axis.margins(x=0.0)
-    grid[0].set_title(title, fontweight="bold", loc="left")
-    grid[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=8)
+    title_and_legend(figure, grid[:1], title)
     grid[-1].set_xlabel("time (s)")
     figure.align_ylabels(grid)
     return figure

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..argument_checks import checks_arguments
 from ..recording import Recording
 from .style import ESTIMATED, axis_label, display_unit, is_held, panels, thin_min_max
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@checks_arguments
 def recording_overview(
     recording: Recording,
     *,

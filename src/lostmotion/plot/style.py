@@ -84,6 +84,8 @@ def panels(
     **grid: Any,
 ) -> tuple[Figure, list[Axes]]:
     """The given axes, checked, or those of a new figure that belongs to no window and no global state."""
+    if count < 1:
+        raise InvalidInput("plot signals", "none", "at least one to draw", "Name one that is recorded.")
     if axes is None:
         from matplotlib.figure import Figure
 
@@ -129,6 +131,7 @@ def thin_min_max(time: ArrayLike, values: ArrayLike, bins: int) -> tuple[Floats,
     Peaks stay where they are, so that a drawing of 100 000 samples looks the same and stays light.
     """
     t, v = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    bins = max(bins, 1)
     if t.size <= 2 * bins:
         return t, v
     width = -(-t.size // bins)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain, Friction
 from ..errors import InvalidInput
 
@@ -14,11 +15,13 @@ from ..errors import InvalidInput
 LEAST_SPREAD = 1e-6
 
 
+@checks_arguments
 def eigenfrequencies(drivetrain: Drivetrain) -> NDArray[np.float64]:
     """Undamped eigenfrequencies with all gaps closed, Hz, rising, the first is 0 (rigid rotation)."""
     return _frequencies(drivetrain, locked_motor=False)
 
 
+@checks_arguments
 def motor_zeros(drivetrain: Drivetrain) -> NDArray[np.float64]:
     """Zeros of motor angle / motor torque with all gaps closed, Hz: the eigenfrequencies with the motor locked."""
     return _frequencies(drivetrain, locked_motor=True)
@@ -36,6 +39,7 @@ def _frequencies(drivetrain: Drivetrain, locked_motor: bool) -> NDArray[np.float
     return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(scaled), 0.0)) / (2.0 * math.pi))
 
 
+@checks_arguments
 def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64]) -> dict[str, float | None]:
     """Parameters of the equivalent two-mass drivetrain, by name, SI.
 
@@ -53,6 +57,7 @@ def two_mass_equivalent(drivetrain: Drivetrain, speed_load: NDArray[np.float64])
     stiffness = pole**2 / (1.0 / motor + 1.0 / load)
     # In series the compliances add, and in slow motion each shaft dissipates d·(share of the twist)².
     compliance = math.fsum(1.0 / shaft.stiffness for shaft in drivetrain.shafts)
+    speed_load = np.atleast_1d(np.asarray(speed_load, dtype=float))
     damping = math.fsum(s.damping * (1.0 / s.stiffness / compliance) ** 2 for s in drivetrain.shafts)
     coulomb, viscous = friction_line(drivetrain.frictions[-1], speed_load)
     return {

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Actuator, Drivetrain, Friction, Shaft
 from ..errors import InvalidInput
 from ..simulation import Sensor
@@ -60,6 +61,7 @@ def nominal_rig() -> Rig:
     return make_rig(INERTIAS, STIFFNESSES, BACKLASH, COULOMB, VISCOUS, seed=None)
 
 
+@checks_arguments
 def varied_rig(seed: int) -> Rig:
     """One rig of the family: every inertia and stiffness within ±10 %, friction and backlash within ±20 %."""
     if seed < 0:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..recording import Recording
@@ -44,6 +45,7 @@ class Truth:
     signals: Recording
 
 
+@checks_arguments
 def record(
     rig: int | Rig | None = 1,
     *,

@@ -10,11 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments, not_negative
 from ..errors import InvalidInput
 
 Array = NDArray[np.float64]
 
 
+@checks_arguments
 @dataclass(frozen=True)
 class Sensor:
     """One measured channel of a simulated plant.
@@ -80,13 +82,18 @@ def disturbance(sensors: Mapping[str, Sensor], channels: Sequence[str], length: 
     return np.column_stack(columns) if columns else np.zeros((length, 0))
 
 
+@checks_arguments
 def measure(
     sensors: Mapping[str, Sensor], signals: Mapping[str, Array], dt: float, seed: int
 ) -> dict[str, Array]:
     """What the sensors show of true signals sampled at dt (s): (n,) arrays, equal to those a law in the loop sees."""
     from ..kernels.loop.sensors import over_a_recording
 
-    length = next(iter(signals.values())).size
+    lengths = {np.shape(values) for values in signals.values()}
+    if len(lengths) != 1 or len(shape := lengths.pop()) != 1:
+        raise InvalidInput("measure.signals", "no rows of one length", "(n,) arrays", "Cut them alike.")
+    length = shape[0]
+    not_negative("measure.dt", dt, positive=True)
     shown = {}
     for name, sensor in sensors.items():
         if sensor.source not in signals:

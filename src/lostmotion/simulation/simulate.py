@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..plain_data import whole
@@ -28,6 +29,7 @@ from .plant_run import PlantRun
 from .sensors import Sensor
 
 
+@checks_arguments
 def simulate(
     drivetrain: Drivetrain,
     *,

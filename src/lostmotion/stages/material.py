@@ -32,9 +32,10 @@ VALIDATION_PART = 0.3
 
 @dataclass(frozen=True)
 class Settings:
-    """What the user asks of the laws; None: from the recording and the identified drivetrain, see ``stages.design``.
+    """What the user asks for; None: from the recording and the identified drivetrain, see ``stages.design``.
 
-    Sample time (s), torque limit (Nm; inf: none), poles (1/s), gains of the PI controller (Nm s/rad and Nm/rad).
+    Sample time (s), torque limit (Nm; inf: none), poles (1/s), gains of the PI controller (Nm s/rad and Nm/rad);
+    parameters that keep their nameplate value, and whether an unknown torque acts on the load: as in ``identify``.
     """
 
     sample_time: float | None = None
@@ -42,6 +43,8 @@ class Settings:
     poles: tuple[complex, ...] | None = None
     kp: float | None = None
     ki: float | None = None
+    fixed: tuple[str, ...] = ()
+    load_torque: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +108,10 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
     """
     loaded = load_recordings(configuration)
     law = configuration.law
-    settings = Settings(law.sample_time, law.torque_limit, law.poles, law.kp, law.ki)
+    settings = Settings(
+        law.sample_time, law.torque_limit, law.poles, law.kp, law.ki,
+        configuration.identify.fixed, configuration.identify.load_torque,
+    )  # fmt: skip
     problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
     first = {use: next((r for u, r in loaded if u == use), None) for use in ("identify", "validate")}
     for use in first:

@@ -81,7 +81,13 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
     reason = _reason_against(recording, material.nameplate)
     if not reason:
         try:
-            found = identify(recording, start=two_mass(material.nameplate), progress=progress)
+            found = identify(
+                recording,
+                start=two_mass(material.nameplate),
+                fixed=material.settings.fixed,
+                load_torque=material.settings.load_torque,
+                progress=progress,
+            )
         except InvalidInput as error:
             reason = str(error)
     if not reason:

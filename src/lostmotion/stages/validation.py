@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from ..errors import InvalidInput, Problem
 from ..metrics import compare, step_metrics
 from ..recording import Recording
 from ..systems import DiscreteSystem
-from .design import OBSERVERS, Design, is_averaged, observer
+from .design import GIVEN, OBSERVERS, Design, is_averaged, observer
 from .material import Material
 from .parameters import Found
 from .speed_step import PAPER_STEP, SpeedStep
@@ -123,7 +123,7 @@ def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool) -> 
 def validate_controllers(
     material: Material, found: Found, laws: Design
 ) -> tuple[dict[str, Any], dict[str, Recording], SpeedStep, tuple[Problem, ...]]:
-    """PI and the target's law on a step of the set-point and back, on the rig or on a finer plant.
+    """PI, the target's law and that with soft landing on a step of the set-point and back, on the rig or a finer plant.
 
     A loop that is unstable or does not settle is a result, with a warning.
     """
@@ -137,18 +137,20 @@ def validate_controllers(
     table: dict[str, Any] = {"plant": label}
     step, responses, unstable = _settled_responses(plant, laws)
     problems: list[Problem] = []
-    for name, reason in (("pi", laws.pi_skipped), ("pole_placement", laws.skipped)):
+    skipped = {
+        "pi": laws.pi_skipped, "pole_placement": laws.skipped, "soft_landing": laws.landing_skipped,
+    }  # fmt: skip
+    for name, reason in skipped.items():
         if name in unstable:
             table[name] = {"skipped": f"unstable loop: {unstable[name]}"}
-            problems.append(_loop_problem(name, unstable[name]))
+            problems.append(_loop_problem(name, unstable[name], laws))
         elif name not in responses:
             table[name] = {"skipped": reason}
         else:
             table[name] = judged_step(responses[name], step)
             if not table[name]["steady_error"] < STEADY:
-                problems.append(
-                    _loop_problem(name, f"a steady error of {table[name]['steady_error']:.2g} of the step")
-                )
+                got = f"a steady error of {table[name]['steady_error']:.2g} of the step"
+                problems.append(_loop_problem(name, got, laws, _holds(found.drivetrain)))
     return table, responses, step, tuple(problems)
 
 
@@ -160,7 +162,8 @@ def _settled_responses(
     for doubling in range(DOUBLINGS + 1):
         responses: dict[str, Recording] = {}
         unstable: dict[str, str] = {}
-        for name, law in (("pi", laws.pi), ("pole_placement", laws.watched)):
+        named = {"pi": laws.pi, "pole_placement": laws.watched, "soft_landing": laws.landing}
+        for name, law in named.items():
             if law is None:
                 continue
             response, trouble = _stable_response(plant, law, laws.dt, step)
@@ -194,25 +197,36 @@ def _stable_response(
     return response, ""
 
 
-def _loop_problem(name: str, got: str) -> Problem:
-    return Problem(
-        "warning",
-        f"controller {name} in the simulated loop",
-        got,
-        "a load speed that settles at the set-point",
-        "Set kp and ki, poles, torque_limit or a shorter sample_time in [law] to suit this drivetrain.",
-    )
+def _holds(drivetrain: Drivetrain) -> float:
+    """Torque that friction holds, Nm."""
+    return drivetrain.coulomb + drivetrain.coulomb_motor
+
+
+def _loop_problem(name: str, got: str, laws: Design, friction: float = 0.0) -> Problem:
+    """A loop that does not settle, with what helps: what the user has set comes first."""
+    given = laws.taken["pi_kp" if name == "pi" else "poles"]["source"] == GIVEN
+    key = "kp and ki" if name == "pi" else "poles"
+    if laws.torque_limit <= friction:
+        remedy = f"Raise torque_limit under [law]: friction alone holds {friction:.3g} Nm."
+    elif given:
+        remedy = f"Leave {key} out of [law]: the default is made for this drivetrain."
+    else:
+        remedy = (
+            "Give a shorter sample_time under [law]; check whether backlash and stiffness are identified."
+        )
+    where = f"controller {name} in the simulated loop"
+    return Problem.warning(where, got, "a load speed that settles at the set-point", remedy)
 
 
 def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep) -> Recording:
     """A pulse of the set-point with the law in the loop of a rig: the recording of its sensors and the estimates."""
     recording, truth = rig.record(plant, law=law, speed_reference=step.reference(dt), dt=dt, noise_seed=2)
     estimates = {n: truth.signals[n] for n in law.outputs if n.endswith("_estimated")}
-    return recording.with_signals("estimated", **estimates)
+    return replace(recording.with_signals("estimated", **estimates), events=truth.signals.events)
 
 
 def judged_step(response: Recording, step: SpeedStep) -> dict[str, float | None]:
-    """Metrics of the load speed from the step to the end of the pulse."""
+    """Metrics of the load speed, and the largest impact, from the step to the end of the pulse."""
     metrics = step_metrics(
         response.time,
         response["speed_load"],
@@ -225,7 +239,10 @@ def judged_step(response: Recording, step: SpeedStep) -> dict[str, float | None]
     judged = metrics.as_dict()
     if judged["rise_time"] is None:
         judged["overshoot"] = None  # not defined for a response that never reaches the set-point
-    return judged
+    impacts = [
+        abs(e.speed) for e in response.events if e.kind == "impact" and step.start <= e.time < step.stop
+    ]
+    return {**judged, "impact_speed": max(impacts, default=0.0)}
 
 
 def validate(material: Material, found: Found, laws: Design) -> Validation:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 
 #: Steel: shear modulus in Pa and density in kg/m³ (usual handbook values).
@@ -17,6 +18,7 @@ def _positive(where: str, value: float, zero_allowed: bool = False) -> None:
         raise InvalidInput(where, repr(value), f"{expected} in SI units", "Check the sign and the unit.")
 
 
+@checks_arguments
 @dataclass(frozen=True)
 class Disc:
     """A rigid inertia (kg m²) at its position in the chain."""
@@ -28,6 +30,7 @@ class Disc:
         _positive(f"Disc {self.name!r}: inertia", self.inertia)
 
 
+@checks_arguments
 @dataclass(frozen=True)
 class Coupling:
     """A massless spring of given stiffness (Nm/rad); its inertias are discs before and after it."""
@@ -39,6 +42,7 @@ class Coupling:
         _positive(f"Coupling {self.name!r}: stiffness", self.stiffness)
 
 
+@checks_arguments
 @dataclass(frozen=True)
 class ShaftSegment:
     """A round shaft of constant cross-section, divided into equal finite elements.
@@ -90,6 +94,7 @@ class ShaftSegment:
         return self.density * self.polar_moment * self.length
 
 
+@checks_arguments
 @dataclass(frozen=True)
 class Gear:
     """A rigid gear stage: all that follows turns at 1/ratio of the speed before it.

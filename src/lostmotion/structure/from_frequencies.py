@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..argument_checks import checks_arguments, not_negative
 from ..drivetrain import Drivetrain, Shaft
 from ..errors import InvalidInput
 from .torsional_model import DAMPING_RATIO
@@ -14,6 +15,7 @@ from .torsional_model import DAMPING_RATIO
 Floats = NDArray[np.float64]
 
 
+@checks_arguments
 def two_mass_from_frequencies(
     *, zero: float, pole: float, damping_ratio: float = DAMPING_RATIO, inertia_total: float
 ) -> Drivetrain:
@@ -48,6 +50,7 @@ def two_mass_from_frequencies(
     )
 
 
+@checks_arguments
 def chain_from_frequencies(
     zeros: ArrayLike,
     poles: ArrayLike,
@@ -68,6 +71,7 @@ def chain_from_frequencies(
     damping_ratio : float
         Of every eigenmode, as close as one damper in each shaft allows.
     """
+    not_negative("chain_from_frequencies.damping_ratio", damping_ratio)
     z, p = (np.asarray(f, dtype=float) for f in (zeros, poles))
     _check_interlaced(z, p, inertia_total)
     z2, p2 = (2.0 * np.pi * z) ** 2, (2.0 * np.pi * p) ** 2

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from .torsional_model import TorsionalModel
 
@@ -75,6 +76,7 @@ class Modes:
         return np.asarray(terms.sum(axis=1), dtype=complex)
 
 
+@checks_arguments
 def modes(model: TorsionalModel) -> Modes:
     """Eigenfrequencies and mass-normalised shapes of K·φ = ω²·M·φ."""
     squares, shapes = _eigen(model.stiffness, model.mass)
@@ -82,6 +84,7 @@ def modes(model: TorsionalModel) -> Modes:
     return Modes(model, np.sqrt(squares) / (2.0 * np.pi), shapes)
 
 
+@checks_arguments
 def zeros(model: TorsionalModel, at: str | int = 0) -> Floats:
     """Zeros (Hz, undamped) of angle over torque at one node: eigenfrequencies with that node locked, (n − 1,)."""
     i = model.node(at)

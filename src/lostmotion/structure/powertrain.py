@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..argument_checks import checks_arguments
 from .elements import Coupling, Disc, Part, ShaftSegment
 from .torsional_model import DAMPING_RATIO, TorsionalModel, assemble
 
@@ -26,6 +27,7 @@ PARTS: tuple[Part, ...] = (
 )
 
 
+@checks_arguments
 def paper_powertrain(*, damping_ratio: float = DAMPING_RATIO) -> TorsionalModel:
     """The paper's powertrain with the gap closed: eigenmodes at 0, 100 and 750 Hz, motor zero 38 Hz, 0.1292 kg m².
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from .from_frequencies import chain_from_frequencies, damped_chain
@@ -66,6 +67,7 @@ class ChainReduction:
         return float(np.max(np.abs(self.error_db[self.scored])))
 
 
+@checks_arguments
 def reduce_to_chain(
     model: TorsionalModel,
     n: int,

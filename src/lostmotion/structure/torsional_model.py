@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from .elements import Coupling, Disc, Gear, Part, ShaftSegment
@@ -21,6 +22,7 @@ DAMPING_RATIO = 0.02
 ASYMMETRY = 1e-9
 
 
+@checks_arguments
 @dataclass(frozen=True, eq=False)
 class TorsionalModel:
     """M·φ̈ + K·φ = torques, all angles and torques referred to the first shaft.
@@ -87,6 +89,7 @@ class TorsionalModel:
         return math.fsum(rows[:i]), math.fsum(rows[i:])
 
 
+@checks_arguments
 def assemble(parts: Sequence[Part], *, damping_ratio: float = DAMPING_RATIO) -> TorsionalModel:
     """The finite-element model of a chain of parts, given in the order of the drawing.
 
@@ -117,6 +120,7 @@ def assemble(parts: Sequence[Part], *, damping_ratio: float = DAMPING_RATIO) -> 
     return TorsionalModel(mass, stiffness, tuple(chain.names), np.array(chain.ratios), damping_ratio)
 
 
+@checks_arguments
 def from_drivetrain(drivetrain: Drivetrain, *, damping_ratio: float = DAMPING_RATIO) -> TorsionalModel:
     """The linear structure of a drivetrain, every gap closed; nodes "1" (motor) … "n" (load)."""
     n = len(drivetrain.inertias)

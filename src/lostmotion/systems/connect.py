@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from .discrete_system import DiscreteSystem, Matrix
 
 
+@checks_arguments
 def connect(
     systems: Sequence[DiscreteSystem],
     inputs: Sequence[str] = (),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from .discrete_system import Matrix
@@ -50,6 +51,7 @@ class SteadyState:
     torque: float
 
 
+@checks_arguments
 def design_model(drivetrain: Drivetrain, dt: float, delay: int = 1) -> DesignModel:
     """The two-mass drivetrain with the gap closed, its current loop's lag, and ``delay`` samples of computing delay.
 
@@ -81,6 +83,7 @@ def design_model(drivetrain: Drivetrain, dt: float, delay: int = 1) -> DesignMod
     return DesignModel(tuple(states), A, np.eye(n + delay)[-1], np.pad(load_step, (0, delay)), dt)
 
 
+@checks_arguments
 def steady_state(
     drivetrain: Drivetrain, model: DesignModel, speed: float, torque_load: float = 0.0
 ) -> SteadyState:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..argument_checks import checks_arguments
 from ..curves import PiecewiseLinear
 from ..errors import InvalidInput
 from ..plain_data import entries, numbers, table, text, texts
@@ -49,6 +50,7 @@ def _empty() -> NDArray[np.float64]:
     return np.empty(0)
 
 
+@checks_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DiscreteSystem:
     """A discrete law in Lur'e form: a linear system with static piecewise-linear curves.
@@ -181,6 +183,7 @@ class DiscreteSystem:
         """The same law, which holds the last good value of a missing input and accepts all others."""
         return replace(self, checks=(), P=_empty(), Q=_empty(), R=_empty())
 
+    @checks_arguments
     def run(self, data: Recording | Mapping[str, ArrayLike], state: ArrayLike | None = None) -> Recording:
         """Run the law over recorded inputs.
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..curves import PiecewiseLinear, saturation
 from ..errors import InvalidInput
 from .discrete_system import DiscreteSystem
@@ -14,11 +15,13 @@ from .discrete_system import DiscreteSystem
 POSITIVE_PART = PiecewiseLinear(((0.0, 0.0),), 0.0, 1.0)
 
 
+@checks_arguments
 def minimum(first: str, second: str, output: str, dt: float) -> DiscreteSystem:
     """``output`` = min(first, second) = first − max(first − second, 0); exact to the rounding of the difference."""
     return _selection(first, second, output, dt, "minimum", -1.0)
 
 
+@checks_arguments
 def maximum(first: str, second: str, output: str, dt: float) -> DiscreteSystem:
     """``output`` = max(first, second) = first + max(second − first, 0); exact to the rounding of the difference."""
     return _selection(first, second, output, dt, "maximum", 1.0)
@@ -31,6 +34,7 @@ def _selection(first: str, second: str, output: str, dt: float, kind: str, sign:
     )  # fmt: skip
 
 
+@checks_arguments
 def rate_limit(signal: str, output: str, *, rate: float, dt: float, start: float = 0.0) -> DiscreteSystem:
     """``output`` follows ``signal`` by at most ``rate`` (its unit per s): y = y₋₁ + clip(u − y₋₁, ±rate·dt).
 

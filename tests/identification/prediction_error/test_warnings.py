@@ -35,7 +35,7 @@ def told(result: Identification, words: str) -> list[Problem]:
 
 def test_a_residual_that_is_not_white():
     (problem,) = told(found(drift=2.0), "times white noise's share")
-    assert "load_torque=True" in problem.remedy
+    assert "load_torque = true under [identify]" in problem.remedy
     assert told(found(), "times white noise's share") == []
 
 
@@ -72,7 +72,7 @@ def test_nothing_is_told_where_no_rows_can_be_joined():
 
 def test_a_start_far_off():
     (problem,) = [p for p in found(factor=0.33).problems if p.where == "stiffness"]
-    assert "nameplate" in problem.expected and "Check the nameplate" in problem.remedy
+    assert "nameplate" in problem.expected and "Check the value under [nameplate]" in problem.remedy
     assert [p for p in found().problems if p.where == "stiffness"] == []
 
 

@@ -16,6 +16,7 @@ from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InputProblems, Problem
 from lostmotion.io.configuration.read import (
     Configuration,
+    IdentifySettings,
     LawSettings,
     RecordingSource,
     RunSettings,
@@ -58,6 +59,9 @@ def test_outline(tmp_path: Path) -> None:
         time = { column = 0, unit = "s" }
         channels.speed_motor = 1
         channels.torque_motor = { column = "Iq [A]", scale = 1.9, unit = "Nm", sign = -1 }
+        [identify]
+        fixed = ["stiffness"]
+        load_torque = true
         [law]
         sample_time = "0.1 ms"
         torque_limit = 73.5
@@ -79,6 +83,7 @@ def test_outline(tmp_path: Path) -> None:
         True,
         False,
     )
+    assert found.identify == IdentifySettings(("stiffness",), True)
     assert found.law == LawSettings(1e-4, 73.5, (-400.0, -300.5, -400.0), 10.0, 200.0)
     assert found.run == RunSettings(7)
 
@@ -87,6 +92,7 @@ def test_defaults(tmp_path: Path) -> None:
     found = read(tmp_path, MINIMAL)
     assert dict(found.nameplate) == {}
     assert found.recordings == (RecordingSource(tmp_path / "rig.csv"),)
+    assert found.identify == IdentifySettings()
     assert found.law == LawSettings(None, None, None, None, None)
     assert found.run == RunSettings(1)
 
@@ -99,9 +105,15 @@ def test_template_is_valid_as_it_stands_and_with_every_comment_removed(tmp_path:
 
 
 def keys() -> list[str]:
-    from lostmotion.io.configuration.models import LawModel, NameplateModel, RecordingModel, RunModel
+    from lostmotion.io.configuration.models import (
+        IdentifyModel,
+        LawModel,
+        NameplateModel,
+        RecordingModel,
+        RunModel,
+    )
 
-    models = (NameplateModel, RecordingModel, LawModel, RunModel)
+    models = (NameplateModel, RecordingModel, IdentifyModel, LawModel, RunModel)
     return [k for m in models for k in m.model_fields] + [f.name for f in dataclasses.fields(Channel)]
 
 
@@ -177,6 +189,9 @@ def test_the_examples_of_the_documentation_are_valid(tmp_path: Path, monkeypatch
         ("[recording]\nfile = 'a'", "line 1, recording", "a table [recording]"),
         ("recording = []", "line 1, recording", "none"),
         ("", "rig.toml, recording", "nothing"),
+        (MINIMAL + '[identify]\nfixed = ["inertia"]', "line 4, identify.fixed", "unknown parameter"),
+        (MINIMAL + '[identify]\nfixed = ["lag"]', "line 4, identify.fixed", "lag, which has no value"),
+        (MINIMAL + '[identify]\nfixed = "lag"', "line 4, identify.fixed", "'lag'"),
         (MINIMAL + "[law]\npoles = [-1, -2]", "line 4, law.poles", "[-1, -2]"),
         (MINIMAL + "[law]\npoles = [-1, -2, 3]", "line 4, law.poles", "[-1, -2, 3]"),
         (MINIMAL + "[law]\ntorque_limit = 0", "line 4, law.torque_limit", "0"),

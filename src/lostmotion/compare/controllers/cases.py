@@ -17,11 +17,8 @@ class Case:
 
     Parameters
     ----------
-    name : str
-    group : str
-        Cases of one group share a column of the figure.
-    quick : bool
-        Part of the short comparison.
+    name, group, quick
+        As in ``compare.cases.Case``.
     work : str
         Out of ``WORKS``. In tip-in and tip-out a torque is asked for, in the others a speed of the load.
     true_states : bool

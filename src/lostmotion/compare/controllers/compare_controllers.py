@@ -42,11 +42,8 @@ def compare_controllers(
         Number of rigs (401, 402, …), or their seeds. Default 20, quick 2.
     cases, controllers : sequence of str, optional
         Names; default all (quick: the quick cases). Pole placement always takes part.
-    workers : int, optional
-        Processes; default one for each core; 1: this process alone.
-    force : bool
-        Replace the folder's table in any case; its scores stay.
-    progress : callable (fraction, text), optional
+    workers, force, progress
+        As in ``compare_observers``.
 
     Returns
     -------

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments, not_negative
 from ...errors import InvalidInput
 from ...recording import Recording
 from ..friction.result import Floats, torque_to_use
@@ -61,6 +62,7 @@ class LockedBacklash(Estimates):
         return np.asarray(wind_up + 0.5 * side * backlash)
 
 
+@checks_arguments
 def locked_backlash(
     recording: Recording,
     *,
@@ -93,6 +95,9 @@ def locked_backlash(
 
     Source: Fietzek & Rinderknecht, section II.4 (brakes closed, small oscillating motor torque).
     """
+    not_negative("locked_backlash.settling", settling)
+    if resolution is not None:
+        not_negative("locked_backlash.resolution", resolution)
     used, problems = torque_to_use(recording, torque)
     theta, m, dt = recording[angle], recording[used], recording.dt
     count = count_of(theta) if resolution is None else float(resolution)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...errors import Problem
 from ...recording import Recording
 from . import problems as problem
@@ -43,6 +44,7 @@ class BacklashExcitation:
     problems: tuple[Problem, ...]
 
 
+@checks_arguments
 def backlash_excited(recording: Recording, *, signal: str = "torque_shaft") -> BacklashExcitation:
     """Judge by the shaft torque, measured or estimated, whether the gap is crossed.
 

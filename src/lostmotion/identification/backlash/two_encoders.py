@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments, not_negative
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
 from ..friction.result import Floats, torque_to_use
@@ -66,6 +67,7 @@ class LostMotion(Estimates):
     direction: Floats
 
 
+@checks_arguments
 def lost_motion(
     recording: Recording,
     *,
@@ -102,6 +104,7 @@ def lost_motion(
         raise InvalidInput(
             "lost_motion", f"{len(recording)} samples", f"at least {MIN_ROWS}", "Record longer."
         )
+    not_negative("lost_motion.inertia_motor", inertia_motor)
     dt = recording.dt
     name, problems = _torque(recording, torque)
     m = np.zeros(len(recording)) if name is None else _smooth(recording[name])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import Problem
 from ...recording import Recording
@@ -29,6 +30,7 @@ class FrequencyAnalysis:
         return {"response": self.response.as_dict(), "two_mass_fit": self.fit.as_dict() if self.fit else None}
 
 
+@checks_arguments
 def frequency_analysis(
     recording: Recording,
     input: str = "torque_motor",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...argument_checks import checks_arguments, not_negative
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from .two_mass_response import two_mass_response
@@ -53,6 +54,7 @@ class GaussianEquivalent:
         return self.drivetrain.pole_frequency
 
 
+@checks_arguments
 def gaussian_equivalent(drivetrain: Drivetrain, torque_motor: ArrayLike, dt: float) -> GaussianEquivalent:
     """Random-input describing functions of gap and Coulomb friction, solved together with the response they cause.
 
@@ -76,8 +78,9 @@ def gaussian_equivalent(drivetrain: Drivetrain, torque_motor: ArrayLike, dt: flo
     InvalidInput
         If the torque is not finite or does not change.
     """
+    not_negative("gaussian_equivalent.dt", dt, positive=True)
     torque = np.asarray(torque_motor, dtype=float)
-    if torque.ndim != 1 or not np.all(np.isfinite(torque)) or not np.ptp(torque) > 0.0:
+    if torque.ndim != 1 or torque.size < 2 or not np.all(np.isfinite(torque)) or not np.ptp(torque) > 0.0:
         raise InvalidInput(
             "gaussian_equivalent: torque_motor", "no varying signal", "a random torque", "Check it."
         )

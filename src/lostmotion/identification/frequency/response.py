@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput, Problem
 from ...recording import Recording, unit_of
 from . import problems as problem
@@ -120,6 +121,7 @@ class FrequencyResponse:
         }
 
 
+@checks_arguments
 def frequency_response(
     recording: Recording,
     input: str = "torque_motor",

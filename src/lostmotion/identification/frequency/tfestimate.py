@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...argument_checks import checks_arguments, not_negative
 from ...errors import InvalidInput
 
 Floats = NDArray[np.float64]
@@ -17,6 +18,7 @@ Complexes = NDArray[np.complex128]
 DEFAULT_SEGMENTS, LEAST_NFFT = 8, 256
 
 
+@checks_arguments
 def tfestimate(
     x: ArrayLike,
     y: ArrayLike,
@@ -63,6 +65,7 @@ def tfestimate(
     return (xy / xx if estimator == "H1" else yy / xy.conj()), f
 
 
+@checks_arguments
 def mscohere(
     x: ArrayLike,
     y: ArrayLike,
@@ -110,7 +113,7 @@ def _spectra(
             "noverlap counts samples.",
         )
     a, b = (_segment_spectra(np.asarray(v, dtype=float), values, overlap, points) for v in signals)
-    rate = 2.0 * np.pi if fs is None else float(fs)
+    rate = 2.0 * np.pi if fs is None else not_negative("tfestimate, mscohere: fs", fs, positive=True)
     xy = np.asarray((a.conj() * b).sum(axis=0), dtype=complex)
     frequency = np.arange(points // 2 + 1) * rate / points
     return (np.abs(a) ** 2).sum(axis=0), (np.abs(b) ** 2).sum(axis=0), xy, frequency
@@ -124,9 +127,16 @@ def _window(window: ArrayLike | int | None, noverlap: int | None, n: int) -> tup
         )
         values = np.hamming(max(length, 1))
     elif np.ndim(window) == 0:
-        values = np.hamming(int(np.asarray(window)))
+        size = float(np.asarray(window))
+        if not 1.0 <= size <= n:
+            raise InvalidInput(
+                "tfestimate, mscohere: window", f"{size:g} samples", f"1 to {n}", "Take a shorter one."
+            )
+        values = np.hamming(int(size))
     else:
         values = np.asarray(window, dtype=float).ravel()
+    if not np.all(np.isfinite(values)):
+        raise InvalidInput("tfestimate, mscohere: window", "NaN or infinity", "finite numbers", "Check it.")
     return values, values.size // 2 if noverlap is None else int(noverlap)
 
 

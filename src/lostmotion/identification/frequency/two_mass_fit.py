@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
 from ..statistics.estimates import Estimates, Source
@@ -63,6 +64,7 @@ class TwoMassFit(Estimates):
     residual: Complexes
 
 
+@checks_arguments
 def two_mass_fit(
     measured: FrequencyResponse,
     *,

@@ -7,14 +7,17 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 
 Complexes = NDArray[np.complex128]
 
 #: Outputs over the motor torque that the two-mass drivetrain has.
 OUTPUTS = ("angle_motor", "angle_load", "speed_motor", "speed_load", "twist", "torque_shaft")
+_NEEDED = ("inertia_motor", "inertia_load", "stiffness", "damping")
 
 
+@checks_arguments
 def two_mass_response(parameters: Mapping[str, float], output: str, s: Complexes) -> Complexes:
     """Output over motor torque with the gap closed, at complex frequencies s (1/s), of the same shape.
 
@@ -30,6 +33,14 @@ def two_mass_response(parameters: Mapping[str, float], output: str, s: Complexes
         raise InvalidInput(
             "two_mass_response: output", repr(output), f"one of {OUTPUTS}", "Choose another output."
         )
+    missing = [name for name in _NEEDED if name not in parameters]
+    if missing:
+        raise InvalidInput(
+            "two_mass_response.parameters", f"no {', '.join(missing)}", f"all of {_NEEDED}", "Add it."
+        )
+    s = np.asarray(s, dtype=complex)
+    if not np.all(np.isfinite(s)) or np.any(s == 0.0):
+        raise InvalidInput("two_mass_response.s", "0, NaN or infinity", "other frequencies", "Leave it out.")
     shaft = parameters["stiffness"] + parameters["damping"] * s
     load = parameters["inertia_load"] * s**2 + parameters.get("viscous", 0.0) * s
     motor = parameters["inertia_motor"] * s**2 + parameters.get("viscous_motor", 0.0) * s

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...argument_checks import checks_arguments, not_negative
 from ...recording import Recording
 from ..statistics.estimates import Estimates, Interval, sources_of
 from . import problems as problem
@@ -49,6 +50,7 @@ class Breakaway(Estimates):
     angle: Floats
 
 
+@checks_arguments
 def breakaway(
     recording: Recording, *, angle: str = "angle_motor", torque: str | None = None, travel: float = 0.1
 ) -> Breakaway:
@@ -70,6 +72,7 @@ def breakaway(
     travel : float, rad
         A motion counts from this far on: more than a gap and the wind-up let the motor turn (default chosen).
     """
+    not_negative("breakaway.travel", travel, positive=True)
     used, problems = torque_to_use(recording, torque)
     theta, m = recording[angle], recording[used]
     rows = [_start(theta, m, i, recording.dt) for i in _first_moves(theta, recording.dt, travel)]

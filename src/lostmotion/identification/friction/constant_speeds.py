@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...argument_checks import checks_arguments, not_negative
 from ...drivetrain import Friction
 from ...errors import InvalidInput
 from ...recording import Recording
@@ -80,6 +81,7 @@ class FrictionLadder(Estimates):
         return Friction(levels, sum(slopes) / len(slopes), stribeck=rise)
 
 
+@checks_arguments
 def friction_ladder(
     recording: Recording,
     *,
@@ -113,6 +115,7 @@ def friction_ladder(
     """
     used, problems = torque_to_use(recording, torque)
     windows = _windows(recording, reference) if plateaus is None else list(plateaus)
+    not_negative("friction_ladder.inertia", inertia)
     rows = [_plateau(recording.window(a, b), speed, used, inertia) for a, b in windows]
     found = np.array(rows).reshape(-1, 4)
     w, m, margin = found[:, 0], found[:, 1], found[:, 2]

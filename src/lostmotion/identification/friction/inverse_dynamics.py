@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...argument_checks import checks_arguments, not_negative
 from ...errors import InvalidInput
 from ...recording import Recording
 from ..statistics.block_covariance import sandwich, student_factor
@@ -21,6 +22,7 @@ SIGN_CUTOFF = 0.1
 EDGE = 2
 
 
+@checks_arguments
 def rigid_drive(
     recording: Recording,
     *,
@@ -63,6 +65,7 @@ def rigid_drive(
     """
     inertia = checked_inertia(inertia, "rigid_drive")
     used, problems = torque_to_use(recording, torque)
+    not_negative("rigid_drive.decimation", decimation, positive=True)
     if len(recording) < 40 * decimation:
         raise InvalidInput(
             "rigid_drive",
@@ -123,6 +126,7 @@ def _decimated(values: Floats, decimation: int) -> Floats:
     return np.asarray(decimate(values, decimation, ftype="fir")[EDGE:-EDGE], dtype=float)
 
 
+@checks_arguments
 def simulate_rigid_drive(
     found: FrictionFit, torque: Floats, dt: float, *, angle: float = 0.0, speed: float = 0.0
 ) -> Recording:
@@ -158,6 +162,7 @@ def simulate_rigid_drive(
     )
 
 
+@checks_arguments
 def output_error_fit(
     found: FrictionFit, recording: Recording, *, angle: str = "angle_motor"
 ) -> tuple[FrictionFit, Recording]:

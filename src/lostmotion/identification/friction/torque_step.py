@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...argument_checks import checks_arguments, not_negative
 from ...errors import InvalidInput
 from ...recording import Recording
 from ..statistics.regression import linear_fit
@@ -33,6 +34,7 @@ class _Stretch(NamedTuple):
     speed: Floats
 
 
+@checks_arguments
 def torque_step(
     recordings: Recording | Sequence[Recording],
     *,
@@ -80,7 +82,10 @@ def torque_step(
     used, problems = torque_to_use(records[0], torque)
     w = np.concatenate([r[speed] for r in records])
     m = np.concatenate([r[used] for r in records])
-    half = max(round(averaging / dt), 1)
+    if min_speed is not None:
+        not_negative("torque_step.min_speed", min_speed)
+    width = not_negative("torque_step.averaging", averaging, positive=True)
+    half = max(round(width / dt), 2)  # the first speed of a stretch comes from a line through so many
     stretches = _stretches(records, w, m, min_speed, 2 * half + 1)
     signs = {s.sign for s in stretches}
     names = _names(signs, asymmetric)

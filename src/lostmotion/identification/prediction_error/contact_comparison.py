@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import Problem
 from ...recording import Recording
@@ -60,6 +61,7 @@ class ContactComparison:
         return "\n".join([repr(self), *(f"{law}, {found.summary()}" for law, found in self.found.items())])
 
 
+@checks_arguments
 def compare_contacts(
     recording: Recording | Sequence[Recording],
     *,

@@ -8,12 +8,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
 from ..statistics.estimates import Source
 from . import initial_values, warnings
 from . import problems as problem
+from .agreement import confirmed
 from .channel_innovations import ChannelPredictor
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descend, descent, fit
 from .identifiability import Told, higher_mode, told
@@ -39,6 +41,7 @@ MIN_ROWS, MIN_TIME = 2000, 0.5
 SETTLING, SETTLING_LATER = 0.1, 0.4
 
 
+@checks_arguments
 def identify(
     recording: Recording | Sequence[Recording],
     *,
@@ -148,7 +151,11 @@ def identify(
         channels = _channel_predictor(predictor, pieces, recordings[0], measured, contact, speed_from_counts)
         predictor, stage = refine(channels, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
-    result = _result(pieces, predictor, *told(predictor, stage, start, box, total), start, fixed, total)
+    stage, values = told(predictor, stage, start, box, total)
+    if not wide:
+        say(0.9, "comparing with the contact-switching filter")
+        predictor, stage, values = confirmed(predictor, stage, values, start, fixed)
+    result = _result(pieces, predictor, stage, values, start, fixed, total)
     result = replace(result, problems=(*result.problems, *ambiguous, *coarse))
     say(1.0, "identified")
     return result

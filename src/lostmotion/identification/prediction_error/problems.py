@@ -43,7 +43,7 @@ def few_samples_per_period(samples: float, least: float) -> Problem:
 def inertia_contradicts_torque(seen: float, found: float) -> Problem:
     """Inertia by the acceleration at low frequency, and as found, kg m2."""
     got = f"a low-frequency acceleration as of {seen:.3g} kg m2"
-    remedy = "Check sign, scale and unit of torque and speed."
+    remedy = "Check sign, scale and unit in the channels of torque and speed."
     return Problem.warning("torque_motor", got, f"about {found:.3g} kg m2", remedy)
 
 
@@ -51,7 +51,7 @@ def inertia_contradicts_torque(seen: float, found: float) -> Problem:
 
 
 def still_moving() -> Problem:
-    remedy = "Check the nameplate values and the sign of the torque."
+    remedy = "Check the values under [nameplate], and the sign of the torque (sign in its channel)."
     return Problem.warning("identification", "a fit that was still moving", "convergence", remedy)
 
 
@@ -59,8 +59,9 @@ def not_white(excess: float, most: float) -> Problem:
     """``excess``: slow innovations over white noise's share of them."""
     got = f"innovations with {excess:.1f} times white noise's share of slow ones"
     remedy = (
-        "Friction, load or shaft are not as the model has them: try load_torque=True, another contact law, or "
-        "less speed and torque. The intervals allow for a coloured residual."
+        "Friction, load or shaft are not as the model has them. If the motor has friction of its own, give "
+        "coulomb_motor under [nameplate]; if a torque acts on the load, set load_torque = true under [identify]. The "
+        "intervals allow for a coloured residual."
     )
     return Problem.warning("identification", got, f"at most {most:g}", remedy)
 
@@ -68,7 +69,10 @@ def not_white(excess: float, most: float) -> Problem:
 def too_coarse(level: float, deviation: float, most: float) -> Problem:
     """Rms of the innovations and standard deviation of the speed, rad/s; ``most`` is the largest share."""
     got = f"innovations of {level:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s"
-    remedy = "The resolution is too low, nothing is identified: take a finer encoder or a longer sample time."
+    remedy = (
+        "The resolution is too low, nothing is identified: take a finer encoder, or record faster motion with more "
+        "torque."
+    )
     return Problem.warning("speed_motor", got, f"at most {100.0 * most:g} %", remedy)
 
 
@@ -90,7 +94,10 @@ def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
         if abs(np.log(other[name] / getattr(found, name))) > 0.1
     ]
     got = f"a second minimum: {', '.join(texts)} predict nearly as well"
-    remedy = "Fix what the nameplate knows well, or record more reversals and a wider band of torque."
+    remedy = (
+        "Name what the nameplate knows well in fixed = [...] under [identify], or record more reversals and a wider "
+        "band of torque."
+    )
     return Problem.warning("identification", got, "one minimum", remedy)
 
 
@@ -115,12 +122,13 @@ def not_excited(name: str, nameplate: float) -> Problem:
 def far_from_nameplate(name: str, found: float, nameplate: float, factor: float) -> Problem:
     unit = PARAMETER_UNITS[name]
     expected = f"within a factor of {factor} of the nameplate's {nameplate:.4g} {unit}"
-    remedy = "Check the nameplate, and scale and unit of the torque."
+    remedy = "Check the value under [nameplate], and scale and unit in the channel of the torque."
     return Problem.warning(name, f"{found:.4g} {unit}", expected, remedy)
 
 
 def correlated(names: Sequence[str], largest: float, limit: float) -> Problem:
     remedy = (
-        "Only combinations of them are known well: fix one from the nameplate, or record a richer torque."
+        "Only combinations of them are known well: name the one that the nameplate knows in fixed = [...] under "
+        "[identify], or record a richer torque."
     )
     return Problem.warning(", ".join(names), f"correlations up to {largest:.3f}", f"below {limit}", remedy)

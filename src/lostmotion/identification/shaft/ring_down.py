@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ...recording import Recording
 from ..statistics.estimates import Estimates, Interval, sources_of
@@ -65,6 +66,7 @@ class RingDown(Estimates):
     seed: int
 
 
+@checks_arguments
 def ring_down(
     recording: Recording,
     *,

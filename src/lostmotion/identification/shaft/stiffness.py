@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ...recording import Recording
 from ..backlash.torque_reversals import backlash_excited
@@ -72,6 +73,7 @@ class ShaftStiffness(Estimates):
         return np.asarray(magnitude * np.exp(-1j * w * late), dtype=complex)
 
 
+@checks_arguments
 def shaft_stiffness(
     recording: Recording,
     *,

@@ -78,12 +78,27 @@ class RecordingModel(_Model):
     ] = None
 
 
+class IdentifyModel(_Model):
+    """How to identify."""
+
+    fixed: Annotated[
+        tuple[str, ...],
+        value.FIXED,
+        Field(description="parameters that keep their nameplate value"),
+    ] = ()
+    load_torque: Annotated[
+        bool, Field(strict=True, description="whether an unknown, slowly changing torque acts on the load")
+    ] = False
+
+
 class LawModel(_Model):
     """What the law shall do."""
 
-    sample_time: Annotated[float | None, value.positive("s", "default: that of the recording")] = None
+    sample_time: Annotated[
+        float | None, value.positive("s", "default: that of the recording", 1e-7, 10.0)
+    ] = None
     torque_limit: Annotated[
-        float | None, value.positive("Nm", "default: the largest recorded motor torque")
+        float | None, value.positive("Nm", "default: the largest recorded motor torque", 1e-9, 1e12)
     ] = None
     poles: Annotated[
         tuple[float, ...] | None,
@@ -129,14 +144,15 @@ class ConfigurationModel(_Model):
             json_schema_extra={"minItems": 1}
         ),  # min_length would count what has problems of its own as missing
     ]
+    identify: IdentifyModel = IdentifyModel()
     law: LawModel = LawModel()
     run: RunModel = RunModel()
 
 
 def validated(
     content: dict[str, Any], place: Place
-) -> tuple[dict[str, float], list[dict[str, Any]], dict[str, Any], dict[str, Any]]:
-    """Nameplate, recordings, law and run of a TOML as plain values in SI.
+) -> tuple[dict[str, float], list[dict[str, Any]], dict[str, dict[str, Any]]]:
+    """Nameplate and recordings of a TOML, and its further tables by name, as plain values in SI.
 
     Raises
     ------
@@ -149,8 +165,29 @@ def validated(
         raise InputProblems([p for e in error.errors() for p in _problems(dict(e), place)]) from None
     nameplate = {name: v for name in PARAMETER_UNITS if (v := getattr(model.nameplate, name)) is not None}
     recordings = [{name: getattr(r, name) for name in type(r).model_fields} for r in model.recording]
-    law = {name: getattr(model.law, name) for name in LawModel.model_fields}
-    return nameplate, recordings, law, {"seed": model.run.seed}
+    _check_fixed(model, place)
+    tables = {
+        name: {key: getattr(table, key) for key in type(table).model_fields}
+        for name, table in (("identify", model.identify), ("law", model.law), ("run", model.run))
+    }
+    return nameplate, recordings, tables
+
+
+def _check_fixed(model: ConfigurationModel, place: Place) -> None:
+    """Raise ``InputProblems`` for a parameter that shall keep a value that is not given."""
+    unknown = [
+        Problem(
+            "error",
+            place(("identify", "fixed")),
+            f"{name}, which has no value",
+            f"a value for {name} under [nameplate]",
+            f"Give {name} = ... under [nameplate], or take it out of fixed.",
+        )
+        for name in model.identify.fixed
+        if getattr(model.nameplate, name) is None
+    ]
+    if unknown:
+        raise InputProblems(unknown)
 
 
 def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
@@ -160,7 +197,8 @@ def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
     cause = error.get("ctx", {}).get("error")
     if isinstance(cause, value.SeveralProblems):
         return [
-            Problem("error", place((*location, p.where)), p.got, p.expected, p.remedy) for p in cause.problems
+            Problem("error", place((*location, *p.where.split(", "))), p.got, p.expected, p.remedy)
+            for p in cause.problems
         ]
     if isinstance(cause, InvalidInput):
         p = cause.problem
@@ -186,16 +224,26 @@ def _problems(error: dict[str, Any], place: Place) -> list[Problem]:
             "error",
             where,
             shown(error["input"]),
-            error["msg"].removeprefix("Input should be "),
+            _EXPECTED.get(error["type"]) or error["msg"].removeprefix("Input should be "),
             "Correct the value.",
         )
     ]
+
+
+#: What pydantic says of a value, in words that a user knows.
+_EXPECTED = {
+    "int_type": "a whole number, without quotes",
+    "string_type": "a text in quotes",
+    "string_too_short": "the name of a file",
+    "bool_type": "true or false, without quotes",
+}
 
 
 def _known_keys(location: tuple[str | int, ...]) -> list[str]:
     models: dict[str, type[_Model]] = {
         "nameplate": NameplateModel,
         "recording": RecordingModel,
+        "identify": IdentifyModel,
         "law": LawModel,
         "run": RunModel,
     }

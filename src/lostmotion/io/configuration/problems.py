@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput, Problem
 from ...recording import Recording
 from ..storage.toml_files import read_toml
@@ -20,6 +21,7 @@ from .values import SeveralProblems
 _START = ("inertia_motor", "inertia_load", "stiffness")
 
 
+@checks_arguments
 def find_problems(path: str | Path) -> tuple[Problem, ...]:
     """Every problem of a TOML and of its recordings, warnings included; errors in one hide none of the other."""
     path = Path(path)

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
@@ -19,6 +20,7 @@ from ..storage.toml_files import read_toml
 from ..tables.channels import Channel
 
 _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
+_ADDRESS = re.compile(r"\w{2,}://", re.ASCII)
 _TABLE = re.compile(r"\s*\[(\[?)\s*([\w.\-\"]+)\s*\]")
 _KEY = re.compile(r"\s*([\w.\-\"]+)\s*=")
 
@@ -61,10 +63,18 @@ class RecordingSource:
 
 
 @dataclass(frozen=True)
-class LawSettings:
-    """``[law]``: sample time (s; None: the recording's), torque limit (Nm; None: none), poles (1/s), PI.
+class IdentifySettings:
+    """``[identify]``: parameters that keep their nameplate value; whether an unknown torque acts on the load."""
 
-    ``kp`` (Nm s/rad) and ``ki`` (Nm/rad) are both given or both None.
+    fixed: tuple[str, ...] = ()
+    load_torque: bool = False
+
+
+@dataclass(frozen=True)
+class LawSettings:
+    """``[law]``: sample time (s; None: the recording's), torque limit (Nm), poles (1/s), PI.
+
+    ``kp`` (Nm s/rad) and ``ki`` (Nm/rad) are both given or both None. None: from the drive, see ``stages.design``.
     """
 
     sample_time: float | None = None
@@ -83,15 +93,17 @@ class RunSettings:
 
 @dataclass(frozen=True)
 class Configuration:
-    """What a TOML says: start values (SI, only those given), recordings, law, run."""
+    """What a TOML says: start values (SI, only those given), recordings, how to identify, law, run."""
 
     path: Path
     nameplate: Mapping[str, float]
     recordings: tuple[RecordingSource, ...]
+    identify: IdentifySettings = field(default_factory=IdentifySettings)
     law: LawSettings = field(default_factory=LawSettings)
     run: RunSettings = field(default_factory=RunSettings)
 
 
+@checks_arguments
 def read_configuration(path: str | Path) -> Configuration:
     """Read and check a TOML; docs/configuration.md describes every key.
 
@@ -120,7 +132,7 @@ def read_configuration(path: str | Path) -> Configuration:
     from .models import validated
 
     lines = _lines_of_keys(text)
-    nameplate, sources, law, run = validated(content, lambda location: _place(path, location, lines))
+    nameplate, sources, tables = validated(content, lambda location: _place(path, location, lines))
     recordings, problems = [], []
     for i, source in enumerate(sources):
         try:
@@ -131,10 +143,16 @@ def read_configuration(path: str | Path) -> Configuration:
     if problems:
         raise InputProblems(problems)
     return Configuration(
-        path, MappingProxyType(nameplate), tuple(recordings), LawSettings(**law), RunSettings(**run)
+        path,
+        MappingProxyType(nameplate),
+        tuple(recordings),
+        IdentifySettings(**tables["identify"]),
+        LawSettings(**tables["law"]),
+        RunSettings(**tables["run"]),
     )
 
 
+@checks_arguments
 def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]:
     """All recordings of a configuration with their use (``identify`` or ``validate``), in its order.
 
@@ -170,6 +188,11 @@ def file_of(toml: Path, file: str, where: str) -> Path:
 
     ``${NAME}`` and ``${NAME:-default}`` are replaced from the environment, ~ by the home folder.
     """
+
+    if _ADDRESS.match(file):
+        raise InvalidInput(
+            where, f"the address {shown(file)}", "a file of this machine", "Download it first."
+        )
 
     def value(match: re.Match[str]) -> str:
         found = os.environ.get(match[1]) or match[2]

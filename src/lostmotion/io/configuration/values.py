@@ -35,8 +35,12 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "lag": (1e-9, 10.0),
     }
 )
+#: Parameters that identification finds: friction of the motor keeps its nameplate value.
+IDENTIFIED = tuple(name for name in PARAMETER_UNITS if not name.endswith("_motor") or name == "inertia_motor")
 #: The fastest pole, 1/s: a law at 1 MHz cannot have a faster one (option).
 FASTEST_POLE = 1e6
+#: Largest gain of a controller, SI (option: as the largest plausible stiffness).
+LARGEST_GAIN = 1e12
 
 
 @dataclass(frozen=True)
@@ -66,13 +70,15 @@ def _quantity(**number: Any) -> dict[str, Any]:
     return {"anyOf": [{"type": "number", **number}, {"type": "string"}]}
 
 
-def positive(dimension: str, meaning: str) -> Key:
-    """A number above zero of that unit."""
+def positive(dimension: str, meaning: str, low: float, high: float) -> Key:
+    """A number above zero of that unit, between the plausible bounds."""
 
     def convert(value: object) -> float:
         number = parse_quantity(value, dimension)
-        if number <= 0.0:
-            raise InvalidInput("", shown(value), "a positive number", "Check the sign.")
+        if not low <= number <= high:
+            remedy = "Check the sign." if number <= 0.0 else "Check the unit and the power of ten."
+            expected = f"a positive number, {low:g} to {high:g} {dimension}"
+            raise InvalidInput("", shown(value), expected, remedy)
         return number
 
     return Key(convert, {**_quantity(exclusiveMinimum=0), "description": f"{dimension}, {meaning}"})
@@ -108,7 +114,8 @@ def _window(value: object) -> tuple[float, float]:
         )
     start, stop = (parse_quantity(edge, "s") for edge in value)
     if not start < stop:
-        raise InvalidInput("", f"[{start}, {stop}]", "[start, stop] with start < stop, s", "Swap them.")
+        remedy = "Swap them." if stop < start else "Give a later stop, or leave window out."
+        raise InvalidInput("", f"[{start}, {stop}]", "[start, stop] with start < stop, s", remedy)
     return start, stop
 
 
@@ -123,6 +130,10 @@ def _gain(unit: str, zero: bool = True) -> Callable[[object], float]:
                 "A negative gain drives the speed away from its set-point; if torque and speed have opposite signs, "
                 "set sign = -1 in their channels.",
             )  # fmt: skip
+        if number > LARGEST_GAIN:
+            raise InvalidInput(
+                "", shown(value), f"at most {LARGEST_GAIN:g} {unit}", "Check the power of ten."
+            )
         if number == 0.0 and not zero:
             raise InvalidInput(
                 "",
@@ -148,12 +159,34 @@ def _poles(value: object) -> tuple[float, ...]:
             expected,
             "A two-mass drivetrain has three states: give one pole for each.",
         )
-    numbers = tuple(finite_number("", pole) for pole in value)
+    try:
+        numbers = tuple(finite_number("", pole) for pole in value)
+    except InvalidInput as error:
+        raise InvalidInput("", error.problem.got, expected, f"Write poles = {example}.") from None
     if max(numbers) >= 0.0:
         raise InvalidInput("", shown(value), expected, "A stable pole lies left of zero: check the signs.")
     if min(numbers) < -FASTEST_POLE:
         raise InvalidInput("", shown(value), expected, "No drive is so fast: check the power of ten.")
     return numbers
+
+
+def _fixed(value: object) -> tuple[str, ...]:
+    """Names of parameters that are not identified."""
+    if not isinstance(value, list | tuple):
+        raise InvalidInput(
+            "", shown(value), 'a list of parameters, such as ["lag"]', 'Write fixed = ["lag"].'
+        )
+    for name in value:
+        if name not in IDENTIFIED:
+            raise InvalidInput(
+                "",
+                f"unknown parameter {shown(name)}",
+                ", ".join(IDENTIFIED),
+                suggestion(str(name), IDENTIFIED),
+            )
+    if set(value) >= set(IDENTIFIED):
+        raise InvalidInput("", "every parameter", "at least one to identify", "Take one out.")
+    return tuple(value)
 
 
 def tables(value: object) -> object:
@@ -258,6 +291,7 @@ POLES = Key(
     _poles,
     {"type": "array", "items": {"type": "number", "exclusiveMaximum": 0}, "minItems": 3, "maxItems": 3},
 )
+FIXED = Key(_fixed, {"type": "array", "items": {"enum": list(IDENTIFIED)}})
 CHANNELS = Key(
     _channels,
     {"type": "object", "properties": dict.fromkeys(SIGNAL_UNITS, _CHANNEL), "additionalProperties": False},

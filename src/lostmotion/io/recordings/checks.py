@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...errors import InputProblems, Problem
 from ...recording import Recording
 from .signal_faults import LARGEST, STUCK_SHARE, Place, dead, longest_run, places, spikes, stuck
@@ -22,6 +23,9 @@ _NOISE_SHARE = 1e-3
 #: Torque on the rare side counts as reversed from this fraction of the peak on. Option.
 _REVERSAL = 0.01
 
+#: Shortest and longest sample time of a recording, s (option: no logger of a drive is faster than 100 MHz, nor slower
+#: than one row in 100 s).
+SHORTEST_STEP, LONGEST_STEP = 1e-8, 100.0
 #: Longest sample time without a warning, s. Option: up to 50 kHz a raster in ms is seen; it tells nothing above 25 Hz.
 SLOW = 0.02
 
@@ -59,6 +63,22 @@ def check_length(samples: int, where: str) -> list[Problem]:
     return [Problem.error(where, f"{samples} samples", f"at least {MINIMUM_SAMPLES}", remedy)]
 
 
+def check_sample_time(time: NDArray[np.float64], where: str) -> list[Problem]:
+    """A median step that no logger of a drive has: the time is in another unit."""
+    step = float(np.median(np.diff(time)))
+    if SHORTEST_STEP <= step <= LONGEST_STEP:
+        return []
+    return [
+        Problem(
+            "error",
+            f"{where}, time",
+            f"a sample time of {step:.4g} s",
+            f"{SHORTEST_STEP:g} to {LONGEST_STEP:g} s",
+            'Say the unit of the time: time = { column = ..., unit = "ns" }.',
+        )
+    ]
+
+
 def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
     """Steps that differ from the median step by more than 5 % of it."""
     steps = np.diff(time)
@@ -84,6 +104,7 @@ def stop_at_errors(problems: list[Problem]) -> None:
         raise InputProblems(problems)
 
 
+@checks_arguments
 def check_recording(recording: Recording) -> tuple[Problem, ...]:
     """The warnings about a recording: what its channels cannot tell, and what a slip in its columns would look like.
 

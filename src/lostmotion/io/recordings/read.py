@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput
 from ...recording import Recording
 from ..storage.whole_files import read_bytes
@@ -21,6 +22,7 @@ from .window import checked
 _DERIVED = {"speed_motor": "angle_motor", "speed_load": "angle_load"}
 
 
+@checks_arguments
 def read_recording(
     path: str | Path,
     *,

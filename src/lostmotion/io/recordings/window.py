@@ -16,6 +16,7 @@ from .checks import (
     check_increasing,
     check_length,
     check_raster,
+    check_sample_time,
     stop_at_errors,
 )
 from .raw_signals import RawSignals
@@ -44,7 +45,7 @@ def checked(
     def place(row: int) -> str:
         return raw.place(row + rows.start)
 
-    problems = check_length(time.size, where)
+    problems = check_length(time.size, where) or check_sample_time(time, where)
     for name, values in raw.signals.items():
         problems += check_finite(name, values[rows], where, place)
         problems += check_sizes(name, values[rows], where, place)

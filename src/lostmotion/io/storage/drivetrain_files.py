@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Actuator, Drivetrain, Friction, Shaft
 from ...errors import InvalidInput, within
 from ...plain_data import entries, mapping, number, numbers, shown, text
@@ -23,6 +24,7 @@ _HEAD = (
 )
 
 
+@checks_arguments
 def save_drivetrain(drivetrain: Drivetrain, path: str | Path) -> None:
     """Write a drivetrain as readable TOML with units; ``load_drivetrain`` gives an equal one."""
     lines = [
@@ -43,6 +45,7 @@ def save_drivetrain(drivetrain: Drivetrain, path: str | Path) -> None:
     write_bytes(path, ("\n".join([*lines, "", _END]) + "\n").encode())
 
 
+@checks_arguments
 def load_drivetrain(path: str | Path) -> Drivetrain:
     """The drivetrain in a TOML that ``save_drivetrain``, or a user in its form, wrote.
 

@@ -12,6 +12,7 @@ import socket
 from collections.abc import Iterator
 from pathlib import Path
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ..spelling import short_list
 from .json_files import save_json
@@ -26,6 +27,7 @@ _NO_ROOM = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC), errno.EROFS)
 
 
 @contextlib.contextmanager
+@checks_arguments
 def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
     """A temporary folder beside ``path`` that takes its place when the block ends without an exception.
 
@@ -81,6 +83,7 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
         shutil.rmtree(new, ignore_errors=True)
 
 
+@checks_arguments
 def foreign_files(path: str | Path) -> list[str]:
     """Files (and empty folders) in a folder that no run has written, or not as they are now, relative to it."""
     path = Path(path)

@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput, Problem
 from ...plain_data import shown
 from .whole_files import read_bytes, write_bytes
@@ -27,6 +28,7 @@ READABLE = (1, SCHEMA_VERSION)
 _TAKES = 6.0
 
 
+@checks_arguments
 def save_json(path: str | Path, kind: str, data: Mapping[str, Any]) -> None:
     """Write a mapping as JSON with its kind and the schema version on top.
 
@@ -43,6 +45,7 @@ def save_json(path: str | Path, kind: str, data: Mapping[str, Any]) -> None:
     write_bytes(path, text.encode(errors="backslashreplace"))
 
 
+@checks_arguments
 def load_json(path: str | Path, kind: str) -> dict[str, Any]:
     """The mapping that ``save_json`` wrote, without kind and schema version.
 

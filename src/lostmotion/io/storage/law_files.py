@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput, within
 from .json_files import plain, read_json, save_json, unwrapped
 
@@ -19,12 +20,14 @@ _BEFORE_CHECKS: Mapping[str, Any] = {"checks": [], "P": [], "Q": [], "R": []}
 _KINDS: Mapping[str, Any] = {"keep": False, "alone": False, "missing_only": False}
 
 
+@checks_arguments
 def save_law(system: DiscreteSystem | Stepper, path: str | Path) -> None:
     """Write a ``DiscreteSystem`` or a ``Stepper`` as JSON with a hash of its numbers; see ``load_law``."""
     content = plain(system.to_dict(), str(path))
     save_json(path, "law", {**content, "sha256": _hash(content)})
 
 
+@checks_arguments
 def load_law(path: str | Path) -> DiscreteSystem | Stepper:
     """The ``DiscreteSystem`` or ``Stepper`` that ``save_law`` wrote, equal to the last bit.
 

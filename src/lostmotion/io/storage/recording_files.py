@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput, Problem, within
 from ...events import Event, Events
 from ...plain_data import entries, mapping, number, table, text
@@ -32,6 +33,7 @@ _ARRAY, _PROBLEM, _NUMBER = "__array__", "__problem__", "__number__"
 _NOT_FINITE = ("nan", "inf", "-inf")
 
 
+@checks_arguments
 def save_recording(recording: Recording, path: str | Path) -> None:
     """Write a recording with origin, events, final state and meta as .npz.
 
@@ -54,6 +56,7 @@ def save_recording(recording: Recording, path: str | Path) -> None:
     write_bytes(path, buffer.getvalue())
 
 
+@checks_arguments
 def load_recording(path: str | Path) -> Recording:
     """The recording that ``save_recording`` wrote, equal to the last bit (tuples in meta come back as lists).
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ...recording import Recording, unit_of
 from ..storage.whole_files import whole_file
@@ -15,6 +16,7 @@ from ..storage.whole_files import whole_file
 BLOCK = 50_000
 
 
+@checks_arguments
 def write_csv(path: str | Path, recording: Recording, *, names: Sequence[str] | None = None) -> None:
     """Write time and signals, comma separated, decimal point, one header row such as ``torque_motor [Nm]``.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ...plain_data import numbers
 from ...structure import TorsionalModel
@@ -27,6 +28,7 @@ LARGEST = 1e100
 _TAKES = 8.0
 
 
+@checks_arguments
 def read_torsional_model(
     mass: str | Path,
     stiffness: str | Path | None = None,

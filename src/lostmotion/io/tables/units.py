@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ...plain_data import shown
 
@@ -131,6 +132,7 @@ def unit_factor(
     raise InvalidInput(where, f"unknown unit {shown(unit)}", "one of " + ", ".join(known), hint)
 
 
+@checks_arguments
 def parse_quantity(value: object, dimension: str, where: str = "quantity") -> float:
     """A number in SI, or a string of number and unit, as a float in SI.
 
@@ -148,6 +150,10 @@ def parse_quantity(value: object, dimension: str, where: str = "quantity") -> fl
     InvalidInput
         If it is no finite number, or the unit is unknown or of another dimension.
     """
+    if dimension not in UNITS:
+        raise InvalidInput(
+            "parse_quantity.dimension", shown(dimension), ", ".join(UNITS), "Name one of them."
+        )
     example = f'a number in {dimension}, or text such as "1.5 {next(iter(UNITS[dimension]))}"'
     match = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
     if match is None and (isinstance(value, bool) or not isinstance(value, int | float)):
@@ -159,6 +165,8 @@ def parse_quantity(value: object, dimension: str, where: str = "quantity") -> fl
     except OverflowError:  # a whole number beyond 1e308
         number = math.inf
     unit = match[2] if match else ""
+    if re.match(r",\d", unit):
+        raise InvalidInput(where, shown(value), "a decimal point", "Write 0.5 for a half, not 0,5.")
     factor, found = unit_factor(unit, where, dimension) if unit else (1.0, dimension)
     if found != dimension:
         raise InvalidInput(

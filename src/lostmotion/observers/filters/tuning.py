@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import TypedDict
 
+from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
-from ..arguments import mapping, positive, sensors
+from ..arguments import mapping, positive, sample_time, sensors
 
 
 class Tuning(TypedDict, total=False):
@@ -126,8 +127,10 @@ def checked_names(tuning: Tuning) -> Tuning:
     return tuning
 
 
+@checks_arguments
 def speed_of_counts(dt: float, counts: float = COUNTS) -> float:
     """Standard deviation (rad/s) of a speed that is a difference of counts over dt: two errors, each even in ±½."""
+    counts, dt = positive("counts", counts), sample_time(dt)
     return 2.0 * math.pi / counts / (dt * math.sqrt(6.0))
 
 

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...argument_checks import checks_arguments
+from ...errors import InvalidInput
+from ...plain_data import shown
 from ..style import SERIES, panels, title_and_legend
 
 if TYPE_CHECKING:
@@ -17,17 +20,24 @@ if TYPE_CHECKING:
 
 #: Upper ends of the phase axis to choose from, in order of preference: that of an angle over torque first (option).
 _TOPS = (0.0, 180.0, 90.0, 270.0)
+#: Why a phase has gaps.
+BROKEN = "Phase: not drawn where the 95 % interval of the response contains zero."
 #: Margin of the phase axis beyond 360°, in degrees (option).
 EDGE = 10.0
 
+#: Frequency (Hz), response, and perhaps its margin.
+Curve = tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, ArrayLike]
 
+
+@checks_arguments
 def bode(
-    responses: Mapping[str, tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, ArrayLike]],
+    responses: Mapping[str, Curve],
     *,
     unit: str = "rad/(Nm)",
     title: str = "Frequency response",
     marks: Mapping[str, float] | None = None,
     coherences: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
+    note: str = "",
     axes: Sequence[Axes] | None = None,
 ) -> Figure:
     """Bode diagram, at most four responses; a shaded 95 % band where a margin is given.
@@ -46,15 +56,20 @@ def bode(
         Vertical lines, as for zero and pole.
     coherences : mapping of label → (frequency, coherence), optional
         A third panel; the same labels have the same line.
+    note : str
+        Stands below the panels, after what explains band and phase.
     axes : sequence of two or, with coherences, three Axes, optional
 
     Returns
     -------
     Figure
     """
+    from matplotlib.font_manager import FontProperties
+
     count = 3 if coherences else 2
     figure, grid = panels(axes, count, size=(8.0, 1.0 + 2.7 * count), sharex=True)
     upper, lower = grid[:2]
+    _check_curves(responses)
     phases = [_known_phase(*values) for values in responses.values()]
     top = min(_TOPS, key=lambda edge: sum(_jumps(_within(phase, edge)) for phase in phases))
     for (label, values), style in zip(responses.items(), SERIES, strict=False):
@@ -76,14 +91,30 @@ def bode(
         grid[2].plot(np.asarray(places), np.asarray(coherence), **style)
     if coherences:
         grid[2].set(xscale="log", ylabel="coherence (1)", ylim=(0.0, 1.03))
+    lines = [BROKEN] if any(len(values) == 3 for values in responses.values()) else []
     grid[-1].set_xlabel("frequency (Hz)")
     plain_ticks(grid[-1])
     title_and_legend(figure, [upper], title)
+    if below := "\n".join(line for line in (*lines, note) if line):
+        figure.legends[0].set_title(below, FontProperties(size=9))
     return figure
 
 
 def _db(magnitude: Any) -> Any:
     return 20.0 * np.log10(np.maximum(magnitude, 1e-300))
+
+
+def _check_curves(responses: Mapping[str, Curve]) -> None:
+    """Raises ``InvalidInput`` where one has not two or three rows of one length."""
+    for label, values in responses.items():
+        rows = values if isinstance(values, tuple | list) else ()
+        if len(rows) not in (2, 3) or len({np.shape(row) for row in rows}) > 1:
+            raise InvalidInput(
+                f"bode.responses[{label!r}]",
+                shown(values),
+                "(frequency, response) or (frequency, response, margin) of one length",
+                "Give two or three rows.",
+            )
 
 
 def _known_phase(_: Any, response: Any, margin: Any = None) -> Any:
@@ -120,7 +151,7 @@ def _bands(
     size = np.abs(response)
     shade = {"color": style["color"], "alpha": 0.25, "linewidth": 0.0}
     low = _db(np.maximum(size - margin, 1e-2 * size))
-    upper.fill_between(frequency, low, _db(size + margin), **shade)
+    upper.fill_between(frequency, low, _db(size + margin), label="95 % interval", **shade)
     half = np.rad2deg(np.arcsin(np.minimum(margin / np.maximum(size, 1e-300), 1.0)))
     phase = _broken(_within(_known_phase(frequency, response, margin), top))
     lower.fill_between(frequency, phase - half, phase + half, **shade)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...argument_checks import checks_arguments
+from ...errors import InvalidInput
 from ..style import ESTIMATED, MEASURED, Floats, axis_label, display_unit, panels, thin_min_max
 
 if TYPE_CHECKING:
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@checks_arguments
 def prediction_fit(
     time: ArrayLike,
     measured: ArrayLike,
@@ -47,6 +50,9 @@ def prediction_fit(
     Figure
     """
     t, real, guess = (np.asarray(values, dtype=float) for values in (time, measured, predicted))
+    if not (t.ndim == 1 and t.size > 1 and t.shape == real.shape == guess.shape and lags > 0):
+        got = f"shapes {t.shape}, {real.shape}, {guess.shape}, {lags} lags"
+        raise InvalidInput("prediction_fit", got, "three rows of one length, some lags", "Cut them alike.")
     factor, unit = display_unit(signal)
     figure, (overlay, error, correlation) = panels(axes, 3, size=(10.0, 7.2))
     start, stop = window or _liveliest(t, real, 0.25)

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...recording import Recording
 from ...simulation import Sensor, measure
@@ -64,6 +65,7 @@ class Drive:
         object.__setattr__(self, "dimensions", MappingProxyType(dict(self.dimensions)))
 
 
+@checks_arguments
 def drive(seed: int) -> Drive:
     """The drive of a seed; see ``draws`` for the ranges, and for which seeds are for what."""
     draw = Draw(seed)

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...events import KINDS
@@ -70,6 +71,7 @@ class BatchResult:
         return np.asarray(np.nanquantile(self.samples[signal], levels, axis=0))
 
 
+@checks_arguments
 def simulate_batch(
     drivetrains: Sequence[Drivetrain],
     *,
@@ -196,8 +198,14 @@ def read_trajectories(folder: str | Path, index: int) -> dict[str, Array]:
     for file in sorted(Path(folder).glob("variants-*.npz")):
         if file.name.endswith(".summary.npz"):
             continue
-        with np.load(file) as data:
-            found = {name.split("/", 1)[1]: data[name] for name in data.files if name.startswith(f"{index}/")}
+        try:
+            with np.load(file, allow_pickle=False) as data:
+                names = [name for name in data.files if name.startswith(f"{index}/")]
+                found = {name.split("/", 1)[1]: data[name] for name in names}
+        except Exception:  # zipfile and numpy raise many kinds on a damaged file
+            raise InvalidInput(
+                str(file), "a damaged file", "trajectories of a batch", "Delete it and run the batch again."
+            ) from None
         if found:
             return found
     raise InvalidInput(

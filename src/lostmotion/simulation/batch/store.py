@@ -9,7 +9,6 @@ import pickle
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -22,8 +21,8 @@ _COLUMNS = ("final_state", "peak", "rms", "events", "samples", "time")
 
 #: What a batch runs through: this layer and all below it.
 SOURCES = (
-    "simulation", "systems", "metrics", "drivetrain", "recording", "signals", "curves", "events", "plain_data",
-    "kernels", "errors", "display", "version",
+    "simulation", "systems", "metrics", "drivetrain", "recording", "signals", "curves", "events",
+    "argument_checks", "plain_data", "kernels", "errors", "display", "version",
 )  # fmt: skip
 
 
@@ -75,6 +74,7 @@ class Store:
             "drivetrains": [_hash(repr(drivetrain).encode()) for drivetrain in part],
         }
         arrays |= {"made_from": json.dumps(made_from), "failures": json.dumps(chunk.failures)}
+        arrays["sha256"] = _hash_of(arrays)
         write_whole(self.file(start).with_suffix(".summary.npz"), arrays)
 
     def _read(self, parts: Mapping[int, Sequence[Drivetrain]]) -> None:
@@ -104,21 +104,31 @@ class Store:
 
 
 def _chunk(file: Path) -> tuple[dict[str, Any], Chunk] | None:
-    """What a file's chunk was made from, and the chunk; None for none, half of one, or one of other sources."""
+    """What a file's chunk was made from, and the chunk; None for none, a damaged one, or one of other sources."""
     try:
         with np.load(file, allow_pickle=False) as data:
-            made_from = json.loads(str(data["made_from"]))
-            if made_from["sources"] != source_hash():
-                return None
-            failures = {int(i): text for i, text in json.loads(str(data["failures"])).items()}
-            return made_from, Chunk(failures, **{name: data[name] for name in _COLUMNS})
-    except (OSError, KeyError, ValueError, EOFError, BadZipFile):
+            arrays = dict(data)
+    except Exception:  # zipfile and numpy raise many kinds on a damaged file
         return None
+    if "sha256" not in arrays or str(arrays.pop("sha256")) != _hash_of(arrays):
+        return None
+    made_from = json.loads(str(arrays["made_from"]))
+    if made_from["sources"] != source_hash():
+        return None
+    failures = {int(i): text for i, text in json.loads(str(arrays["failures"])).items()}
+    return made_from, Chunk(failures, **{name: arrays[name] for name in _COLUMNS})
 
 
 def _differing(one: Mapping[str, str], two: Mapping[str, str]) -> set[str]:
     names: Iterable[str] = {*one, *two}
     return {name for name in names if one.get(name) != two.get(name)}
+
+
+def _hash_of(arrays: Mapping[str, Any]) -> str:
+    """Hash of all arrays with their names, types and shapes."""
+    values = {name: np.asarray(arrays[name]) for name in sorted(arrays)}
+    parts = [f"{name} {v.dtype.str} {v.shape} ".encode() + v.tobytes() for name, v in values.items()]
+    return _hash(b"".join(parts))
 
 
 def _hash(content: bytes) -> str:

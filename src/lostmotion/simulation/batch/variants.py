@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain, Friction, Shaft
 from ...errors import InvalidInput
 
 
+@checks_arguments
 def variants(drivetrain: Drivetrain, count: int, *, spread: float = 0.2, seed: int = 1) -> list[Drivetrain]:
     """`count` copies of a drivetrain, each number times a factor of its own between 1 − spread and 1 + spread.
 

@@ -1,0 +1,203 @@
+"""Innovations of the contact-switching filter over a recording, and the likelihood that they stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput
+from .innovations import Predictor
+from .warnings import count_step
+
+Array = NDArray[np.float64]
+
+#: The kernel's parameters in its order, SI units, and how each enters the parameter vector θ: as a logarithm, as that
+#: of lag + sample time, or plainly in a unit of its own.
+PARAMETERS = {
+    "inertia_motor": "log", "inertia_load": "log", "stiffness": "log", "damping": "log", "backlash": "log",
+    "coulomb": "log", "viscous": "log", "coulomb_motor": "log", "viscous_motor": "log", "lag": "lag",
+    "delay": "samples", "asymmetry": "plain", "asymmetry_motor": "plain", "load_torque": "torque", "share": "log",
+    "compliance": "log", "motor_rate": "log", "load_rate": "log", "torque_rate": "log",
+}  # fmt: skip
+NAMES = tuple(PARAMETERS)
+INDEX = {name: i for i, name in enumerate(NAMES)}
+#: Numbers of the contact laws and of the kinds of parameters in the kernel (layout).
+LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2}
+#: Likewise (layout).
+KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2}
+
+#: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
+FINEST, HALVINGS = 2000.0, 9
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One pass of the filter.
+
+    Parameters
+    ----------
+    weighted : (n,) array
+        Innovations over their standard deviations and over the sensor's.
+    cost : float
+        Minus the logarithm of the likelihood per sample, concentrated over the size of the noise: 0 where the
+        innovations are as large as the sensor's noise alone makes them, 0.1 where they are 10 % larger.
+    jacobian : (m, n) array
+        Change of the weighted innovations with θ, the gains as they are.
+    """
+
+    weighted: Array
+    cost: float
+    jacobian: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ContactFilter:
+    """Motor torque and motor speed on one raster, in one or more pieces, and the law of the contact.
+
+    Parameters
+    ----------
+    torque : (n,) array, Nm
+    measured : (n,) array
+        The motor's speed (rad/s), or its angle (rad) where the speed is a difference of counts.
+    dt : float, s
+    counted : bool
+    floor : float
+        Standard deviation of the sensor's noise, rad or rad/s.
+    level : float
+        The noise that the filter counts on, likewise: from far above the floor, where the cost is smooth, down to it.
+    halvings : int
+        A sample is halved so often at most.
+    bounds : tuple of int
+        First row of each piece, and the number of rows.
+    law : str
+    """
+
+    torque: Array
+    measured: Array
+    dt: float
+    counted: bool
+    floor: float
+    level: float
+    halvings: int
+    bounds: tuple[int, ...]
+    law: str = "viscoelastic"
+
+    @classmethod
+    def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
+        """Of motor torque and speed, for poles up to about ``pole`` (Hz).
+
+        Raises
+        ------
+        InvalidInput
+            If the speed has no noise at all: then there is no likelihood.
+        """
+        dt, counted = predictor.dt, predictor.speed_from_counts
+        measured = np.cumsum(predictor.speed) * dt if counted else predictor.speed
+        step = count_step(predictor.speed) if counted else None
+        floor = step * dt / np.sqrt(12.0) if step is not None else white_noise(measured)
+        if not floor > 0.0:
+            raise InvalidInput("speed_motor", "no noise", "a sensor's noise", "Check the channel.")
+        halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
+        return cls(
+            predictor.torque,
+            np.ascontiguousarray(measured),
+            dt,
+            counted,
+            floor,
+            floor,
+            halvings,
+            predictor.bounds,
+        )
+
+    @property
+    def rows(self) -> int:
+        return int(self.torque.size)
+
+    def part(self, rows: slice) -> ContactFilter:
+        """The same over some rows."""
+        inner = [b - rows.start for b in self.bounds if rows.start < b < rows.stop]
+        return replace(
+            self,
+            torque=np.ascontiguousarray(self.torque[rows]),
+            measured=np.ascontiguousarray(self.measured[rows]),
+            bounds=(0, *inner, rows.stop - rows.start),
+        )
+
+    def liveliest(self, rows: int) -> ContactFilter:
+        """The part of so many rows in which torque and speed vary most."""
+        if rows >= self.rows:
+            return self
+        starts = np.arange(0, self.rows - rows + 1, max(1, rows // 4))
+        signals = (self.torque, np.gradient(self.measured) if self.counted else self.measured)
+        spread = [np.array([np.std(s[i : i + rows]) for i in starts]) for s in signals]
+        first = int(starts[np.argmax(sum(s / np.max(s) for s in spread))])
+        return self.part(slice(first, first + rows))
+
+    def run(self, theta: Array, free: Sequence[int] = ()) -> Run:
+        """A pass with the parameters θ, and its sensitivities to the free ones."""
+        from ...kernels.innovations.contact_switching import innovations
+
+        m, n, q = len(free), self.rows, self.values(theta)
+        residuals, variances, jacobian = np.zeros((n, 1)), np.ones((n, 1)), np.zeros((m, n, 1))
+        with np.errstate(all="ignore"):
+            twist = 0.5 * q[INDEX["backlash"]] + np.std(self.torque) / q[INDEX["stiffness"]]
+        start = np.array([twist, 0.3 * self.speed_deviation, np.std(self.torque)]) / self.level
+        innovations(
+            q, np.array(free, dtype=np.int64),
+            np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
+            np.array([self._unit(PARAMETERS[NAMES[i]]) for i in free]),
+            self.dt, LAWS[self.law], self.halvings, np.zeros(1, dtype=np.int64), self.counted, np.ones(1),
+            np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None], self.level,
+            tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
+        )  # fmt: skip
+        scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))
+        weighted = residuals[:, 0] * scale
+        with np.errstate(all="ignore"):
+            size = np.log(np.mean(weighted**2)) + np.mean(np.log(variances))
+        cost = 0.5 * float(size) + float(np.log(self.level / self.floor))
+        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian[:, :, 0] * scale)
+
+    @property
+    def speed_deviation(self) -> float:
+        """Standard deviation of the motor speed, rad/s."""
+        if not self.counted:
+            return float(np.std(self.measured))
+        span = max(1, min(20, self.rows // 10))
+        return float(np.std((self.measured[span:] - self.measured[:-span]) / (span * self.dt)))
+
+    def theta(self, values: Mapping[str, float]) -> Array:
+        """Parameter vector of values, SI, zero where there is none; −inf for the logarithm of zero."""
+        with np.errstate(divide="ignore"):
+            return np.array([self._forth(kind, values.get(name, 0.0)) for name, kind in PARAMETERS.items()])
+
+    def values(self, theta: Array) -> Array:
+        """Values of a parameter vector, SI."""
+        return np.array([self._back(kind, t) for kind, t in zip(PARAMETERS.values(), theta, strict=True)])
+
+    def _forth(self, kind: str, value: float) -> float:
+        if kind == "lag":
+            return float(np.log(value + self.dt))
+        return float(np.log(value)) if kind == "log" else value / self._unit(kind)
+
+    def _back(self, kind: str, theta: float) -> float:
+        if kind == "lag":
+            return max(float(np.exp(theta)) - self.dt, 0.0)
+        return float(np.exp(theta)) if kind == "log" else theta * self._unit(kind)
+
+    def _unit(self, kind: str) -> float:
+        units = {"samples": self.dt, "torque": float(np.std(self.torque))}
+        return units.get(kind, 1.0)
+
+
+def white_noise(values: Array) -> float:
+    """Standard deviation of white noise in a smooth signal: from third differences, by their median."""
+    return float(np.median(np.abs(np.diff(values, 3)))) / 0.6745 / np.sqrt(20.0)
+
+
+def pole_of(theta: Array) -> float:
+    """Torsional frequency of a parameter vector, Hz."""
+    motor, load, stiffness = np.exp(theta[:3])
+    return float(np.sqrt(stiffness * (1.0 / motor + 1.0 / load)) / (2.0 * np.pi))

@@ -1,0 +1,211 @@
+"""Maximum likelihood with the contact-switching filter: descents that impacts do not stop, and its noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..statistics.block_covariance import normal_equations
+from .contact_filter import INDEX, ContactFilter, Run, pole_of
+
+Array = NDArray[np.float64]
+
+#: Leverage that a row may have in a step, in multiples of the mean one (numerics): all, then ever less. A row after an
+#: impact may have a thousand times the sensitivity of others, and be right in a small neighbourhood alone.
+LEVERAGES = (np.inf, 10.0, 1.0)
+#: Radius of the trust region in θ: first, largest and smallest, and by how much it shrinks after a failure (numerics).
+RADIUS, LARGEST, SMALLEST, SHRINK = 0.5, 1.0, 1e-4, 0.2
+#: Radii that are tried for each leverage in a step (numerics).
+TRIES = 3
+#: A step that lowers the cost by less is the last one; by less than the second, other leverages are tried (numerics).
+GAIN, LARGE_GAIN = 1e-4, 0.02
+
+#: First noise level of a descent over the motion's own, and the factor from level to level (numerics).
+FIRST_LEVEL, LEVEL_FACTOR = 0.03, 5.0
+#: Rates of the filter's unknown torques, and the factor by which they are searched (numerics).
+RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Bounds of θ, (19,) each."""
+
+    lower: Array
+    upper: Array
+
+    @classmethod
+    def around(cls, flt: ContactFilter, theta: Array, far: float) -> Box:
+        """Within a factor ``far``; lag and delay within 20 ms, asymmetries and parts below one."""
+        lower, upper = theta - np.log(far), theta + np.log(far)
+        lower[INDEX["lag"]], upper[INDEX["lag"]] = np.log(1.02 * flt.dt), np.log(flt.dt + 0.02)
+        lower[INDEX["delay"]], upper[INDEX["delay"]] = -0.6, 0.02 / flt.dt
+        for name in ("asymmetry", "asymmetry_motor"):
+            lower[INDEX[name]], upper[INDEX[name]] = -0.95, 0.95
+        for name in ("share", "compliance"):
+            lower[INDEX[name]], upper[INDEX[name]] = np.log(2e-3), np.log(0.95)
+        return cls(lower, upper)
+
+    def including(self, theta: Array, far: float) -> Box:
+        """Wide enough for a factor ``far`` around another θ, too."""
+        return Box(np.minimum(self.lower, theta - np.log(far)), np.maximum(self.upper, theta + np.log(far)))
+
+
+def minimise(
+    flt: ContactFilter, theta: Array, free: list[int], box: Box, iterations: int
+) -> tuple[Array, Run]:
+    """Lower the cost over the free entries of θ by Gauss–Newton steps in a trust region.
+
+    Rows of great leverage count less in further attempts at a step; the cost that judges it always has all rows.
+    """
+    run = flt.run(theta, free)
+    radius, order = dict.fromkeys(LEVERAGES, RADIUS), list(LEVERAGES)
+    for _ in range(iterations):
+        if not np.all(np.isfinite(run.jacobian)):
+            break
+        step = _best_step(flt, theta, run, free, box, radius, order)
+        if step is None:
+            break
+        trial, cost, leverage = step
+        order = [leverage, *(one for one in LEVERAGES if one != leverage)]
+        gain = run.cost - cost
+        theta, run = trial, flt.run(trial, free)
+        if gain < GAIN:
+            break
+    return theta, run
+
+
+def _best_step(
+    flt: ContactFilter,
+    theta: Array,
+    run: Run,
+    free: list[int],
+    box: Box,
+    radius: dict[float, float],
+    order: list[float],
+) -> tuple[Array, float, float] | None:
+    """θ, cost and leverage of the best of the attempts; None if none lowers the cost. Radii are updated."""
+    best: tuple[Array, float, float] | None = None
+    for leverage in order:
+        weight = _weights(run.jacobian, leverage)
+        hessian, gradient = normal_equations(run.jacobian * np.sqrt(weight), run.weighted * np.sqrt(weight))
+        for attempt in range(TRIES):
+            trial = theta.copy()
+            trial[free] += _step(hessian, gradient, radius[leverage])
+            trial[free] = np.clip(trial[free], box.lower[free], box.upper[free])
+            cost = flt.run(trial).cost
+            if cost < run.cost:
+                if best is None or cost < best[1]:
+                    best = (trial, cost, leverage)
+                radius[leverage] = min(radius[leverage] * (1.0 if attempt else 2.0), LARGEST)
+                break
+            radius[leverage] = max(radius[leverage] * SHRINK, SMALLEST)
+        if best is not None and run.cost - best[1] > LARGE_GAIN:
+            break
+    return best
+
+
+def _weights(jacobian: Array, leverage: float) -> Array:
+    """(n,) weights such that no row has more than ``leverage`` times the mean leverage."""
+    weight = np.ones(jacobian.shape[1])
+    if np.isinf(leverage):
+        return weight
+    for _ in range(2):
+        inverse = inverse_hessian(jacobian * np.sqrt(weight))
+        own = (
+            np.einsum("ik,ik->k", jacobian, np.einsum("ij,jk->ik", inverse, jacobian))
+            * weight.size
+            / len(jacobian)
+        )
+        weight = np.minimum(1.0, leverage / np.maximum(own, 1e-300))
+    return weight
+
+
+def inverse_hessian(jacobian: Array) -> Array:
+    """(m, m) inverse of J·Jᵀ; a direction without information gets a huge, finite variance."""
+    hessian = np.einsum("ik,jk->ij", jacobian, jacobian)
+    scale = np.sqrt(np.maximum(np.diag(hessian), 1e-300))
+    scaled = hessian / np.outer(scale, scale) + 1e-10 * np.eye(scale.size)
+    return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))
+
+
+def _step(hessian: Array, gradient: Array, radius: float) -> Array:
+    """Gauss–Newton step whose largest entry is the radius at most, damped in the Hessian's own axes."""
+    curvature, axes = np.linalg.eigh(np.where(np.isfinite(hessian), hessian, 0.0))
+    curvature, slope = np.maximum(curvature, 0.0), axes.T @ gradient
+
+    def step(damping: float) -> Array:
+        return np.asarray(-axes @ (slope / (curvature + damping)))
+
+    low = 1e-12 * curvature[-1] + 1e-300
+    first = step(low)
+    if np.max(np.abs(first)) <= radius:
+        return first
+    high = max(2.0 * np.max(np.abs(slope)) / radius * np.sqrt(slope.size), 10.0 * low)
+    bounds = [np.log(low), np.log(high)]
+    for _ in range(40):
+        middle = 0.5 * sum(bounds)
+        bounds[int(np.max(np.abs(step(np.exp(middle)))) <= radius)] = middle
+    return step(np.exp(bounds[1]))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A minimum: where its descent started, θ, the cost, and the filter with level and law."""
+
+    start: str
+    theta: Array
+    cost: float
+    flt: ContactFilter
+    free: list[int]
+
+
+def descend(
+    start: str,
+    flt: ContactFilter,
+    theta: Array,
+    free: list[int],
+    box: Box,
+    first: float = FIRST_LEVEL,
+    iterations: int = 8,
+) -> Candidate:
+    """The best of the fits with ever lower noise level; ``first`` is in multiples of the motion's own size."""
+    own = flt.speed_deviation / (2.0 * np.pi * pole_of(theta) if flt.counted else 1.0)
+    level, best = max(first * own, flt.floor), None
+    while True:
+        at = replace(flt, level=level)
+        theta, run = minimise(at, theta, free, box, iterations)
+        if best is None or run.cost < best.cost:
+            best = Candidate(start, theta, run.cost, at, free)
+        if level <= flt.floor:
+            return best
+        level = max(level / LEVEL_FACTOR, flt.floor)
+
+
+def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int = 8) -> Candidate:
+    """The candidate on other rows or under another law, with the rates of its unknown torques fitted as well."""
+    at = replace(flt, level=candidate.flt.level)
+    theta, _ = minimise(at, candidate.theta, candidate.free, box, iterations)
+    theta, run = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
+    return replace(candidate, theta=theta, cost=run.cost, flt=at)
+
+
+def fitted_rates(flt: ContactFilter, theta: Array, names: Sequence[str] = RATES) -> Array:
+    """θ with the rates, factor by factor, where the cost is lowest; twice around."""
+    cost = flt.run(theta).cost
+    for _ in range(2):
+        before = cost
+        for name in names:
+            for factor in (RATE_FACTOR, 1.0 / RATE_FACTOR):
+                while True:
+                    trial = theta.copy()
+                    trial[INDEX[name]] += np.log(factor)
+                    lower = flt.run(trial).cost
+                    if not lower < cost - 1e-5:
+                        break
+                    theta, cost = trial, lower
+        if cost == before:
+            break
+    return theta

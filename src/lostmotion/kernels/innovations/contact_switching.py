@@ -1,0 +1,461 @@
+"""Innovations of a Kalman filter whose transition follows gap and friction, for identification.
+
+One model for all: two masses or a third on the shaft, with or without a gap, motor and load friction, any sensors, an
+unknown load torque. Between contacts the model is linear and its transition exact. Where a contact or a friction
+changes within a sample, the sample is halved until the change is found, and the rest goes on in the new state. Where
+the filter does not know on which side of an edge it is, the gap is taken as its mean over that spread (statistical
+linearisation, Gelb 1974, Applied Optimal Estimation, chapter 6). Innovations beyond what the filter thinks possible
+make its covariance grow: it has lost the motion, and finds it again within a few samples.
+
+Variances are in multiples of the first sensor's. Matrices lie column after column, columns are ``WIDE`` long.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..jit import njit
+from .transitions import (
+    BACKLASH,
+    BLOCK,
+    CLIPPED,
+    COMPILED,
+    CONSTANT,
+    DAMPING,
+    DEAD_ZONE,
+    EDGE,
+    HALF,
+    LEAD,
+    LEVELS,
+    LOAD,
+    MOTOR,
+    NO_GAP,
+    NUMBERS,
+    PART,
+    STIFFNESS,
+    TORQUE,
+    WHOLE,
+    WIDE,
+    fill_model,
+    layout,
+)
+
+#: Sensors.
+SPEED_MOTOR, SPEED_LOAD, TWIST, ANGLE_MOTOR, TORQUE_SHAFT = range(5)
+
+#: An edge is in doubt within so many standard deviations (numerics: beyond, the chance is a thousandth).
+_DOUBT = 3.0
+#: Innovations beyond so many standard deviations make the covariance grow (numerics), by this factor at most.
+_LOST, _MOST = 3.0, 1e6
+#: Step of the differences in θ: far above rounding, far below any interval (numerics).
+_STEP = 1e-6
+_ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
+
+
+@njit(forceinline=True, **COMPILED)
+def _add(a, at, factor, out, to):
+    """Column of ``out`` at ``to`` += factor · column of ``a`` at ``at``."""
+    for i in range(WIDE):
+        out[to + i] += factor * a[at + i]
+
+
+@njit(forceinline=True, **COMPILED)
+def _moved(t, at, c, of, n, x, torque, edge, out):
+    """State after a piece with the transition at t[at …] and a model's numbers at c[of …].
+
+    Each friction takes what brings its inertia to rest at the end of the piece, within its Coulomb levels. Returns 1 if
+    the motor sticks, plus 2 if the load does.
+    """
+    motor_at, load_at, constant = at + MOTOR * WIDE, at + LOAD * WIDE, c[of + CONSTANT]
+    for i in range(WIDE):
+        out[i] = (
+            torque * t[at + TORQUE * WIDE + i] + edge * t[at + EDGE * WIDE + i] - constant * t[load_at + i]
+        )
+    for j in range(n):
+        _add(t, at + j * WIDE, x[j], out, 0)
+    stuck = 3
+    motor = -out[1] / t[motor_at + 1]
+    if motor > c[of + LEVELS]:
+        motor, stuck = c[of + LEVELS], 2
+    elif motor < -c[of + LEVELS + 1]:
+        motor, stuck = -c[of + LEVELS + 1], 2
+    load = -(out[2] + t[motor_at + 2] * motor) / t[load_at + 2]
+    if load > c[of + LEVELS + 2]:
+        load, stuck = c[of + LEVELS + 2], stuck & 1
+    elif load < -c[of + LEVELS + 3]:
+        load, stuck = -c[of + LEVELS + 3], stuck & 1
+    for i in range(WIDE):
+        out[i] += motor * t[motor_at + i] + load * t[load_at + i]
+    return stuck
+
+
+@njit(**COMPILED)
+def _errors(t, at, nc, stuck, f, to):
+    """Columns of f from f[to] on: how an error of the state goes on over a piece, less what sticks."""
+    for j in range(nc):
+        for i in range(WIDE):
+            f[to + j * WIDE + i] = t[at + j * WIDE + i] if i < nc else 0.0
+    for which in range(2):
+        if stuck & (1 << which):
+            row, column = 1 + which, at + (MOTOR + which) * WIDE
+            for j in range(nc):
+                share = f[to + j * WIDE + row] / t[column + row]
+                for i in range(nc):
+                    f[to + j * WIDE + i] -= share * t[column + i]
+                f[to + j * WIDE + row] = 0.0
+
+
+@njit(**COMPILED)
+def _follow(t, at, nc, stuck, share, f, work):
+    """f = (1 − share)·f + share·(errors over the piece)·f; work has room for f and a column."""
+    room = WIDE * WIDE
+    _errors(t, at, nc, stuck, work, 0)
+    for j in range(nc):
+        for i in range(WIDE):
+            work[room + i] = 0.0
+        for k in range(nc):
+            _add(work, k * WIDE, f[j * WIDE + k], work, room)
+        for i in range(nc):
+            f[j * WIDE + i] += share * (work[room + i] - f[j * WIDE + i])
+
+
+@njit(forceinline=True, **COMPILED)
+def _next_contact(contact, z, twist, half, law):
+    """Contact after a piece (−1, 0, 1); z is the gap's argument. Under the clipped law it begins at the edge itself."""
+    if contact == 0:
+        if z > half and (law != CLIPPED or twist > half):
+            return 1
+        if z < -half and (law != CLIPPED or twist < -half):
+            return -1
+        return 0
+    return contact if contact * z >= half or law == NO_GAP else 0
+
+
+@njit(forceinline=True, **COMPILED)
+def _turned(c, of, x, y):
+    """Whether an inertia with friction has changed its direction."""
+    return (x[2] * y[2] < 0.0 and c[of + LEVELS + 2] + c[of + LEVELS + 3] > 0.0) or (
+        x[1] * y[1] < 0.0 and c[of + LEVELS] + c[of + LEVELS + 1] > 0.0
+    )
+
+
+@njit(**COMPILED)
+def _through(t, begin, c, of, finest, n, nc, tail, law, torque, contact, x, y, errors, f, work):
+    """A sample in which something changes, from event to event: x is advanced; returns contact and closed share.
+
+    The model's transitions are at t[begin …], its numbers at c[of …]. With ``errors``, f is how an error of the state
+    goes on over the sample.
+    """
+    lead, half = c[of + LEAD], c[of + HALF]
+    if errors:
+        for j in range(nc):
+            for i in range(WIDE):
+                f[j * WIDE + i] = 1.0 if i == j else 0.0
+    left, closed, level = 1 << finest, 0, min(1, finest)
+    while left > 0:
+        while (1 << (finest - level)) > left:
+            level += 1
+        size = 1 << (finest - level)
+        at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
+        stuck = _moved(t, at, c, of, n, x, torque, contact * half, y)
+        z = y[0] + lead * (y[tail] - y[2])
+        after = _next_contact(contact, z, y[0], half, law)
+        if (after != contact or _turned(c, of, x, y)) and level < finest:
+            level += 1
+            continue
+        share = 1.0
+        if after != contact:
+            # The moment within the finest piece by linear interpolation: continuous in the parameters.
+            if contact == 0 and law == CLIPPED:
+                z_before, z_after = x[0], y[0]
+            else:
+                z_before, z_after = x[0] + lead * (x[tail] - x[2]), z
+            edge = (contact if contact != 0 else after) * half
+            share = (
+                min(max((edge - z_before) / (z_after - z_before), 0.0), 1.0) if z_after != z_before else 1.0
+            )
+        if errors:
+            _follow(t, at, nc, stuck, share, f, work)
+        for i in range(n):
+            x[i] += share * (y[i] - x[i])
+        if after != contact:
+            contact = after
+            at = begin + ((finest + 1 if contact != 0 else 0) + finest) * BLOCK
+            stuck = _moved(t, at, c, of, n, x, torque, contact * half, y)
+            if errors:
+                _follow(t, at, nc, stuck, 1.0 - share, f, work)
+            for i in range(n):
+                x[i] += (1.0 - share) * (y[i] - x[i])
+        closed += size if contact != 0 else 0
+        left -= size
+        if level > 0 and left % (size << 1) == 0:
+            level -= 1
+    return contact, closed / (1 << finest)
+
+
+@njit(forceinline=True, **COMPILED)
+def _mean_gap(z, half, deviation):
+    """For z spread by ``deviation``: chance of contact, and the edge that the spring sees times that chance."""
+    above, below = (z - half) / deviation, (-z - half) / deviation
+    plus, minus = 0.5 * math.erfc(-above * _ROOT_HALF), 0.5 * math.erfc(-below * _ROOT_HALF)
+    bulge = math.exp(-0.5 * above * above) - math.exp(-0.5 * below * below)
+    return plus + minus, half * (plus - minus) - deviation * _DENSITY * bulge
+
+
+@njit(forceinline=True, **COMPILED)
+def _blend(t, open, closed, weight, mixed):
+    """Transition over a whole sample, open + weight·(closed − open); which begin at t[open], t[closed]."""
+    for i in range(BLOCK):
+        mixed[i] = t[open + i] + weight * (t[closed + i] - t[open + i])
+
+
+@njit(forceinline=True, **COMPILED)
+def _times(f, at, nc, b, count, out):
+    """out = f·b for ``count`` columns of b; f begins at f[at]."""
+    for column in range(count):
+        to = column * WIDE
+        for i in range(WIDE):
+            out[to + i] = b[to] * f[at + i]
+        for k in range(1, nc):
+            _add(f, at + k * WIDE, b[to + k], out, to)
+
+
+@njit(forceinline=True, **COMPILED)
+def _times_turned(a, f, at, nc, noise, closed, p):
+    """p = a·fᵀ + noise; f begins at f[at]."""
+    for r in range(nc):
+        for i in range(WIDE):
+            p[r * WIDE + i] = noise[closed, r * WIDE + i]
+        for k in range(nc):
+            _add(a, k * WIDE, f[at + k * WIDE + r], p, r * WIDE)
+        # Rounding must not make it unsymmetric: that would grow.
+        for i in range(r):
+            p[r * WIDE + i] = p[i * WIDE + r]
+
+
+@njit(forceinline=True, **COMPILED)
+def _delayed(torque, k, c, of):
+    """Torque that acts over sample k."""
+    first, last = k - int(c[of + WHOLE]), torque.size - 1
+    now, before = torque[min(max(first, 0), last)], torque[min(max(first - 1, 0), last)]
+    return now + c[of + PART] * (before - now)
+
+
+@njit(**COMPILED)
+def _changed(value, kind, unit, change, dt):
+    """A parameter whose place in θ has changed: kind 0 logarithm, 1 logarithm of value + dt, 2 plain."""
+    if kind == 0:
+        return value * math.exp(change)
+    if kind == 1:
+        return (value + dt) * math.exp(change) - dt
+    return value + unit * change
+
+
+@njit(**COMPILED)
+def _sensor_rows(q, sensors, counted, law, third, angle, rows, offsets):
+    """What each sensor shows of the state with the gap open and closed, and of the gap's edge."""
+    tail = third + 1 if third > 0 else 1
+    for s in range(sensors.size):
+        for closed in range(2):
+            if sensors[s] == SPEED_MOTOR:
+                rows[closed, s, angle if counted else 1] = 1.0
+            elif sensors[s] == SPEED_LOAD:
+                rows[closed, s, 2] = 1.0
+            elif sensors[s] == ANGLE_MOTOR:
+                rows[closed, s, angle] = 1.0
+            elif sensors[s] == TWIST:
+                rows[closed, s, 0] = 1.0
+                if third > 0:
+                    rows[closed, s, third] = 1.0
+            elif closed == 1 or law == DEAD_ZONE:
+                rows[closed, s, tail], rows[closed, s, 2] = q[DAMPING], -q[DAMPING]
+                rows[closed, s, 0] = q[STIFFNESS] if closed == 1 else 0.0
+        offsets[s] = -q[STIFFNESS] if sensors[s] == TORQUE_SHAFT else 0.0
+
+
+@njit(**COMPILED)
+def innovations(
+    parameters, free, kinds, units, dt, law, finest, sensors, counted, ratios, bounds, torque, measured, level, spread,
+    residuals, variances, jacobian,
+):  # fmt: skip
+    """One pass of the filter over a recording, with the sensitivities to some parameters.
+
+    Parameters
+    ----------
+    parameters : (19,) array
+        See ``transitions``.
+    free, kinds : (m,) int arrays
+        Places of the parameters whose sensitivities are wanted, and how they enter θ, see ``_changed``.
+    units : (m,) array
+        Of the plain ones.
+    dt : float, s
+    law, finest : int
+        Contact law; a sample is halved so often at most.
+    sensors : (s,) int array
+        SPEED_MOTOR first.
+    counted : bool
+        The motor speed is the difference of counts: its column of ``measured`` is the angle.
+    ratios : (s,) array
+        Variance of each sensor over that of the first.
+    bounds : (p + 1,) int array
+        First row of each piece, each with its own start, and the number of rows.
+    torque, measured : (n,) and (n, s) arrays
+    level : float
+        Standard deviation of the first sensor, rad or rad/s.
+    spread : (3,) tuple
+        Standard deviation at the start of a piece of twist (rad), speeds (rad/s) and load torque (Nm), over ``level``.
+    residuals, variances : (n, s) arrays
+        Filled with the innovations, and with their variances over that of the first sensor.
+    jacobian : (m, n, s) array
+        Filled with the change of the innovations with θ, the gains as they are.
+    """
+    m, angled = free.size, counted
+    for s in range(sensors.size):
+        angled = angled or sensors[s] == ANGLE_MOTOR
+    third, load, angle, n, nc = layout(parameters, angled)
+    tail = third + 1 if third > 0 else 1
+    gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
+    square, whole = WIDE * WIDE, (finest + 1) * BLOCK
+    models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
+    noise, other, errors = np.zeros((2, square)), np.zeros((2, square)), np.zeros(8 * square)
+    rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
+    fill_model(parameters, dt, law, finest, counted, angled, level, models[0], numbers[0], noise)
+    for j in range(m):
+        q = parameters.copy()
+        q[free[j]] = _changed(q[free[j]], kinds[j], units[j], _STEP, dt)
+        fill_model(q, dt, law, finest, counted, angled, level, models[j + 1], numbers[j + 1], other)
+    _sensor_rows(parameters, sensors, counted, law, third, angle, rows, offsets)
+    for which in range(8):
+        _errors(models.reshape(-1), (which >> 2) * whole, nc, which & 3, errors, which * square)
+    t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
+    lead, half = c[LEAD], c[HALF]
+    x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
+    p, f, work, mixed = np.zeros(square), np.zeros(square), np.zeros(square + WIDE), np.zeros(BLOCK)
+    # Sensitivities of the state to θ, column after column, and where they go.
+    slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
+    piece, contact, base, weight = -1, 0, 0.0, 0.0
+    for k in range(torque.size):
+        if k == bounds[piece + 1]:
+            piece += 1
+            contact = 1 if gap_law == NO_GAP else 0
+            x[:] = 0.0
+            p[:] = 0.0
+            slope[:] = 0.0
+            end = bounds[piece + 1] - 1
+            x[1] = (measured[min(k + 1, end), 0] - measured[k, 0]) / dt if counted else measured[k, 0]
+            x[2] = x[tail] = x[1]
+            x[n - 1] = torque[k]
+            p[0] = spread[0] ** 2
+            p[WIDE + 1] = p[2 * WIDE + 2] = p[tail * WIDE + tail] = spread[1] ** 2
+            if third > 0:
+                p[third * WIDE + third] = spread[0] ** 2
+            if load > 0:
+                p[load * WIDE + load] = spread[2] ** 2
+            if angle > 0:
+                p[angle * WIDE + angle] = 1.0
+            base = measured[k, 0] if counted else 0.0
+        elif counted:
+            # The angle is that since the last count: a small number, whose differences are fine.
+            x[angle] -= measured[k, 0] - base
+            base = measured[k, 0]
+        closed = 1 if contact != 0 else 0
+        for s in range(sensors.size):
+            e = measured[k, s] - offsets[s] * contact * half
+            if angle > 0 and (sensors[s] == ANGLE_MOTOR or sensors[s] == SPEED_MOTOR):
+                e -= base
+            for i in range(WIDE):
+                gain[i] = 0.0
+            for j in range(nc):
+                row = rows[closed, s, j]
+                if row != 0.0:
+                    e -= row * x[j]
+                    _add(p, j * WIDE, row, gain, 0)
+            variance = ratios[s]
+            for i in range(nc):
+                variance += gain[i] * rows[closed, s, i]
+            wanted = (e / (_LOST * level)) ** 2
+            if wanted > variance:
+                growth = min((wanted - ratios[s]) / max(variance - ratios[s], 1e-12), _MOST)
+                variance = ratios[s] + growth * (variance - ratios[s])
+                for i in range(WIDE):
+                    gain[i] *= growth
+                for i in range(nc * WIDE):
+                    p[i] *= growth
+            residuals[k, s], variances[k, s] = e, variance
+            for j in range(nc):
+                _add(gain, 0, -gain[j] / variance, p, j * WIDE)
+                x[j] += gain[j] / variance * e
+            for j in range(m):
+                total = 0.0
+                for i in range(nc):
+                    total += rows[closed, s, i] * slope[j * WIDE + i]
+                jacobian[j, k, s] = -total
+                _add(gain, 0, -total / variance, slope, j * WIDE)
+        for i in range(WIDE):
+            old[i] = x[i]
+        u = _delayed(torque, k, c, 0)
+        rate = x[tail] - x[2]
+        z = x[0] + lead * rate
+        # In doubt about the contact: an edge is within the filter's uncertainty, and that is more than the way of a
+        # sample.
+        doubt, travel = 0.0, 0.5 * rate * dt
+        if gap_law != NO_GAP:
+            a, b = tail * WIDE, 2 * WIDE
+            variance = (
+                p[0] + 2.0 * lead * (p[a] - p[b]) + lead * lead * (p[a + tail] + p[b + 2] - 2.0 * p[a + 2])
+            )
+            doubt = level * math.sqrt(max(variance, 0.0))
+            if doubt <= abs(travel) or abs(abs(z) - half) >= _DOUBT * doubt + abs(travel):
+                doubt = 0.0
+        before, quiet, at = contact, False, closed * whole
+        if doubt > 0.0:
+            weight, edge = _mean_gap(z + travel, half, doubt)
+            _blend(t, 0, whole, weight, mixed)
+            stuck = _moved(mixed, 0, c, 0, n, x, u, edge, y)
+            for i in range(n):
+                x[i] = y[i]
+            z = x[0] + lead * (x[tail] - x[2])
+            contact = 1 if z > half else -1 if z < -half else 0
+            _errors(mixed, 0, nc, stuck, f, 0)
+        else:
+            stuck = _moved(t, at, c, 0, n, x, u, contact * half, y)
+            z = y[0] + lead * (y[tail] - y[2])
+            quiet = _next_contact(contact, z, y[0], half, gap_law) == contact and not _turned(c, 0, x, y)
+            if quiet:
+                for i in range(n):
+                    x[i] = y[i]
+            else:
+                contact, weight = _through(
+                    t, 0, c, 0, finest, n, nc, tail, gap_law, u, contact, x, y, True, f, work
+                )
+        if quiet:
+            where = (4 * closed + stuck) * square
+            _times(errors, where, nc, slope, m, next_slope)
+            _times(errors, where, nc, p, nc, work)
+            _times_turned(work, errors, where, nc, noise, closed, p)
+        else:
+            _times(f, 0, nc, slope, m, next_slope)
+            _times(f, 0, nc, p, nc, work)
+            _times_turned(work, f, 0, nc, noise, 1 if weight > 0.5 else 0, p)
+        # How the parameters move the state within this sample, by differences.
+        for j in range(m):
+            begin, of = (j + 1) * model, (j + 1) * NUMBERS
+            u = _delayed(torque, k, c, of)
+            if quiet:
+                _moved(t, begin + at, c, of, n, old, u, before * c[of + HALF], y)
+            elif doubt > 0.0:
+                weight, edge = _mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
+                _blend(t, begin, begin + whole, weight, mixed)
+                _moved(mixed, 0, c, of, n, old, u, edge, y)
+            else:
+                for i in range(n):
+                    gain[i] = old[i]
+                _through(t, begin, c, of, finest, n, nc, tail, gap_law, u, before, gain, y, False, f, work)
+                for i in range(n):
+                    y[i] = gain[i]
+            for i in range(nc):
+                next_slope[j * WIDE + i] += (y[i] - x[i]) * (1.0 / _STEP)
+        for i in range(m * WIDE):
+            slope[i] = next_slope[i]

@@ -1,0 +1,229 @@
+"""Transitions of the drivetrain model over a sample and its halves, for each state of the contact.
+
+States::
+
+    twist at the gap, speed_motor, speed_load, [twist before, speed of the third mass], [load torque], [angle_motor],
+    torque_actuator
+
+The last is known without error; the covariance is that of the others.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..jit import njit
+
+# Places in a row of parameters, SI units. A share of zero: two masses. An infinite stiffness: rigid. A torque rate of
+# zero: no unknown load torque.
+(
+    INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS, COULOMB_MOTOR, VISCOUS_MOTOR, LAG,
+    DELAY, ASYMMETRY, ASYMMETRY_MOTOR, LOAD_TORQUE, SHARE, COMPLIANCE, MOTOR_RATE, LOAD_RATE, TORQUE_RATE,
+) = range(19)  # fmt: skip
+
+#: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
+VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
+
+#: States at most (layout). Columns of a transition are so long: loops of a known length become vector instructions.
+WIDE = 8
+#: A transition's columns: states, then torque, gap edge, friction of motor and of load.
+TORQUE, EDGE, MOTOR, LOAD = range(WIDE, WIDE + 4)
+#: Numbers in a transition, which lies column after column.
+BLOCK = (WIDE + 4) * WIDE
+
+#: Places among a model's numbers (layout): lead of the gap's argument (s), half the gap (rad), Coulomb levels (Nm) of
+#: the motor forwards and backwards and of the load, constant load torque (Nm), delay in whole samples and its rest.
+LEAD, HALF, LEVELS, CONSTANT, WHOLE, PART, NUMBERS = 0, 1, 2, 6, 7, 8, 9
+
+COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+#: Terms of the exponential's series, and largest norm before squaring: 0.5¹³/13! is below rounding (numerics).
+_TERMS, _NORM = 12, 0.5
+
+
+@njit(**COMPILED)
+def product(a, b, out):
+    """out = a·b; explicit loops compile ten times faster than array expressions."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            total = 0.0
+            for k in range(b.shape[0]):
+                total += a[i, k] * b[k, j]
+            out[i, j] = total
+
+
+@njit(**COMPILED)
+def two_springs(inertia_motor, inertia_load, stiffness, share, compliance):
+    """Stiffness before and behind a third mass that is ``share`` of the motor's inertia.
+
+    Their compliances are as ``compliance`` to 1 − ``compliance``; together they give the mode that two masses with
+    ``stiffness`` have.
+    """
+    piece = share * inertia_motor
+    motor = inertia_motor - piece
+    before, behind = 1.0 / compliance, 1.0 / (1.0 - compliance)
+    # λ² − sum·λ + product = 0 for the two squared frequencies; the smaller root without cancellation.
+    total = before * (1.0 / motor + 1.0 / piece) + behind * (1.0 / piece + 1.0 / inertia_load)
+    both = before * behind * (inertia_motor + inertia_load) / (motor * piece * inertia_load)
+    squared = 2.0 * both / (total + math.sqrt(total * total - 4.0 * both))
+    scale = stiffness * (1.0 / inertia_motor + 1.0 / inertia_load) / squared
+    return scale * before, scale * behind
+
+
+@njit(**COMPILED)
+def layout(q, angled):
+    """Places of third mass, load torque and angle among the states (0: none); states; states with a covariance."""
+    third = 3 if q[SHARE] > 0.0 else 0
+    nc = 5 if third > 0 else 3
+    load = nc if q[TORQUE_RATE] > 0.0 else 0
+    nc += 1 if load > 0 else 0
+    angle = nc if angled else 0
+    nc += 1 if angle > 0 else 0
+    return third, load, angle, nc + 1, nc
+
+
+@njit(**COMPILED)
+def _damped_spring(block, behind, before, spring, damper, j_before, j_behind):
+    """A spring and a damper between two speeds; ``before`` and ``behind``: (twist, speed) places."""
+    twist, first = before
+    second = behind
+    block[twist, first] += 1.0
+    block[twist, second] -= 1.0
+    block[first, twist] -= spring / j_before
+    block[second, twist] += spring / j_behind
+    block[first, first] -= damper / j_before
+    block[first, second] += damper / j_before
+    block[second, first] += damper / j_behind
+    block[second, second] -= damper / j_behind
+
+
+@njit(**COMPILED)
+def _continuous(q, n, third, load, angle, closed, law, block):
+    """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
+    block[:] = 0.0
+    jm, jl, k, rate = q[INERTIA_MOTOR], q[INERTIA_LOAD], q[STIFFNESS], q[DAMPING] / q[STIFFNESS]
+    tail, j_tail = 1, jm  # state whose speed drives the gap
+    if third > 0:
+        # Damping in proportion to stiffness: damps the torsional mode as the damping of the two masses does.
+        before, k = two_springs(jm, jl, k, q[SHARE], q[COMPLIANCE])
+        tail, j_tail = third + 1, q[SHARE] * jm
+        jm -= j_tail
+        _damped_spring(block, tail, (third, 1), before, rate * before, jm, j_tail)
+    spring = k if closed else 0.0
+    damper = rate * k if closed or law == DEAD_ZONE else 0.0
+    if math.isinf(k):  # rigid: there is one inertia, the motor's
+        spring = damper = 0.0
+    _damped_spring(block, 2, (0, tail), spring, damper, j_tail, jl)
+    block[tail, n + 1], block[2, n + 1] = spring / j_tail, -spring / jl
+    block[1, 1] -= q[VISCOUS_MOTOR] / jm
+    block[2, 2] -= q[VISCOUS] / jl
+    if load > 0:
+        block[2, load] = 1.0 / jl
+    if angle > 0:
+        block[angle, 1] = 1.0
+    if q[LAG] > 0.0:
+        block[1, n - 1], block[n - 1, n - 1], block[n - 1, n] = 1.0 / jm, -1.0 / q[LAG], 1.0 / q[LAG]
+    else:
+        block[1, n] = 1.0 / jm
+    block[1, n + 2], block[2, n + 3] = -1.0 / jm, -1.0 / jl
+
+
+@njit(**COMPILED)
+def _double(step, noise, half, other):
+    """noise += step·noise·stepᵀ, and step = step·step."""
+    n, size = noise.shape[0], step.shape[0]
+    for i in range(n):
+        for j in range(n):
+            total = 0.0
+            for k in range(n):
+                total += step[i, k] * noise[k, j]
+            half[i, j] = total
+    for i in range(n):
+        for j in range(n):
+            for k in range(n):
+                noise[i, j] += half[i, k] * step[j, k]
+    product(step, step, other)
+    for i in range(size):
+        for j in range(size):
+            step[i, j] = other[i, j]
+
+
+@njit(**COMPILED)
+def _transitions(block, density, dt, n, finest, table, at, noise):
+    """exp(block·dt/2ʲ) for j = 0 … finest at table[at …], and noise = ∫exp(A·s)·density·exp(Aᵀ·s)ds over dt.
+
+    By series and doublings; n states, whose columns come first.
+    """
+    size, states = block.shape[0], density.shape[0]
+    norm, doublings = 0.0, 0
+    for i in range(size):
+        total = 0.0
+        for j in range(size):
+            total += abs(block[i, j]) * dt
+        norm = max(norm, total)
+    while norm > _NORM or doublings < finest:
+        norm *= 0.5
+        doublings += 1
+    h = dt / 2.0**doublings
+    step, term, other = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
+    half, rest = np.zeros((states, states)), density.copy()
+    for i in range(size):
+        step[i, i] = term[i, i] = 1.0
+    factor = h
+    noise[:] = 0.0
+    for order in range(1, _TERMS + 1):
+        product(block, rest, half)
+        product(term, block, other)
+        for i in range(size):
+            for j in range(size):
+                term[i, j] = other[i, j] * h / order
+                step[i, j] += term[i, j]
+        for i in range(states):
+            for j in range(states):
+                noise[i, j] += factor * rest[i, j]
+        for i in range(states):
+            for j in range(states):
+                rest[i, j] = half[i, j] + half[j, i]
+        factor *= h / (order + 1)
+    for left in range(doublings, -1, -1):
+        if left <= finest:
+            for i in range(n):
+                for j in range(n):
+                    table[at + left * BLOCK + j * WIDE + i] = step[i, j]
+                for j in range(4):
+                    table[at + left * BLOCK + (WIDE + j) * WIDE + i] = step[i, n + j]
+        if left > 0:
+            _double(step, noise, half, other)
+
+
+@njit(**COMPILED)
+def fill_model(q, dt, law, finest, counted, angled, level, table, c, noise):
+    """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise."""
+    third, load, angle, n, nc = layout(q, angled)
+    block, density, own = np.zeros((n + 4, n + 4)), np.zeros((nc, nc)), np.zeros((nc, nc))
+    # Torque noise that moves motor or load as fast as their rates say: a lone inertia that is seen by its speed, or by
+    # its angle, has a filter of that bandwidth.
+    power = 4.0 if counted else 2.0
+    density[1, 1], density[2, 2] = q[MOTOR_RATE] ** power * dt, q[LOAD_RATE] ** power * dt
+    if third > 0:
+        density[third + 1, third + 1] = density[1, 1]
+    if load > 0:
+        density[load, load] = (q[TORQUE_RATE] / level) ** 2
+    for closed in range(2):
+        _continuous(q, n, third, load, angle, closed == 1, law, block)
+        _transitions(block, density, dt, n, finest, table, closed * (finest + 1) * BLOCK, own)
+        for i in range(nc):
+            for j in range(nc):
+                noise[closed, i * WIDE + j] = own[i, j]
+    c[LEAD] = 0.0 if law == DEAD_ZONE else q[DAMPING] / q[STIFFNESS]
+    c[HALF] = 0.5 * q[BACKLASH]
+    c[LEVELS] = q[COULOMB_MOTOR] * (1.0 + q[ASYMMETRY_MOTOR])
+    c[LEVELS + 1] = q[COULOMB_MOTOR] * (1.0 - q[ASYMMETRY_MOTOR])
+    c[LEVELS + 2] = q[COULOMB] * (1.0 + q[ASYMMETRY])
+    c[LEVELS + 3] = q[COULOMB] * (1.0 - q[ASYMMETRY])
+    c[CONSTANT] = q[LOAD_TORQUE]
+    c[WHOLE] = math.floor(q[DELAY] / dt)
+    c[PART] = q[DELAY] / dt - c[WHOLE]

@@ -1,0 +1,187 @@
+"""Remedies help: each test meets a problem, does what its remedy says, and the problem is gone."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.errors import Problem
+from lostmotion.stages.design import design
+from lostmotion.stages.material import Material, Settings
+from lostmotion.stages.parameters import Found, find_parameters
+from lostmotion.stages.validation import validate_controllers
+
+DT = 2e-4
+KNOWN = {
+    "inertia_motor": 0.018, "inertia_load": 0.11, "stiffness": 6000.0, "damping": 0.4, "backlash": 0.012,
+    "coulomb": 2.0, "viscous": 0.0175, "lag": 3e-4,
+}  # fmt: skip
+START = {"inertia_motor": 0.015, "inertia_load": 0.13, "stiffness": 5000.0, "backlash": 0.015, "coulomb": 1.5}
+
+
+def material(
+    recording: lm.Recording | None = None, nameplate: dict[str, float] = KNOWN, **settings: Any
+) -> Material:
+    return Material(
+        nameplate,
+        Settings(**settings),
+        1,
+        False,
+        recording,
+        None,
+        {} if recording is None else {"log": recording},
+        {} if recording is None else {"log": "identify"},
+    )
+
+
+def recorded(
+    seconds: float = 5.0,
+    torque_load: float = 0.0,
+    sign: float = 1.0,
+    step: float = 0.0,
+    size: float = 1.0,
+    levels: tuple[float, ...] = (6.0, 30.0, -30.0, -6.0) * 2,
+    **changed: float,
+) -> lm.Recording:
+    """A two-mass drive under the usual excitation: noise on the speed, and counts of this step (rad/s)."""
+    plant = lm.Drivetrain.two_mass(**(KNOWN | changed))
+    torque = size * lm.signals.excitation(
+        seconds, DT, seed=3, inertia=0.128, coulomb=2.0, viscous=0.0175, levels=levels
+    )
+    run = lm.simulate(plant, torque_motor=torque, torque_load=np.full(torque.size, torque_load), dt=DT)
+    speed = run["speed_motor"] + 1e-3 * np.random.default_rng(1).standard_normal(len(run))
+    if step:
+        speed = step * np.round(speed / step)
+    return lm.Recording(
+        time=run.time, signals={"torque_motor": sign * run["torque_motor"], "speed_motor": speed}
+    )
+
+
+def told(found: Found, words: str) -> Problem:
+    (problem,) = [p for p in found.problems if words in p.remedy]
+    return problem
+
+
+def coulomb_error(found: Found) -> float:
+    return abs(found.table["coulomb"]["value"] / KNOWN["coulomb"] - 1.0)
+
+
+def test_friction_of_the_motor_that_the_nameplate_left_out() -> None:
+    """``coulomb_motor`` under [nameplate]."""
+    recording = recorded(coulomb_motor=1.0)
+    without = find_parameters(material(recording, START))
+    assert "coulomb_motor under [nameplate]" in told(without, "coulomb_motor").remedy
+    helped = find_parameters(material(recording, START | {"coulomb_motor": 1.0}))
+    assert coulomb_error(without) > 0.1 and coulomb_error(helped) < 0.02
+    residual = [found.identification.prediction.rms for found in (without, helped) if found.identification]
+    assert residual[1] < 0.5 * residual[0]
+
+
+def test_a_torque_on_the_load() -> None:
+    """``load_torque = true`` under [identify]."""
+    recording = recorded(torque_load=-1.5)
+    without = find_parameters(material(recording, START))
+    assert "load_torque = true under [identify]" in told(without, "load_torque").remedy
+    helped = find_parameters(material(recording, START, load_torque=True))
+    assert coulomb_error(helped) < 0.3 * coulomb_error(without)
+
+
+def test_parameters_that_cannot_be_told_apart() -> None:
+    """``fixed = [...]`` under [identify]: at one speed, Coulomb and viscous friction act alike."""
+    recording = recorded(seconds=3.0, levels=(20.0,))
+    without = find_parameters(material(recording, KNOWN))
+    problem = told(without, "fixed = [...] under [identify]")
+    name = problem.where.split(", ")[-1]
+    helped = find_parameters(material(recording, KNOWN, fixed=(name,)))
+    assert not [p for p in helped.problems if "fixed" in p.remedy]
+    assert helped.table[name]["source"] == "nameplate"
+
+
+def test_a_torque_of_the_wrong_sign() -> None:
+    """``sign`` in the torque's channel."""
+    from lostmotion.io import check_recording
+
+    wrong = [p for p in check_recording(recorded(sign=-1.0)) if "sign = -1" in p.remedy]
+    assert len(wrong) == 1
+    assert not [p for p in check_recording(recorded()) if "sign" in p.remedy]
+
+
+def test_counts_that_are_too_coarse() -> None:
+    """Faster motion with more torque."""
+    coarse = find_parameters(material(recorded(step=60.0), START))
+    assert "faster motion with more torque" in told(coarse, "nothing is identified").remedy
+    helped = find_parameters(material(recorded(step=60.0, size=6.0), START))
+    assert not [p for p in helped.problems if "nothing is identified" in p.remedy]
+
+
+@pytest.mark.parametrize("name", ["inertia_motor", "inertia_load", "stiffness", "backlash"])
+def test_a_parameter_that_is_not_known(name: str) -> None:
+    """The nameplate's key."""
+    missing = find_parameters(material(None, {n: v for n, v in KNOWN.items() if n != name}, sample_time=1e-4))
+    assert missing.drivetrain is None
+    assert f"{name} = ... under [nameplate]" in missing.missing
+    assert find_parameters(material(None, KNOWN, sample_time=1e-4)).drivetrain is not None
+
+
+def test_start_values_that_are_not_given() -> None:
+    recording = recorded(seconds=1.0)
+    missing = find_parameters(material(recording, {"stiffness": 5000.0}))
+    assert missing.skipped == "no start value for inertia_motor, inertia_load: add it to [nameplate]"
+    assert not find_parameters(material(recording, START)).skipped
+
+
+def test_no_sample_time() -> None:
+    """``sample_time`` under [law]."""
+    found = find_parameters(material())
+    assert "sample_time in [law]" in design(material(), found).skipped
+    assert design(material(sample_time=1e-4), found).law is not None
+
+
+def loop_problems(**settings: Any) -> tuple[dict[str, Any], list[Problem]]:
+    """Controllers and problems of the validation, and those of the design."""
+    asked = material(sample_time=1e-4, **settings)
+    found = find_parameters(asked)
+    laws = design(asked, found)
+    table, _, _, problems = validate_controllers(asked, found, laws)
+    return table, [*laws.problems, *problems]
+
+
+@pytest.mark.parametrize(
+    ("settings", "law", "remedy"),
+    [
+        ({"kp": 400.0, "ki": 200.0}, "pi", "Leave kp and ki out of [law]"),
+        ({"kp": 1.0, "ki": 20_000.0}, "pi", "Leave kp and ki out of [law]"),
+        ({"poles": (-4000.0, -4000.0, -4000.0)}, "pole_placement", "Leave poles out of [law]"),
+    ],
+)
+def test_a_setting_that_does_not_suit_the_drive(settings: dict[str, Any], law: str, remedy: str) -> None:
+    table, problems = loop_problems(torque_limit=70.0, **settings)
+    assert "skipped" in table[law] or not table[law]["steady_error"] < 0.01
+    assert [p for p in problems if remedy in p.remedy]
+    helped, left = loop_problems(torque_limit=70.0)
+    assert helped[law]["steady_error"] < 0.005 and helped[law]["overshoot"] < 10.0
+    assert left == []
+
+
+def test_a_torque_limit_below_friction() -> None:
+    """``torque_limit`` under [law]."""
+    table, problems = loop_problems(torque_limit=1.0)
+    assert table["pole_placement"]["overshoot"] is None
+    assert all("Raise torque_limit under [law]" in p.remedy for p in problems) and len(problems) == 2
+    needed = float(re.search(r"holds ([\d.]+) Nm", problems[0].remedy)[1])  # type: ignore[index]
+    helped, left = loop_problems(torque_limit=5.0 * needed)
+    assert left == [] and helped["pole_placement"]["steady_error"] < 0.005
+
+
+def test_a_sample_time_that_is_too_long() -> None:
+    """``sample_time`` under [law]."""
+    slow = replace(material(sample_time=1e-2), identify=None)
+    laws = design(slow, find_parameters(slow))
+    assert laws.law is None
+    assert [p for p in laws.problems if "shorter sample_time under [law]" in p.remedy]
+    assert loop_problems()[1] == []
