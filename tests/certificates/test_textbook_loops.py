@@ -19,7 +19,7 @@ def continuous(a: np.ndarray, b: np.ndarray, c: np.ndarray, slope: float, dt: fl
     return SampledProof(
         A=dt * a, E=-dt * b, Z=c, S=np.eye(n), S_w=np.zeros((n, 1)), S_v=np.zeros((n, 0)), N=np.zeros((0, n)),
         N_w=np.zeros((0, 1)), N_v=NOTHING, sectors=np.array([[0.0, slope]]), slopes=np.zeros(1),
-        steepest=np.array([np.inf]), copies=(), of_state=(), seen=(), pieces=1,
+        steepest=np.array([np.inf]), copies=(), of_state=(), seen=(), substeps=1,
     )  # fmt: skip
 
 
@@ -29,7 +29,7 @@ def discrete(a: np.ndarray, b: np.ndarray, c: np.ndarray, slope: float, integral
     return SampledProof(
         A=np.zeros((n, n)), E=np.zeros((n, 0)), Z=np.zeros((0, n)), S=a, S_w=np.zeros((n, 0)), S_v=-b, N=c,
         N_w=np.zeros((1, 0)), N_v=np.zeros((1, 1)), sectors=np.array([[0.0, slope]]), slopes=np.zeros(1),
-        steepest=np.array([slope]), copies=(), of_state=(0,) if integral else (), seen=(), pieces=1,
+        steepest=np.array([slope]), copies=(), of_state=(0,) if integral else (), seen=(), substeps=1,
     )  # fmt: skip
 
 

@@ -93,7 +93,7 @@ def prove_running(
     delay: int = 0,
     torque_load: tuple[float, float] = (0.0, 0.0),
     fastest: float = FASTEST,
-    pieces: int = 1,
+    substeps: int = 1,
     step: float = STEP,
     progress: Progress | None = None,
 ) -> RunningProof:
@@ -107,8 +107,8 @@ def prove_running(
         Smallest and largest constant load torque, positive in the direction of the motion.
     fastest : float, rad/s
         Largest load speed.
-    pieces : int
-        Into how many pieces P(τ) is cut over a sample.
+    substeps : int
+        Into how many substeps P(τ) is cut over a sample.
     step : float, rad/s
         Step of the load speed that must be proved where the torque limit keeps the proof from holding for every state;
         larger ones of ``STEPS`` are tried.
@@ -129,7 +129,7 @@ def prove_running(
     if not 0.0 < step < math.inf:
         raise InvalidInput("step", repr(step), "a step of the load speed in rad/s above 0", "Raise it.")
     search = _Search(
-        lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, pieces, step,
+        lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, substeps, step,
         progress or (lambda share, text: None),
     )  # fmt: skip
     return search.smallest()
@@ -161,7 +161,7 @@ class _Search:
     delay: int
     torque_load: tuple[float, float]
     fastest: float
-    pieces: int
+    substeps: int
     step: float
     progress: Progress
     reason: str = ""
@@ -254,7 +254,7 @@ class _Search:
         region = None
         if goal.step is not None:
             region, bounds = limit_region(self.loop, known, bounds, Fraction(goal.step), Fraction(goal.share))
-        problem = sampled_proof(self.loop, known[0], bounds, pairs, self.pieces, region)
+        problem = sampled_proof(self.loop, known[0], bounds, pairs, self.substeps, region)
         return _Candidate(known[0], problem, self.solved(problem), goal)
 
     def checked(self, speed: float, candidate: _Candidate) -> RunningProof:
