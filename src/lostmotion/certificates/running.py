@@ -171,24 +171,17 @@ class _Search:
 
         The floats of the solver guide it; the exact check of the last one decides, and goes up where it fails.
         """
-        speeds = [speed for speed in SPEEDS if speed < self.fastest]
         try:
-            goal = self._goal(speeds[-1])
-            return self._smallest_checked(speeds, goal)
+            return self._checked_smallest()
         except Unproved as error:
             return RunningProof(
-                None,
-                self.fastest,
-                None,
-                self.torque_load,
-                None,
-                self.delay,
-                self.loop.is_odd,
-                None,
-                str(error),
-            )
+                None, self.fastest, None, self.torque_load, None, self.delay, self.loop.is_odd, None, str(error)
+            )  # fmt: skip
 
-    def _smallest_checked(self, speeds: list[float], goal: _Goal) -> RunningProof:
+    def _checked_smallest(self) -> RunningProof:
+        """The proof that ``smallest`` finds; raises ``Unproved`` if it finds none."""
+        speeds = [speed for speed in SPEEDS if speed < self.fastest]
+        goal = self._goal(speeds[-1])
         found: dict[int, _Candidate] = {}
         low, high = -1, len(speeds)
         done, tries = 0, math.ceil(math.log2(len(speeds) + 1))
