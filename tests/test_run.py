@@ -24,6 +24,7 @@ def test_output_folder_holds_everything(finished_run: Finished) -> None:
     out, _ = finished_run
     files = {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()}
     expected = {"drivetrain.toml", "law.json", "report.html", "results.json", "truth.json"}
+    expected |= {"certificate.json", "certificate_verify.py"}
     assert expected <= files
     assert {"c/drive_law.c", "c/drive_law.h", "c/drive_law_test.c", "c/README.md"} <= files
     assert {"recordings/excitation.npz", "recordings/step.npz", "recordings/observer_1.npz"} <= files
@@ -48,7 +49,7 @@ def test_results_have_the_stated_form(finished_run: Finished) -> None:
         assert set(written["controllers"][name]) == {
             "overshoot", "rise_time", "settling_time", "peak_torque", "steady_error", "impact_speed",
         }  # fmt: skip
-    assert set(written["timing_s"]) == {"read", "identify", "design", "validate", "export", "report"}
+    assert set(written["timing_s"]) == {"read", "identify", "design", "validate", "export", "prove", "report"}
 
 
 def test_accuracy_on_the_default_rig(finished_run: Finished) -> None:
