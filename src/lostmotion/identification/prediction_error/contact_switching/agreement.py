@@ -49,6 +49,9 @@ def confirmed(
 
     fitted = predictor.drivetrain(told.theta)
     found = estimate(flt, start, fitted, fixed, predictor.joint_piece, agrees)
+    if found.rigid:
+        keep = np.zeros(len(stage.free), dtype=bool)
+        return predictor, *_kept(predictor, stage, told, start, keep), [problem.rigid()]
     if found.explained:
         return (
             (predictor, stage, told, [])
