@@ -42,7 +42,7 @@ def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]
     """One inertia, that of motor and load together, with friction and lag; and what of it is free."""
     given = start_values(flt, start, start, ())
     given |= {f"{name}_motor": given[name] for name in ("coulomb", "viscous")}
-    # What is left of the load hangs on a spring beyond the recording's band, critically damped: nothing is unobservable.
+    # What is left of the load hangs on a critically damped spring beyond the recording's band: all is observable.
     own, load = 2.0 * np.pi / flt.dt, LEFT * start.inertia_total
     given |= dict.fromkeys(("backlash", "coulomb", "viscous", "torque_rate"), 0.0)
     given |= {"stiffness": own**2 * load, "damping": 2.0 * own * load}
