@@ -42,7 +42,7 @@ ALIKE, ALIKE_SHARE = 0.003, 0.2
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
 #: What the model leaves unexplained is no noise, and shifts the values: half widths grow by this times the cost
-#: (calibrated, see docs/identification.md).
+#: (calibrated on development drives 8, 18 and 24, see docs/benchmarks/zoo.md).
 INFLATION = 10.0
 #: A rigid drive stands if the cost rises by no more than this (calibrated on calibration drive 10002:
 #: ten more parameters lower it by up to 2 % where there is nothing to find).
