@@ -51,6 +51,7 @@ def identify(
     load_torque: bool = False,
     contact: str = "viscoelastic",
     joint_piece: bool = True,
+    second_estimator: bool = True,
     speed_from_counts: bool | None = None,
     progress: Progress | None = None,
 ) -> Identification:
@@ -98,6 +99,9 @@ def identify(
         Contact law of the observer; see ``compare_contacts``.
     joint_piece : bool
         Whether a joint piece is tried; not with further channels, a load torque or the dead-zone law.
+    second_estimator : bool
+        Whether the contact-switching filter judges the fit; not with further channels, a load torque or the dead-zone
+        law. Without it, values of drives unlike the virtual rig may be wrong and called identified.
     speed_from_counts : bool, optional
         Whether the speeds are an encoder's count difference, so a mean over the sample before. Default: what
         ``recording.meta["speed_from_counts"]`` says, else found from the quantisation of the signal.
@@ -158,7 +162,7 @@ def identify(
     say(0.8, "computing the intervals")
     stage, values = told(predictor, stage, start, box, total)
     doubts: list[Problem] = []
-    if not wide:
+    if second_estimator and not wide:
         say(0.9, "comparing with the contact-switching filter")
         predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed)
     result = _result(pieces, predictor, stage, values, start, fixed, total)

@@ -61,6 +61,16 @@ def unexplained(excess: float, most: float) -> Problem:
     )
 
 
+def rigid() -> Problem:
+    return Problem(
+        "warning",
+        "identification",
+        "a rigid drive that predicts as well",
+        "torsional motion above the noise",
+        "Nothing is identified. Use rigid_drive for inertia and friction, or record torque near the pole.",
+    )
+
+
 def disagreement(names: Sequence[str], most: float) -> Problem:
     """Largest difference that counts as agreement, in the logarithm."""
     return Problem(

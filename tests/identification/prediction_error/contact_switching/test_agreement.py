@@ -73,6 +73,14 @@ def test_three_masses_without_a_gap():
     assert {name: off for name, off in wrong(found, truth).items() if name in core} == {}
 
 
+def test_a_rigid_drive_has_no_spring():
+    """A load inertia and a stiffness fit the noise a little better; neither is there."""
+    rigid = lm.Drivetrain(inertias=(0.1292,), frictions=(lm.Friction(viscous=0.0175, coulomb=2.0),))
+    found = lm.identify(recorded(rigid, 1e-3, 8.0), start=TABLE_I)
+    assert found.intervals == {}
+    assert any("rigid" in problem.got for problem in found.problems)
+
+
 def test_a_sample_time_of_a_millisecond():
     """Six of eight intervals were wrong without a warning."""
     found = lm.identify(recorded(TABLE_I, 1e-3, 20.0), start=TABLE_I)

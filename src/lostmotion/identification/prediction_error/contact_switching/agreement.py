@@ -22,6 +22,8 @@ from .filter import INDEX, ContactFilter
 Array = NDArray[np.float64]
 
 
+#: What both estimators have to agree on.
+CORE = ("inertia_motor", "inertia_load", "stiffness", "backlash")
 #: Without a model that explains the recording, a value is kept if both estimators agree on it within this, in the
 #: logarithm, or within its interval (calibrated on development drives: right values agree within a tenth).
 APART = 0.2
@@ -49,6 +51,9 @@ def confirmed(
 
     fitted = predictor.drivetrain(told.theta)
     found = estimate(flt, start, fitted, fixed, predictor.joint_piece, agrees)
+    if found.rigid:
+        keep = np.zeros(len(stage.free), dtype=bool)
+        return predictor, *_kept(predictor, stage, told, start, keep), [problem.rigid()]
     if found.explained:
         return (
             (predictor, stage, told, [])
@@ -60,6 +65,9 @@ def confirmed(
         keep, problems = np.zeros(len(stage.free), dtype=bool), [problem.unexplained(excess, UNEXPLAINED)]
     else:
         keep = np.abs(found.theta - told.theta)[stage.free] <= np.maximum(told.half, APART)
+        # Friction, damping and lag absorb what the model lacks, differently in each: the others vouch for them.
+        core = np.array([NAMES[i] in CORE for i in stage.free], dtype=bool)
+        keep[~core] = np.all(keep[core])
         lost = [NAMES[i] for i, kept in zip(stage.free, keep, strict=True) if not kept]
         problems = [problem.disagreement(lost, APART)] if lost else []
     return predictor, *_kept(predictor, stage, told, start, keep), problems

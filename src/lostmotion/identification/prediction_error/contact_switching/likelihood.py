@@ -128,7 +128,8 @@ def inverse_hessian(jacobian: Array) -> Array:
     hessian = np.einsum("ik,jk->ij", jacobian, jacobian)
     scale = np.sqrt(np.maximum(np.diag(hessian), 1e-300))
     scaled = hessian / np.outer(scale, scale) + 1e-10 * np.eye(scale.size)
-    return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))
+    with np.errstate(over="ignore"):
+        return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))
 
 
 def _step(hessian: Array, gradient: Array, radius: float) -> Array:

@@ -23,6 +23,10 @@ AT_MOTOR, RATE, TORQUE_RATE = 0.3, 0.5, 0.1
 COULOMB, VISCOUS, GAP, LAG = 0.03, 0.01, 0.5, 0.5
 
 
+#: Part of a rigid drive's inertia that the model has as a load (numerics: far below what the motor's is known to).
+LEFT = 1e-3
+
+
 def starts(
     flt: ContactFilter, start: Drivetrain, fitted: Drivetrain, fixed: Collection[str]
 ) -> dict[str, Array]:
@@ -32,6 +36,19 @@ def starts(
     if "lag" not in fixed:
         starts["no lag"] = with_values(nameplate, flt, lag=0.1 * flt.dt)
     return starts
+
+
+def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]]:
+    """One inertia, that of motor and load together, with friction and lag; and what of it is free."""
+    given = start_values(flt, start, start, ())
+    given |= {f"{name}_motor": given[name] for name in ("coulomb", "viscous")}
+    # What is left of the load hangs on a critically damped spring beyond the recording's band: all is observable.
+    own, load = 2.0 * np.pi / flt.dt, LEFT * start.inertia_total
+    given |= dict.fromkeys(("backlash", "coulomb", "viscous", "torque_rate"), 0.0)
+    given |= {"stiffness": own**2 * load, "damping": 2.0 * own * load}
+    given |= {"inertia_motor": start.inertia_total, "inertia_load": load}
+    names = ("inertia_motor", "coulomb_motor", "viscous_motor", "asymmetry_motor", "lag", "delay")
+    return flt.theta(given), sorted(INDEX[name] for name in names)
 
 
 def free_places(start: Drivetrain, fixed: Collection[str]) -> list[int]:
