@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,14 @@ def shape(
 ) -> Callable[[float], Array]:
     """Scale in (0, 1] → motor torque (n,), Nm; at scale 1 the peak (or the speed level) is at its limit."""
     if kind == "levels":
-        return lambda scale: _levels(scale, nameplate, limits, band, duration, dt, seed)
+        return lambda scale: signals.excitation(
+            duration,
+            dt,
+            seed=seed,
+            band=band,
+            limit=limits.torque,
+            **_levels(scale, nameplate, limits, duration),
+        )
     unit = {
         "step": lambda: _steps(nameplate, limits, duration, dt),
         "chirp": lambda: signals.chirp(*band, 1.0, duration, dt),
@@ -63,15 +70,8 @@ def shape(
     return lambda scale: scale * unit
 
 
-def _levels(
-    scale: float,
-    nameplate: Drivetrain,
-    limits: Limits,
-    band: tuple[float, float],
-    duration: float,
-    dt: float,
-    seed: int,
-) -> Array:
+def _levels(scale: float, nameplate: Drivetrain, limits: Limits, duration: float) -> dict[str, Any]:
+    """Speeds, ramps and noise of ``signals.excitation`` within the limits."""
     inertia, coulomb = nameplate.inertia_total, nameplate.coulomb + nameplate.coulomb_motor
     viscous = nameplate.viscous + nameplate.viscous_motor
     fastest = max(LEVELS) * scale * limits.speed
@@ -84,11 +84,11 @@ def _levels(
     noise = NOISE_SHARE * limits.torque
     if coulomb > 0.0:
         noise = min(noise, NOISE_FRICTION * coulomb)
-    return signals.excitation(
-        duration, dt, seed=seed, inertia=inertia, coulomb=coulomb, viscous=viscous,
-        levels=[level * scale * limits.speed for level in LEVELS] * rounds,
-        ramp=ramp, noise_rms=scale * noise, band=band, limit=limits.torque,
-    )  # fmt: skip
+    levels = [level * scale * limits.speed for level in LEVELS] * rounds
+    return {
+        "inertia": inertia, "coulomb": coulomb, "viscous": viscous, "levels": levels, "ramp": ramp,
+        "noise_rms": scale * noise,
+    }  # fmt: skip
 
 
 def _steps(nameplate: Drivetrain, limits: Limits, duration: float, dt: float) -> Array:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from .design_model import DesignModel
 from .discrete_system import DiscreteSystem
@@ -34,6 +35,7 @@ class LoopMargin:
     torque_per_speed_noise: float
 
 
+@checks_arguments
 def loop_margin(law: DiscreteSystem, model: DesignModel, speed_from_counts: bool = False) -> LoopMargin:
     """Margin of a linear law speed_motor → torque_motor around a drivetrain.
 
