@@ -48,7 +48,7 @@ def _recordings(material: Material) -> list[ReportFigure]:
     return [
         ReportFigure(
             f"Recording: {name.replace('_', ' ')}",
-            "Each signal over the whole time. Where samples are too many to draw, their smallest and largest are drawn.",
+            "Each signal over the whole time. Of too many samples, the smallest and the largest are drawn.",
             plot.recording_overview(recording, title=f"{name.replace('_', ' ').capitalize()}{origin}"),
             "recording",
         )
@@ -72,7 +72,7 @@ def _parameters(found: Found, truth: dict[str, float | None] | None, source: str
         made.append(
             ReportFigure(
                 "Prediction of the motor speed",
-                "One sample ahead. Where the residual leaves the band, it has a part that the two-mass model cannot explain.",
+                "One sample ahead. Where the residual leaves the band, the two-mass model does not explain it.",
                 plot.prediction_fit(
                     prediction.time,
                     prediction.speed_motor + prediction.residual,
