@@ -24,14 +24,14 @@ from ..systems import (
 )
 
 #: Share of the stiffness that a shaft with backlash shows to a small oscillation (its describing function): closed,
-#: half open, at the edges of the gap (numerics).
+#: half open, at the edges of the gap (numerics: a grid).
 GAP_SHARES = (1.0, 0.3, 0.1)
 #: Largest sensitivity of the default law (Åström & Hägglund 2006, Advanced PID Control, section 4.6: 1.4 to 2 are
 #: usual).
 LARGEST_SENSITIVITY = 1.7
 #: Fastest default law: torque that an error of one speed deserves, over what turns the drive to that speed in one
-#: radian of the torsional mode (calibrated on the zoo's development drives: beyond it the fastest pole runs away from
-#: the other two). Then by which factor it becomes slower, and the slowest (numerics).
+#: radian of the torsional mode (calibrated on development drives, seeds not recorded: beyond it the fastest pole runs
+#: away from the other two). Then by which factor it becomes slower, and the slowest (numerics).
 FASTEST, SLOWER, SLOWEST = 0.4, 0.8, 1e-4
 #: Density of the law's load torque on the paper's rig with the paper's poles, Nm²/s (calibrated on the virtual rigs 1
 #: to 5: a load step is over in 50 instead of 190 ms).

@@ -21,7 +21,8 @@ from .speed_step import PAPER_STEP, SpeedStep
 
 #: Signals that are withheld from the observers and compared with them afterwards.
 WITHHELD = ("speed_load", "torque_shaft", "twist")
-#: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole).
+#: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole
+#: on the paper's rig).
 SETTLING = 0.3
 #: A step that has not settled is shown with twice the time, at most so often (option: 16 times).
 DOUBLINGS = 4

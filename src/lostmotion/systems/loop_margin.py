@@ -15,7 +15,8 @@ from .discrete_system import DiscreteSystem
 
 Array = NDArray[np.float64]
 
-#: Frequencies of the evaluation: this many, down from the Nyquist frequency by this factor (numerics).
+#: Frequencies of the evaluation: this many, down from the Nyquist frequency by this factor (numerics: 75
+#: per decade).
 FREQUENCIES, DECADES = 300, 1e-4
 
 

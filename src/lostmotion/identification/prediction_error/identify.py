@@ -15,8 +15,8 @@ from ...recording import Recording
 from ..statistics.estimates import Source
 from . import initial_values, warnings
 from . import problems as problem
-from .agreement import confirmed
 from .channel_innovations import ChannelPredictor
+from .contact_switching.agreement import confirmed
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descend, descent, fit
 from .identifiability import Told, higher_mode, told
 from .innovations import NAMES, Predictor, from_theta
@@ -73,6 +73,11 @@ def identify(
 
     Where counts are coarse, rows are joined; where the innovations still leave too little of the speed, nothing is
     identified (``findings``).
+
+    Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
+    sticking, with friction at both ends, a delay and an unknown load torque (``candidates``). Where it explains the
+    recording down to the sensor's noise and finds something else, its values and intervals are told. Where nothing
+    explains the recording, only that is told on which both agree (``agreement``).
 
     Parameters
     ----------
@@ -152,11 +157,12 @@ def identify(
         predictor, stage = refine(channels, theta, stage, box, load_torque)
     say(0.8, "computing the intervals")
     stage, values = told(predictor, stage, start, box, total)
+    doubts: list[Problem] = []
     if not wide:
         say(0.9, "comparing with the contact-switching filter")
-        predictor, stage, values = confirmed(predictor, stage, values, start, fixed)
+        predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed)
     result = _result(pieces, predictor, stage, values, start, fixed, total)
-    result = replace(result, problems=(*result.problems, *ambiguous, *coarse))
+    result = replace(result, problems=(*result.problems, *doubts, *ambiguous, *coarse))
     say(1.0, "identified")
     return result
 

@@ -50,6 +50,28 @@ def inertia_contradicts_torque(seen: float, found: float) -> Problem:
 # The prediction.
 
 
+def unexplained(excess: float, most: float) -> Problem:
+    """Innovations over the sensor's noise."""
+    return Problem(
+        "warning",
+        "identification",
+        f"innovations {excess:.1f} times the sensor's noise",
+        f"at most {most:.0f} times",
+        "Nothing is identified, as no model explains the recording. Record without load torque, or measure more.",
+    )
+
+
+def disagreement(names: Sequence[str], most: float) -> Problem:
+    """Largest difference that counts as agreement, in the logarithm."""
+    return Problem(
+        "warning",
+        ", ".join(names),
+        "two estimators that disagree",
+        f"agreement within {100 * most:.0f} %",
+        "These values are not identified. Record more reversals of the torque, or measure the load's speed as well.",
+    )
+
+
 def still_moving() -> Problem:
     remedy = "Check the values under [nameplate], and the sign of the torque (sign in its channel)."
     return Problem.warning("identification", "a fit that was still moving", "convergence", remedy)

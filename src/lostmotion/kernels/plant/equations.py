@@ -18,7 +18,7 @@ LAW, ANGLE, ELEMENT, SUM, DIFFERENCE = range(5)
 ELEMENT_OF_FRICTION, POINT = range(2)
 KIND, INDEX, REST = range(3)
 #: Numbers of a shaft (stiffness, damping, half the backlash) and of a friction (viscous, Coulomb level of positive and
-#: negative speed, breakaway level of positive and negative torque) (numerics).
+#: negative speed, breakaway level of positive and negative torque) (layout).
 SHAFT_NUMBERS, FRICTION_NUMBERS = 3, 5
 
 

@@ -47,7 +47,7 @@ from .layout import (
 )
 
 DONE, NEED_MODE, NEED_EVENT_SPACE, CHATTERING = 0, 1, 2, 3
-#: Events within one sample beyond which the run is given up as chattering (numerics).
+#: Events within one sample beyond which the run is given up as chattering (option).
 MAX_EVENTS_PER_SAMPLE = 10_000
 #: An event's row: time in samples, element, old digit, new digit, speed at the element, new mode; then the state.
 #: (Layout.)

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...drivetrain import Drivetrain
-from ..statistics.block_covariance import sandwich, student_factor
-from .contact_filter import INDEX, LAWS, NAMES, ContactFilter, pole_of
-from .initial_values import DAMPING_RATIO
-from .innovations import NAMES as TOLD
-from .likelihood import Box, Candidate, descend, inverse_hessian, minimise, polish
+from ....drivetrain import Drivetrain
+from ...statistics.block_covariance import sandwich, student_factor
+from ..innovations import NAMES as TOLD
+from .filter import INDEX, LAWS, NAMES, ContactFilter, pole_of
+from .likelihood import Box, Candidate, descend, inverse_hessian, polish
+from .moves import other_minima
+from .starts import free_places, lag, start_values, starts, told_vector, with_values
 
 Array = NDArray[np.float64]
 
@@ -27,22 +28,8 @@ FAR = 100.0
 #: First noise level of a descent from values that were fitted already, see ``likelihood.FIRST_LEVEL`` (numerics).
 FITTED_LEVEL = 0.003
 
-#: Shares of the friction that start at the motor; rates of the unknown torques over the pole's and over the torque's
-#: standard deviation (numerics).
-AT_MOTOR, RATE, TORQUE_RATE = 0.3, 0.5, 0.1
-#: What a start without nameplate value has, over the torque's deviation: Coulomb and viscous torque, wind-up in a gap;
-#: and a lag in samples (numerics).
-COULOMB, VISCOUS, GAP, LAG = 0.03, 0.01, 0.5, 0.5
 #: Where a third inertia starts: its share of the motor's, and of the compliance (numerics).
 SHARE, COMPLIANCE = 0.1, 0.3
-
-#: Moves by which other minima are looked for, see ``_moved`` (numerics: starts were lost in these directions).
-HOPS = {
-    "inertia": (0.4, -0.4), "ratio": (0.7, -0.7), "pole": (0.25, -0.25), "backlash": (1.4, -1.4),
-    "delay": (0.0, 0.9), "lag": (1.4, -1.4),
-}  # fmt: skip
-#: Steps after each, and the gain below which no more are tried (numerics).
-HOP_STEPS, HOP_GAIN = 4, 0.02
 
 #: Candidates that differ by less than this in all logarithms are one (numerics: below an interval).
 SAME = 0.01
@@ -54,6 +41,9 @@ ALIKE, ALIKE_SHARE = 0.003, 0.2
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
+#: What the model leaves unexplained is no noise, and shifts the values: half widths grow by this times the cost
+#: (calibrated, see docs/identification.md).
+INFLATION = 10.0
 #: And up to which it leaves nothing but the noise (numerics: 5 % above it).
 NOISE_ALONE = 0.05
 #: A cost from which on no other minima are looked for (numerics: moves gain less).
@@ -99,40 +89,29 @@ def estimate(
         Whether a vector (8,) is within the intervals of what was found: no more is looked for if that leaves nothing
         but the sensor's noise.
     """
-    starts = _starts(flt, start, fitted, fixed)
-    box = Box.around(flt, starts["nameplate"], FAR).including(starts["fitted"], FAR)
-    rows = int(np.clip(PERIODS / (flt.dt * pole_of(starts["nameplate"])), FEWEST, MOST))
-    part, free = flt.liveliest(rows), _free(start, fixed)
-    found = [descend("fitted", part, starts.pop("fitted"), free, box, FITTED_LEVEL)]
-    if found[0].cost < NOISE_ALONE and agrees(_eight(found[0])):
-        return Estimate(_eight(found[0]), np.full(len(TOLD), np.inf), np.empty((0, 0)), found[0], True)
-    found += [descend(name, part, one, free, box) for name, one in starts.items()]
+    begun = starts(flt, start, fitted, fixed)
+    box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
+    rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
+    part, free = flt.liveliest(rows), free_places(start, fixed)
+    found = [descend("fitted", part, begun.pop("fitted"), free, box, FITTED_LEVEL)]
+    if found[0].cost < NOISE_ALONE and agrees(told_vector(found[0])):
+        return Estimate(told_vector(found[0]), np.full(len(TOLD), np.inf), np.empty((0, 0)), found[0], True)
+    found += [descend(name, part, one, free, box) for name, one in begun.items()]
     if min(one.cost for one in found) < HOPELESS:
-        found += _hops(min(found, key=lambda one: one.cost), box)
+        found += other_minima(min(found, key=lambda one: one.cost), box)
     others = plausible(found)
     if others[0].cost < 2.0 * EXPLAINED:
         found = _finished(others, flt.liveliest(ROWS), piece, box)
         if found[0].cost < EXPLAINED:
             return _told(found[0], [*plausible(found), *others], box, fixed)
     # An unknown load torque makes up for much that the model lacks, and the load inertia with it.
-    near = _with(flt.theta(_values(flt, fitted, start, fixed)), flt, torque_rate=0.0)
+    near = with_values(flt.theta(start_values(flt, fitted, start, fixed)), flt, torque_rate=0.0)
     second = descend("fitted", part, near, free, box, FITTED_LEVEL)
-    theta = _eight(second)
+    theta = told_vector(second)
     for name in ("coulomb", "viscous"):
         at_motor = second.theta[INDEX[f"{name}_motor"]]
         theta[TOLD.index(name)] = np.logaddexp(theta[TOLD.index(name)], at_motor)
     return Estimate(theta, np.full(theta.size, np.inf), np.empty((0, 0)), second, False)
-
-
-def _starts(
-    flt: ContactFilter, start: Drivetrain, fitted: Drivetrain, fixed: Collection[str]
-) -> dict[str, Array]:
-    """Parameter vectors from which descents start."""
-    nameplate = flt.theta(_values(flt, start, start, fixed))
-    starts = {"fitted": flt.theta(_values(flt, fitted, start, fixed)), "nameplate": nameplate}
-    if "lag" not in fixed:
-        starts["no lag"] = _with(nameplate, flt, lag=0.1 * flt.dt)
-    return starts
 
 
 def _finished(
@@ -148,89 +127,10 @@ def _finished(
     return sorted(found, key=lambda one: one.cost)
 
 
-def _free(start: Drivetrain, fixed: Collection[str]) -> list[int]:
-    """Places of what is fitted; friction of the motor that the nameplate gives stays as it is."""
-    names = [name for name in (*TOLD, "delay", "asymmetry") if name not in fixed]
-    if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
-        names += ["coulomb_motor", "viscous_motor", "asymmetry_motor"]
-    return sorted(INDEX[name] for name in names)
-
-
-def _values(
-    flt: ContactFilter, values: Drivetrain, start: Drivetrain, fixed: Collection[str]
-) -> dict[str, float]:
-    """Values of a start, with something for everything that is free."""
-    torque, speed = float(np.std(flt.torque)), max(flt.speed_deviation, 1e-300)
-    pole = 2.0 * np.pi * values.pole_frequency
-    given = {name: getattr(values, name) for name in TOLD}
-    guesses = {
-        "damping": 2.0 * DAMPING_RATIO * values.stiffness / pole, "backlash": GAP * torque / values.stiffness,
-        "coulomb": COULOMB * torque, "viscous": VISCOUS * torque / speed, "lag": LAG * flt.dt,
-    }  # fmt: skip
-    given |= {
-        n: max(guess, 0.0) for n, guess in guesses.items() if n not in fixed and not given[n] > 1e-3 * guess
-    }
-    if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
-        given |= {f"{n}_motor": AT_MOTOR * given[n] for n in ("coulomb", "viscous")}
-    else:
-        given |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
-    return given | {"motor_rate": RATE * pole, "load_rate": RATE * pole, "torque_rate": TORQUE_RATE * torque}
-
-
-def _with(theta: Array, flt: ContactFilter, **values: float) -> Array:
-    other = theta.copy()
-    for name, value in values.items():
-        other[INDEX[name]] = flt.theta({name: value})[INDEX[name]]
-    return other
-
-
-def _hops(candidate: Candidate, box: Box) -> list[Candidate]:
-    """Minima that are found from a candidate by moves beyond its own basin, and onwards from the lowest one of them."""
-    found = [candidate]
-    while True:
-        before = candidate.cost
-        for name, sizes in HOPS.items():
-            for size in sizes:
-                theta = np.clip(_moved(candidate, name, size), box.lower, box.upper)
-                theta, run = minimise(candidate.flt, theta, candidate.free, box, HOP_STEPS)
-                found.append(
-                    replace(candidate, start=f"{candidate.start}, {name}", theta=theta, cost=run.cost)
-                )
-                candidate = min(candidate, found[-1], key=lambda one: one.cost)
-        if not candidate.cost < before - HOP_GAIN:
-            return found
-
-
-def _moved(candidate: Candidate, name: str, size: float) -> Array:
-    """θ after a move in one of the loop's own numbers; ``size`` is a logarithm, for a delay its share of the lag."""
-    theta, dt = candidate.theta.copy(), candidate.flt.dt
-    motor, load, stiffness, damping = (
-        INDEX[n] for n in ("inertia_motor", "inertia_load", "stiffness", "damping")
-    )
-    change = np.zeros(theta.size)
-    if name == "delay":
-        theta[INDEX["delay"]] = size * _lag(candidate) / dt
-        theta[INDEX["lag"]] = np.log((1.0 - size) * _lag(candidate) + 1.1 * dt)
-    elif name == "inertia":
-        change[[motor, load, stiffness, damping]] = size
-    elif name == "ratio":
-        # Of the same total inertia, pole and damping ratio.
-        total, ratio = np.sum(np.exp(theta[[motor, load]])), np.exp(theta[load] - theta[motor] + size)
-        parts = np.log([total / (1.0 + ratio), total * ratio / (1.0 + ratio)])
-        change[[motor, load]] = parts - theta[[motor, load]]
-        change[[stiffness, damping]] = np.sum(change[[motor, load]])
-    elif name == "pole":
-        change[stiffness], change[damping] = 2.0 * size, size
-    else:
-        change[INDEX[name]] = size
-    change[[i for i in range(theta.size) if i not in candidate.free]] = 0.0
-    return np.asarray(theta + change)
-
-
 def _with_piece(candidate: Candidate, piece: tuple[float, float] | None, box: Box) -> Candidate:
     """The candidate with a third inertia on the shaft."""
     share, compliance = piece or (SHARE, COMPLIANCE)
-    theta = _with(candidate.theta, candidate.flt, share=share, compliance=compliance)
+    theta = with_values(candidate.theta, candidate.flt, share=share, compliance=compliance)
     one = replace(
         candidate,
         start="third inertia",
@@ -251,7 +151,7 @@ def _apart(found: Sequence[Candidate]) -> list[Candidate]:
     """The candidates without those that are a better one again."""
     kept: list[Candidate] = []
     for one in found:
-        if all(np.max(np.abs(_eight(one) - _eight(other))[:5]) > SAME for other in kept):
+        if all(np.max(np.abs(told_vector(one) - told_vector(other))[:5]) > SAME for other in kept):
             kept.append(one)
     return kept
 
@@ -264,18 +164,18 @@ def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collect
     coloured = sandwich(run.jacobian, run.weighted)
     covariance = gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
     spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
-    theta = _eight(best)
-    apart = np.max([np.abs(_eight(one) - theta) for one in others], axis=0)
-    half = np.hypot(student_factor(1) * np.sqrt(spread), apart)
+    theta = told_vector(best)
+    apart = np.max([np.abs(told_vector(one) - theta) for one in others], axis=0)
+    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * max(best.cost, 0.0))
     for i, name in enumerate(TOLD):
         place = INDEX[name]
         held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
         if name in fixed or held or not half[i] < np.log(NOT_EXCITED) or _other_does_as_well(best, name):
             half[i] = np.inf
     lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)}
-    # A spring before a load that does not answer cannot be told from the gap; friction shows by how it slows the load.
-    if {"inertia_load", "backlash"} <= lost:
-        half[TOLD.index("stiffness")] = half[TOLD.index("damping")] = np.inf
+    # Neither load nor spring: the rest fits many a drive. A spring before a load that does not answer is like a gap.
+    if {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
+        half[:] = np.inf
     return Estimate(theta, half, covariance, best, True)
 
 
@@ -283,7 +183,7 @@ def _gather(candidate: Candidate) -> Array:
     """(8, m) derivatives of the told parameters by the free ones: a delay counts as lag."""
     gather = np.zeros((len(TOLD), len(candidate.free)))
     values, dt = candidate.flt.values(candidate.theta), candidate.flt.dt
-    own, total = values[INDEX["lag"]] + dt, _lag(candidate) + dt
+    own, total = values[INDEX["lag"]] + dt, lag(candidate) + dt
     for column, place in enumerate(candidate.free):
         if NAMES[place] == "delay":
             gather[-1, column] = dt / total
@@ -292,22 +192,9 @@ def _gather(candidate: Candidate) -> Array:
     return gather
 
 
-def _lag(candidate: Candidate) -> float:
-    """Lag and delay together, s."""
-    values = candidate.flt.values(candidate.theta)
-    return max(float(values[INDEX["lag"]] + values[INDEX["delay"]]), 0.0)
-
-
-def _eight(candidate: Candidate) -> Array:
-    """Parameter vector in the order of ``innovations.NAMES``."""
-    theta = candidate.theta[[INDEX[name] for name in TOLD]]
-    theta[-1] = np.log(_lag(candidate) + candidate.flt.dt)
-    return theta
-
-
 def _other_does_as_well(candidate: Candidate, name: str) -> bool:
-    """Whether a gap or a Coulomb torque that is off by ``NOT_EXCITED`` either way would predict about as well."""
-    if name not in ("backlash", "coulomb"):
+    """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
+    if name not in ("backlash", "coulomb", "viscous", "damping"):
         return False
     most = candidate.cost + ALIKE + ALIKE_SHARE * max(candidate.cost, 0.0)
     for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
-from .innovations import Predictor
-from .warnings import count_step
+from ....errors import InvalidInput
+from ..innovations import Predictor
+from ..warnings import count_step
 
 Array = NDArray[np.float64]
 
@@ -138,7 +138,7 @@ class ContactFilter:
 
     def run(self, theta: Array, free: Sequence[int] = ()) -> Run:
         """A pass with the parameters θ, and its sensitivities to the free ones."""
-        from ...kernels.innovations.contact_switching import innovations
+        from ....kernels.innovations.contact_switching import innovations
 
         m, n, q = len(free), self.rows, self.values(theta)
         residuals, variances, jacobian = np.zeros((n, 1)), np.ones((n, 1)), np.zeros((m, n, 1))

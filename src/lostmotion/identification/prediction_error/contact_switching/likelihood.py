@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..statistics.block_covariance import normal_equations
-from .contact_filter import INDEX, ContactFilter, Run, pole_of
+from ...statistics.block_covariance import normal_equations
+from .filter import INDEX, ContactFilter, Run, pole_of
 
 Array = NDArray[np.float64]
 

@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...drivetrain import Drivetrain
-from ...errors import InvalidInput
-from ..statistics.levenberg_marquardt import sum_of_squares
+from ....drivetrain import Drivetrain
+from ....errors import InvalidInput, Problem
+from ...statistics.levenberg_marquardt import sum_of_squares
+from .. import problems as problem
+from ..gain_schedule import Stage
+from ..identifiability import Told
+from ..innovations import NAMES, Predictor, to_theta
+from ..warnings import NEGLIGIBLE
 from .candidates import POLES, Estimate, estimate
-from .contact_filter import INDEX, ContactFilter
-from .gain_schedule import Stage
-from .identifiability import Told
-from .innovations import NAMES, Predictor, to_theta
-from .warnings import NEGLIGIBLE
+from .filter import INDEX, ContactFilter
 
 Array = NDArray[np.float64]
 
@@ -31,7 +32,7 @@ UNEXPLAINED = 3.0
 
 def confirmed(
     predictor: Predictor, stage: Stage, told: Told, start: Drivetrain, fixed: Collection[str]
-) -> tuple[Predictor, Stage, Told]:
+) -> tuple[Predictor, Stage, Told, list[Problem]]:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
     Its cost is a likelihood, so it knows whether a model explains the recording down to the sensor's noise. Where none
@@ -40,7 +41,7 @@ def confirmed(
     try:
         flt = ContactFilter.of(predictor, POLES * start.pole_frequency)
     except InvalidInput:
-        return predictor, stage, told
+        return predictor, stage, told, []
 
     def agrees(theta: Array) -> bool:
         away = np.abs(theta - told.theta)[stage.free]
@@ -49,12 +50,19 @@ def confirmed(
     fitted = predictor.drivetrain(told.theta)
     found = estimate(flt, start, fitted, fixed, predictor.joint_piece, agrees)
     if found.explained:
-        return (predictor, stage, told) if agrees(found.theta) else _taken(predictor, stage, start, found)
-    away = np.abs(found.theta - told.theta)[stage.free]
-    keep = away <= np.maximum(told.half, APART)
-    if _excess(predictor, stage, flt) > UNEXPLAINED:
-        keep[:] = False
-    return predictor, *_kept(predictor, stage, told, start, keep)
+        return (
+            (predictor, stage, told, [])
+            if agrees(found.theta)
+            else (*_taken(predictor, stage, start, found), [])
+        )
+    excess = _excess(predictor, stage, flt)
+    if excess > UNEXPLAINED:
+        keep, problems = np.zeros(len(stage.free), dtype=bool), [problem.unexplained(excess, UNEXPLAINED)]
+    else:
+        keep = np.abs(found.theta - told.theta)[stage.free] <= np.maximum(told.half, APART)
+        lost = [NAMES[i] for i, kept in zip(stage.free, keep, strict=True) if not kept]
+        problems = [problem.disagreement(lost, APART)] if lost else []
+    return predictor, *_kept(predictor, stage, told, start, keep), problems
 
 
 def _kept(

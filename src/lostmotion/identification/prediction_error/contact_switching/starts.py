@@ -1,0 +1,83 @@
+"""Parameter vectors of the contact-switching filter: from a drivetrain, and back to what is told of one."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....drivetrain import Drivetrain
+from ..initial_values import DAMPING_RATIO
+from ..innovations import NAMES as TOLD
+from .filter import INDEX, ContactFilter
+from .likelihood import Candidate
+
+Array = NDArray[np.float64]
+
+#: Shares of the friction that start at the motor; rates of the unknown torques over the pole's and over the torque's
+#: standard deviation (numerics).
+AT_MOTOR, RATE, TORQUE_RATE = 0.3, 0.5, 0.1
+#: What a start without nameplate value has, over the torque's deviation: Coulomb and viscous torque, wind-up in a gap;
+#: and a lag in samples (numerics).
+COULOMB, VISCOUS, GAP, LAG = 0.03, 0.01, 0.5, 0.5
+
+
+def starts(
+    flt: ContactFilter, start: Drivetrain, fitted: Drivetrain, fixed: Collection[str]
+) -> dict[str, Array]:
+    """Parameter vectors from which descents start."""
+    nameplate = flt.theta(start_values(flt, start, start, fixed))
+    starts = {"fitted": flt.theta(start_values(flt, fitted, start, fixed)), "nameplate": nameplate}
+    if "lag" not in fixed:
+        starts["no lag"] = with_values(nameplate, flt, lag=0.1 * flt.dt)
+    return starts
+
+
+def free_places(start: Drivetrain, fixed: Collection[str]) -> list[int]:
+    """Places of what is fitted; friction of the motor that the nameplate gives stays as it is."""
+    names = [name for name in (*TOLD, "delay", "asymmetry") if name not in fixed]
+    if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
+        names += ["coulomb_motor", "viscous_motor", "asymmetry_motor"]
+    return sorted(INDEX[name] for name in names)
+
+
+def start_values(
+    flt: ContactFilter, values: Drivetrain, start: Drivetrain, fixed: Collection[str]
+) -> dict[str, float]:
+    """Values of a start, with something for everything that is free."""
+    torque, speed = float(np.std(flt.torque)), max(flt.speed_deviation, 1e-300)
+    pole = 2.0 * np.pi * values.pole_frequency
+    given = {name: getattr(values, name) for name in TOLD}
+    guesses = {
+        "damping": 2.0 * DAMPING_RATIO * values.stiffness / pole, "backlash": GAP * torque / values.stiffness,
+        "coulomb": COULOMB * torque, "viscous": VISCOUS * torque / speed, "lag": LAG * flt.dt,
+    }  # fmt: skip
+    given |= {
+        n: max(guess, 0.0) for n, guess in guesses.items() if n not in fixed and not given[n] > 1e-3 * guess
+    }
+    if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
+        given |= {f"{n}_motor": AT_MOTOR * given[n] for n in ("coulomb", "viscous")}
+    else:
+        given |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
+    return given | {"motor_rate": RATE * pole, "load_rate": RATE * pole, "torque_rate": TORQUE_RATE * torque}
+
+
+def with_values(theta: Array, flt: ContactFilter, **values: float) -> Array:
+    other = theta.copy()
+    for name, value in values.items():
+        other[INDEX[name]] = flt.theta({name: value})[INDEX[name]]
+    return other
+
+
+def lag(candidate: Candidate) -> float:
+    """Lag and delay together, s."""
+    values = candidate.flt.values(candidate.theta)
+    return max(float(values[INDEX["lag"]] + values[INDEX["delay"]]), 0.0)
+
+
+def told_vector(candidate: Candidate) -> Array:
+    """Parameter vector in the order of ``innovations.NAMES``."""
+    theta = candidate.theta[[INDEX[name] for name in TOLD]]
+    theta[-1] = np.log(lag(candidate) + candidate.flt.dt)
+    return theta

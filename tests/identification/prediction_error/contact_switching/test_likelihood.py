@@ -1,0 +1,29 @@
+"""Descents with the contact-switching filter."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, descend, minimise
+
+CORE = [INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
+
+
+def test_sensitivities_lead_back_to_the_truth(flt: ContactFilter, values: dict[str, float]):
+    truth = flt.theta(values)
+    theta = truth.copy()
+    theta[CORE] += (0.05, -0.05, 0.05, -0.05)
+    found, run = minimise(flt, theta, CORE, Box.around(flt, truth, 10.0), 10)
+    assert np.max(np.abs(found[CORE] - truth[CORE])) < 5e-3
+    assert run.cost < flt.run(theta).cost
+
+
+def test_a_descent_finds_the_truth_from_far_off(flt: ContactFilter, values: dict[str, float]):
+    """From twice the stiffness and half the gap, by ever lower noise levels."""
+    truth = flt.theta(values)
+    theta = truth.copy()
+    theta[CORE] += np.log([1.3, 0.8, 2.0, 0.5])
+    found = descend("far", flt, theta, CORE, Box.around(flt, truth, 10.0))
+    assert np.max(np.abs(found.theta[CORE] - truth[CORE])) < 0.01
+    assert found.cost < 0.06
