@@ -82,7 +82,7 @@ def test_identification_on_other_rigs(seed: int) -> None:
 
 
 def test_readme_tells_the_numbers_of_this_run(finished_run: Finished) -> None:
-    readme = (Path(__file__).resolve().parent.parent / "README.md").read_text().replace("\n", " ")
+    readme = (Path(__file__).resolve().parent.parent / "README.md").read_text()
     _, results = finished_run
 
     def told(pattern: str) -> float:
@@ -90,18 +90,31 @@ def test_readme_tells_the_numbers_of_this_run(finished_run: Finished) -> None:
         assert found is not None, pattern
         return float(found[1])
 
+    def row(head: str) -> list[float]:
+        """Numbers of a table's row."""
+        (line,) = (line for line in readme.splitlines() if line.startswith(f"| {head} |"))
+        return [float(cell) for cell in line.split("|")[2:] if cell.strip()]
+
     def share(rows: dict[str, Any], signal: str) -> float:
         return 100.0 * rows[signal]["rmse"] / rows[signal]["range"]
 
     # Within one unit of the last digit shown.
     found, truth = results["parameters"], results["truth"]["parameters"]
-    for name in ("backlash", "stiffness", "inertia_motor", "inertia_load", "coulomb"):
-        assert told(f"{name} #") == pytest.approx(100.0 * (found[name]["value"] / truth[name] - 1.0), abs=0.1)
+    names = ("backlash", "stiffness", "inertia_motor", "inertia_load", "coulomb", "damping")
+    assert "| | " + " | ".join(f"`{name}`" for name in names) + " |" in readme
+    for name, error in zip(names, row("error, %"), strict=True):
+        digit = 1.0 if name == "damping" else 0.1
+        assert error == pytest.approx(100.0 * (found[name]["value"] / truth[name] - 1.0), abs=digit), name
     first, naive = results["observers"]["observer_1"], results["observers"]["baselines"]
-    assert told("load speed comes out to #") == pytest.approx(share(first, "speed_load"), abs=0.01)
-    assert told("shaft torque to #") == pytest.approx(share(first, "torque_shaft"), abs=0.01)
-    assert told("taken as estimate: #") == pytest.approx(share(naive["motor_speed"], "speed_load"), abs=0.1)
-    assert told("without backlash: #") == pytest.approx(share(naive["no_backlash"], "speed_load"), abs=0.01)
+    speed, torque = row("Observer 1")
+    assert speed == pytest.approx(share(first, "speed_load"), abs=0.01)
+    assert torque == pytest.approx(share(first, "torque_shaft"), abs=0.01)
+    speed, torque = row("the same without backlash in its model")
+    assert speed == pytest.approx(share(naive["no_backlash"], "speed_load"), abs=0.01)
+    assert torque == pytest.approx(share(naive["no_backlash"], "torque_shaft"), abs=0.1)
+    assert row("motor speed taken as load speed") == [
+        pytest.approx(share(naive["motor_speed"], "speed_load"), abs=0.1)
+    ]
     assert told(r"\[Step of the load speed: #") == pytest.approx(
         results["controllers"]["pi"]["overshoot"], abs=0.1
     )

@@ -186,7 +186,7 @@ def test_simulated_is_said_only_where_it_is():
     page = Balanced(render(real)).words
     assert "virtual rig" not in page and "Truth" not in page
     assert (
-        "a finer one than the identified model, perturbed within the intervals" in page
+        "finer than the identified model, its parameters varied within the 95 % intervals" in page
         and "Controllers simulated" in page
     )
 
