@@ -94,7 +94,9 @@ def excite(
     dt: Annotated[float, typer.Option(callback=finite_positive, help="Sample time of the drive, s.")] = 1e-4,
     torque_limit: Annotated[
         float | None,
-        typer.Option(callback=positive, help="Nm; default: that of the TOML, on the virtual rig 40."),
+        typer.Option(
+            callback=positive, help="Largest torque, Nm; default: that of the TOML, on the virtual rig 40."
+        ),
     ] = None,
     speed_limit: Annotated[
         float, typer.Option(callback=positive, help="Largest speed of motor and load, rad/s.")
