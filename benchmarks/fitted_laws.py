@@ -30,11 +30,11 @@ from lostmotion.stages.validation import control_step, judged_step
 SETS = {"development": 0, "test": 1000}
 #: The issue's targets: overshoot (% of the step), steady error (fraction of the step).
 OVERSHOOT, STEADY_ERROR = 10.0, 0.005
-LAWS = ("pi", "pole_placement")
+LAWS = ("pi", "pole_placement", "soft_landing")
 ROWS = 40_000
 HEADS = (
     "seed", "inertia, kg m²", "load/motor", "mode, Hz", "dt, ms", "law", "overshoot, %", "settling, ms",
-    "steady error, %", "peak/limit", "limited by",
+    "steady error, %", "peak/limit", "impact, rad/s", "limited by",
 )  # fmt: skip
 
 
@@ -99,7 +99,7 @@ def material_of(drive: UserDrive) -> Material:
 
 def judged(drive: UserDrive, laws: Design, name: str) -> tuple[dict[str, float | None], SpeedStep]:
     """Metrics of a law on the drive itself; empty if there is none."""
-    law = laws.watched if name == "pole_placement" else laws.pi
+    law = {"pi": laws.pi, "pole_placement": laws.watched, "soft_landing": laws.landing}[name]
     if law is None:
         return {}, laws.step
     response = control_step(drive.rig, law, laws.dt, laws.step)
@@ -143,7 +143,7 @@ def main() -> None:
                 "–" if (v := metrics.get(n)) is None else f"{scale * v:.3g}"
                 for n, scale in (
                     ("overshoot", 1.0), ("settling_time", 1e3), ("steady_error", 100.0),
-                    ("peak_torque", 1.0 / drive.torque_limit),
+                    ("peak_torque", 1.0 / drive.torque_limit), ("impact_speed", 1.0),
                 )
             ]  # fmt: skip
             drawn = (d.inertia_total, d.inertia_load / d.inertia_motor, d.pole_frequency, 1e3 * laws.dt)

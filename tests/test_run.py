@@ -44,9 +44,9 @@ def test_results_have_the_stated_form(finished_run: Finished) -> None:
     for name in ("observer_1", "observer_2"):
         for signal in ("speed_load", "torque_shaft", "twist"):
             assert set(written["observers"][name][signal]) == {"rmse", "range", "max", "lag"}
-    for name in ("pi", "pole_placement"):
+    for name in ("pi", "pole_placement", "soft_landing"):
         assert set(written["controllers"][name]) == {
-            "overshoot", "rise_time", "settling_time", "peak_torque", "steady_error",
+            "overshoot", "rise_time", "settling_time", "peak_torque", "steady_error", "impact_speed",
         }  # fmt: skip
     assert set(written["timing_s"]) == {"read", "identify", "design", "validate", "export", "report"}
 

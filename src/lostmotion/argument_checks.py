@@ -20,14 +20,13 @@ from .errors import InvalidInput
 from .plain_data import shown
 
 #: Largest finite number that a public function takes, in SI units (numerics: the square of a larger one is near the end
-#: of the floats). Infinity is taken only by an argument that is infinite by default.
+#: of the floats). Infinity is taken only by a ``Limit``, and by an argument that is infinite by default.
 LARGEST = 1e100
 
-_Public = TypeVar("_Public", bound=Callable[..., Any])
-
-
-#: A number that may be infinite, as a limit that does not hold is.
+#: A number that may be infinite, as a limit is that there is none of.
 Limit = float
+
+_Public = TypeVar("_Public", bound=Callable[..., Any])
 
 
 class _Kind(NamedTuple):
@@ -166,6 +165,11 @@ def _row(items: list[_Kind | None]) -> _Kind:
         ),
         f"({said})",
         f"Give {len(items)} values.",
+        lambda value: (
+            [(f"[{i}]", one, item) for i, (one, item) in enumerate(zip(value, items, strict=True)) if item]
+            if _is_list(value) and len(value) == len(items)
+            else []
+        ),
     )
 
 
@@ -238,7 +242,7 @@ _CLASSES = {
     "InputCheck": "; it is made of an input's name, limit, hold and forget",
     "PiecewiseLinear": "; saturation(limit) is one",
     "DesignModel": ", as design_model returns it",
-    "DiscreteSystem": ", as the observers and controllers are",
+    "DiscreteSystem": ": a filter is none; kalman, disturbance_observer and the controllers make one",
     "Drivetrain": "; Drivetrain.two_mass(...) makes one",
     "FrequencyResponse": ", as frequency_response returns it",
     "FrictionFit": ", as torque_step and rigid_drive return it",

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 Severity = Literal["error", "warning"]
 
-#: What is quoted from a file or a name is cut to so many characters (numerics: half a screen).
+#: What is quoted from a file or a name is cut to so many characters (option: half a screen).
 LONGEST = 1000
 
 

@@ -29,7 +29,7 @@ from .simulation import Sensor, simulate, simulate_batch
 from .simulation.sensors import measure
 from .systems import DiscreteSystem
 
-#: A few samples: physics and numerics do not matter here.
+#: A few samples, s and how many (option: any will do).
 DT, SAMPLES = 1e-4, 50
 PLANT = Drivetrain.two_mass(
     inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, damping=0.4, backlash=0.01, coulomb=1.0, viscous=0.02,
@@ -38,7 +38,7 @@ PLANT = Drivetrain.two_mass(
 #: A law without states.
 LAW = DiscreteSystem(inputs=("speed_motor",), outputs=("torque_motor",), D=np.array([[-0.1]]), dt=DT)
 COUNTS = Sensor("angle_motor", resolution=1e-3, difference=True)
-#: Nm and rad/s (numerics: any).
+#: Nm and rad/s (option: any).
 TORQUE, SPEED = np.full(SAMPLES, 5.0), np.linspace(0.0, 1.0, SAMPLES)
 
 

@@ -18,6 +18,7 @@ from .stages.design import Design, design
 from .stages.figures import figures
 from .stages.material import Material, from_configuration, from_rig
 from .stages.parameters import Found, find_parameters
+from .stages.proof import prove
 from .stages.validation import Validation, validate
 
 
@@ -78,7 +79,10 @@ def run(
             validation = validate(material, found, laws)
         with _stage("export", timing, progress):
             code, code_problems = write_code(laws, folder, found.drivetrain)
+        with _stage("prove", timing, progress):
+            proof = prove(laws, found.drivetrain, folder, lambda share, text: progress("prove", share, text))
         results = _results(material, found, laws, validation, code)
+        results["stability"] = proof
         results["problems"] += [p.as_dict() for p in code_problems]
         true_parameters = None if truth is None else truth.parameters
         if truth is not None:

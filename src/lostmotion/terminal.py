@@ -111,7 +111,9 @@ def summary(results: Mapping[str, Any], out: Path) -> None:
         if "skipped" in row:
             console.print(f"  {name}: {row['skipped']}")
         elif row.get("overshoot") is not None:
-            console.print(f"  {name}: overshoot {row['overshoot']:.1f} % of the step")
+            console.print(
+                f"  {name}: overshoot {row['overshoot']:.1f} % of the step, peak torque {row['peak_torque']:.3g} Nm"
+            )
     for name, fit in results["fits"].items():
         if "skipped" in fit:
             console.print(f"  {name} skipped: {fit['skipped']}")

@@ -53,6 +53,12 @@ def law() -> lm.DiscreteSystem:
 
 
 @functools.cache
+def linear() -> lm.DiscreteSystem:
+    """A law without curves."""
+    return lm.DiscreteSystem(inputs=("speed_motor",), outputs=("torque_motor",), dt=DT, D=[[-1.0]])
+
+
+@functools.cache
 def model() -> structure.TorsionalModel:
     stiffness = [[5e3, -5e3, 0.0], [-5e3, 1.4e4, -9e3], [0.0, -9e3, 9e3]]
     return structure.TorsionalModel(np.diag([0.01, 0.02, 0.1]), np.array(stiffness))
@@ -160,6 +166,9 @@ def _systems() -> list[Call]:
         Call(lm.DiscreteSystem, small | {"curves": (), "name": "law", "initial_state": [0.0]}),
         Call(lm.connect, {"systems": [law()], "inputs": law().inputs, "outputs": law().outputs, "name": "x"}),
         Call(lm.one_sample_delay, {"name": "u", "dt": DT, "delayed": "v", "start": 0.0}),
+        Call(systems.linearised, {"system": linear(), "slopes": ()}),
+        Call(systems.loop_margin, {"law": linear(), "model": systems.design_model(plant(), DT)}),
+        Call(systems.pruned, {"law": law(), "outputs": law().outputs}),
         Call(systems.maximum, names),
         Call(systems.minimum, names),
         Call(systems.rate_limit, {"signal": "a", "output": "b", "rate": 1.0, "dt": DT, "start": 0.0}),

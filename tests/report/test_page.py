@@ -301,6 +301,22 @@ def test_less_overshoot_is_green_only_without_more_torque(overshoot, torque, sta
     assert f"{torque:.1f}" in found["note"] and "at 38.2\u00a0Nm" in found["note"]
 
 
+def test_an_observer_without_a_signal_to_judge_it_says_why():
+    alone = copy.deepcopy(RESULTS)
+    reason = {"skipped": "no speed_load in the recording"}
+    for entry in (alone["observers"]["observer_1"], *alone["observers"]["baselines"].values()):
+        entry["speed_load"] = reason
+    assert card(alone, "Load speed")["note"] == "no speed_load in the recording"
+    assert "1 part skipped" in Balanced(render(alone)).words
+
+
+def test_wide_tables_stack_on_a_narrow_screen():
+    page = render(RESULTS)
+    for head in ("Signals", "Duration", "Remedy"):
+        assert f'data-head="{head}"' in page
+    assert "table.stack td[data-head]::before" in page
+
+
 def test_the_observers_are_explained_before_their_first_number():
     words = Balanced(render(RESULTS)).words
     assert words.index("Observer 2 measures the shaft torque") < words.index("Load speed error, Observer 1")

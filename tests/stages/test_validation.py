@@ -12,6 +12,7 @@ from lostmotion.stages.design import design, observer
 from lostmotion.stages.figures import figures
 from lostmotion.stages.material import from_rig
 from lostmotion.stages.parameters import find_parameters
+from lostmotion.stages.speed_step import SpeedStep
 from lostmotion.stages.validation import validate, validate_controllers, validate_observers
 
 
@@ -67,6 +68,16 @@ def test_no_gap_and_no_friction_validate_as_well(prepared) -> None:
     plain = replace(found, drivetrain=found.drivetrain.with_parameters(backlash=0.0, coulomb=0.0), table={})
     table, _, _, _ = validate_controllers(replace(material, virtual=False), plain, design(material, plain))
     assert table["pi"]["steady_error"] < 0.01
+    assert table["soft_landing"] == {"skipped": "no backlash to land in"}
+
+
+def test_soft_landing_is_as_quick_and_lands_softly(prepared) -> None:
+    material, found, _ = prepared
+    table, responses, _, _ = validate_controllers(material, found, design(material, found))
+    hard, soft = table["pole_placement"], table["soft_landing"]
+    assert set(responses) == {"pi", "pole_placement", "soft_landing"}
+    assert soft["impact_speed"] < 0.25 * hard["impact_speed"]
+    assert soft["rise_time"] < 1.1 * hard["rise_time"] and soft["overshoot"] < 1.0
 
 
 def test_torque_of_the_rig_reaches_the_observer_in_time(prepared) -> None:
@@ -101,6 +112,16 @@ def test_a_loop_that_runs_away_is_a_result_with_a_warning(prepared) -> None:
     assert set(responses) == {"pole_placement"}
     assert any("pi" in p.where for p in problems)
     assert table["pole_placement"]["overshoot"] < 3.0
+
+
+def test_a_step_that_is_too_short_for_the_law_is_lengthened_until_both_settle(prepared) -> None:
+    material, found, _ = prepared
+    laws = design(material, found)
+    short = replace(laws, step=SpeedStep(-2.0, 2.0, 0.03, 0.06, 0.09))
+    table, responses, step, problems = validate_controllers(material, found, short)
+    assert step.stop - step.start >= 0.12  # the PI of the paper settles in 0.13 s
+    assert all(table[name]["settling_time"] < step.stop - step.start for name in responses)
+    assert problems == ()
 
 
 def test_a_loop_that_never_arrives_has_no_overshoot(prepared) -> None:

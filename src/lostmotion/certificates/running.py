@@ -132,9 +132,7 @@ def prove_running(
         lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, pieces, step,
         progress or (lambda share, text: None),
     )  # fmt: skip
-    proof = search.smallest()
-    search.progress(1.0, "")
-    return proof
+    return search.smallest()
 
 
 @dataclass(frozen=True)
@@ -174,7 +172,23 @@ class _Search:
         The floats of the solver guide it; the exact check of the last one decides, and goes up where it fails.
         """
         speeds = [speed for speed in SPEEDS if speed < self.fastest]
-        goal = self._goal(speeds[-1])
+        try:
+            goal = self._goal(speeds[-1])
+            return self._smallest_checked(speeds, goal)
+        except Unproved as error:
+            return RunningProof(
+                None,
+                self.fastest,
+                None,
+                self.torque_load,
+                None,
+                self.delay,
+                self.loop.is_odd,
+                None,
+                str(error),
+            )
+
+    def _smallest_checked(self, speeds: list[float], goal: _Goal) -> RunningProof:
         found: dict[int, _Candidate] = {}
         low, high = -1, len(speeds)
         done, tries = 0, math.ceil(math.log2(len(speeds) + 1))
@@ -194,21 +208,22 @@ class _Search:
                     return self.checked(speeds[place], candidate)
                 except Unproved as error:
                     self.reason = str(error)
-        return RunningProof(
-            None, self.fastest, None, self.torque_load, None, self.delay, self.loop.is_odd, None, self.reason
-        )
+        raise Unproved(self.reason)
 
     def _goal(self, speed: float) -> _Goal:
-        """What can be proved at a high speed: stability from every state, else within the torque limit's region."""
+        """What can be proved at the highest speed: stability from every state, else within the torque limit's region.
+
+        Raises ``Unproved`` where nothing is: then nothing is at smaller speeds.
+        """
         goals = [_Goal(), *(_Goal(self.step, share) for share in SHARES if self.loop.limit is not None)]
-        for goal in goals[:-1]:
-            self.progress(0.0, "torque limit")
+        for goal in goals:
             try:
                 self.at(speed, goal)
-            except Unproved:
-                continue
-            return goal
-        return goals[-1]
+            except Unproved as error:
+                self.reason = str(error)
+            else:
+                return goal
+        raise Unproved(self.reason)
 
     def with_larger_steps(self, speed: float, candidate: _Candidate) -> list[_Candidate]:
         """Candidates with larger steps of the set-point, the largest first; the last is the given one."""

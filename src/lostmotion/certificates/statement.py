@@ -11,6 +11,7 @@ CONDITIONS = (
     "the set-point and the load torque are constant",
     "the drivetrain has the values of the certificate, within their rounding",
     "friction is Coulomb and viscous: no Stribeck curve, no breakaway level above it",
+    "the law reads every signal as it is at its sample: no mean over the sample, no noise, no offset",
     "no input check of the law has fired, and every sample is taken in time",
 )
 
@@ -20,13 +21,19 @@ def headline(proof: RunningProof) -> str:
     if proof.speed is None:
         return f"Stability is not proved: {proof.reason}."
     directions = "in both directions" if proof.both_directions else "in the positive direction"
-    where = f"at every load speed from {proof.speed:g} to {proof.fastest:g} rad/s, {directions}"
+    where = f"at every load speed from {proof.speed:g} to {proof.fastest:g} rad/s, {directions}{_load(proof)}"
     if proof.step is None:
         return f"Proved: {where}, the loop returns to its rest from every state, with the whole gap and friction."
     return (
         f"Proved: {where}, the loop comes to its rest after every step by up to {proof.step:g} rad/s between them, "
         "with the whole gap, friction and torque limit."
     )
+
+
+def _load(proof: RunningProof) -> str:
+    """The load torque, where the proof needs one."""
+    low, high = proof.torque_load
+    return f" and with {-high:g} to {-low:g} Nm of load torque against the motion" if high < 0.0 else ""
 
 
 def conditions(proof: RunningProof) -> list[str]:

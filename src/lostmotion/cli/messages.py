@@ -11,7 +11,7 @@ import typer
 from ..errors import Problem
 from ..interruption import INTERRUPTED, as_exceptions
 
-#: Option.
+#: Exit code (option).
 INPUT_ERROR = 1
 
 

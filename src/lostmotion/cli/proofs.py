@@ -23,9 +23,12 @@ def certify(
     ),
     delay: Annotated[int, typer.Option(min=0, help="Computing delay, samples of the law.")] = 1,
     torque_load: Annotated[
-        tuple[float, float],
-        typer.Option(help="Smallest and largest constant load torque in the direction of motion, Nm."),
-    ] = (0.0, 0.0),
+        tuple[float, float] | None,
+        typer.Option(
+            help="Smallest and largest constant load torque in the direction of motion, Nm; default: none, or if "
+            "nothing is proved then, one that resists it."
+        ),
+    ] = None,
     fastest: Annotated[
         float, typer.Option(callback=finite_positive, help="Largest load speed, rad/s.")
     ] = 1000.0,
@@ -40,6 +43,7 @@ def certify(
             drivetrain, out, law, delay, torque_load, fastest,
             lambda fraction, text: lines("certify", fraction, text), force,
         )  # fmt: skip
+        lines("certify", 1.0)
     typer.echo(f"  {result['headline']}")
     if result["proved"]:
         typer.echo(f"  set-point there: {result['reference']:g} rad/s")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..certificates import prove_running, stability
+from ..certificates import prove_running, prove_with_load, stability
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io import load_law, read_configuration
@@ -27,7 +27,7 @@ def certify_file(
     out: Path,
     law: Path | None = None,
     delay: int = 0,
-    torque_load: tuple[float, float] = (0.0, 0.0),
+    torque_load: tuple[float, float] | None = None,
     fastest: float = 1000.0,
     progress: Callable[[float, str], None] | None = None,
     force: bool = False,
@@ -39,14 +39,18 @@ def certify_file(
     drivetrain : Path
         drivetrain.toml, as a run writes it, with law.json beside it or given; or a TOML of the main job, whose
         nameplate's own law is designed.
+    torque_load : (float, float), Nm, optional
+        See ``prove_running``; default: none, or if nothing is proved then, one that resists the motion.
     """
     law = law_beside(drivetrain, law)
     with outputs(out, ".json", "_verify.py", sources=(drivetrain, law), force=force) as (file, script):
         plant = drivetrain_of(drivetrain)
         system = law_of(drivetrain, plant, law)
-        proof = prove_running(
-            plant, system, delay=delay, torque_load=torque_load, fastest=fastest, progress=progress
-        )
+        options: dict[str, Any] = {"delay": delay, "fastest": fastest, "progress": progress}
+        if torque_load is None:
+            proof = prove_with_load(plant, system, **options)
+        else:
+            proof = prove_running(plant, system, torque_load=torque_load, **options)
         save_certificate(proof, file, script)
     return stability(proof)
 

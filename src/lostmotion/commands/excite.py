@@ -18,9 +18,10 @@ from .outputs import outputs, save_picture
 from .recordings import drivetrain_of
 from .simulate import check_times
 
-#: Largest torque of a test where neither the user nor the TOML says one, Nm (calibrated for the virtual rig).
+#: Largest torque of a test where neither the user nor the TOML says one, Nm (option: fits the virtual rig).
 TORQUE_LIMIT = 40.0
-#: Bytes of memory and seconds that a sample takes: three plants are recorded and identified (measured) (option).
+#: Bytes of memory and seconds that a sample takes: three plants are recorded and identified (calibrated,
+#: machine not recorded).
 MEMORY, SECONDS = 1500.0, 1e-4
 
 

@@ -17,8 +17,9 @@ from .cost import Announce, Cost, silent
 from .outputs import outputs, save_picture
 from .recordings import drivetrain_of
 
-#: Bytes of memory and seconds that a sample takes, with its row of the CSV: a constant, and for each inertia (measured
-#: on one and two inertias; contact states, of which long chains have thousands, come on top) (option).
+#: Bytes of memory and seconds that a sample takes, with its row of the CSV: a constant, and for each inertia
+#: (calibrated on one and two inertias, machine not recorded; contact states, of which long chains have thousands, come
+#: on top).
 MEMORY, SECONDS = (100.0, 100.0), (6e-6, 3e-6)
 
 

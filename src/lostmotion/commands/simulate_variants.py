@@ -34,15 +34,15 @@ Array = NDArray[np.float64]
 
 #: Shown as bands, and summed up.
 _SIGNALS = ("speed_motor", "speed_load", "twist", "torque_shaft")
-#: Bytes of memory that a variant takes, and seconds of one core for each of its samples and inertias (measured).
-#: (Option.)
+#: Bytes of memory that a variant takes, and seconds of one core for each of its samples and inertias (calibrated,
+#: machine not recorded).
 MEMORY, SECONDS = 20e3, 2e-8
 #: Names that ``simulation.batch.store`` gives to chunks.
 _CHUNK = re.compile(r"variants-\d{6,}(\.summary)?\.npz", re.ASCII)
 #: Periods of the first torsional mode that are drawn: with 200 times ten of them in a period (numerics); of a rigid
 #: drive the first seconds (option).
 PERIODS, RIGID_SHOWN = 20, 1.0
-#: Option.
+#: Quantiles that are shown (option).
 _LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 

@@ -17,7 +17,8 @@ Scores = dict[str, Score]
 
 #: Sources that no score depends on: the layers above, and the modules that make tables of scores.
 ABOVE = (
-    "cli", "run", "commands", "terminal", "interruption", "stages", "experiment", "report", "plot", "export", "io",
+    "cli", "run", "commands", "terminal", "interruption", "precompile", "stages", "experiment", "report",
+    "plot", "export", "io",
 )  # fmt: skip
 TABLES = tuple(
     f"compare/{name}"

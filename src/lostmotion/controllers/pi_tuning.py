@@ -13,7 +13,7 @@ from ..systems.checks import sample_time
 from .pi import pi
 
 #: Share of the stiffness that a shaft with backlash shows to a small oscillation (its describing function): closed,
-#: half open, at the edges of the gap, and the motor all but alone (numerics).
+#: half open, at the edges of the gap, and the motor all but alone (numerics: a grid).
 GAP_SHARES = (1.0, 0.3, 0.1, 0.01)
 #: Largest sensitivity (Åström & Hägglund 2006, Advanced PID Control, section 4.6: 1.4 to 2 are usual).
 LARGEST_SENSITIVITY = 2.0

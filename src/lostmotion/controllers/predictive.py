@@ -88,7 +88,7 @@ def predictive(
     The search starts at the unlimited optimum, clipped, and goes ``passes`` times over the moves, from the last to the
     first; each takes the best value within the limit with the others fixed (Gauss–Seidel). So it has a fixed number of
     steps, the cost falls with each, and every plan on the way keeps the limit. Each step is a saturation: the law is
-    data like any other. Where the limit is not touched it is the quadratic law, up to the moves' lengths.
+    data like any other. Where the limit is not reached it is the quadratic law, up to the moves' lengths.
 
     Parameters
     ----------

@@ -18,17 +18,17 @@ from ..systems.limits import POSITIVE_PART
 Array = NDArray[np.float64]
 
 #: The approach-speed control acts within lag + dt, but not within less than this many samples (calibrated on the
-#: virtual
-#: rigs 1 to 5).
+#: virtual rigs 1 to 5).
 LEAST_SAMPLES = 4.0
-#: Torque kept for braking, as a share of the torque limit: the rest is for model errors (numerics likewise).
+#: Torque kept for braking, as a share of the torque limit: the rest is for model errors (calibrated
+#: likewise).
 BRAKING_SHARE = 0.9
-#: Torque allowed per estimated shaft torque, once the shaft is wound (numerics likewise).
+#: Torque allowed per estimated shaft torque, once the shaft is wound (calibrated likewise).
 RELEASE = 10.0
 #: Steepest fall of the approach speed with the distance, as a share of the control's rate. The feedforward of braking
 #: then never takes more than this share of the speed: the motor cannot stall before the edge (numerics).
 STEEPEST = 0.5
-#: Points of the braking parabola (calibrated: on the paper's rig the chords then lie up to 2 % below it).
+#: Points of the braking parabola (numerics: on the paper's rig the chords then lie up to 2 % below it).
 POINTS = 8
 
 _INPUTS = (

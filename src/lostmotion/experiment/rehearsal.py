@@ -14,7 +14,7 @@ from ..recording import Recording
 from ..rig.excitation import Array, Limits
 from ..simulation import Sensor
 
-#: Bisections of the search for the largest amplitude (option: to 1 % of it).
+#: Bisections of the search for the largest amplitude (numerics: to 1 % of it).
 HALVINGS = 7
 
 #: Spread of the rehearsal's plants around the nameplate, as a fraction (as the virtual rigs; others ±10 %), and the

@@ -174,11 +174,6 @@ def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
 
 
 def _check(law: DiscreteSystem, name: str, real: str, vectors: int) -> None:
-    if not isinstance(law, DiscreteSystem):
-        raise InvalidInput(
-            "export.c: law", f"a {type(law).__name__}", "a DiscreteSystem, which is data",
-            "Take a fixed gain (kalman, h_infinity, …): the step of a filter is code, and is not exported yet.",
-        )  # fmt: skip
     for identifier in (name, *law.inputs, *law.outputs):
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier) or identifier in _KEYWORDS:
             raise InvalidInput("export.c", repr(identifier), "a C identifier", "Rename it with renamed().")

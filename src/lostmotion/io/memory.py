@@ -14,7 +14,7 @@ DEFAULT = 1e9
 #: More than this, bytes, no limit is offered for (option: no desk has it).
 LARGEST = 1e12
 
-#: Option.
+#: Bytes; a number alone is GB (option).
 _UNITS = {"": 1e9, "GB": 1e9, "MB": 1e6}
 _SIZE = re.compile(r"\s*(\d+\.?\d*)\s*(GB|MB|)\s*", re.IGNORECASE | re.ASCII)
 

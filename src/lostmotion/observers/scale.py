@@ -25,7 +25,7 @@ class Scale(NamedTuple):
 
 
 #: Friction counts at least as this part of the torque that winds the shaft by its backlash, and that torque at least as
-#: so many times the friction (numerics: a drive without one of them still has a size).
+#: so many times the friction (option: a drive without one of them still has a size).
 LEAST_FRICTION, LEAST_WINDING = 5e-3, 5.0
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 #: A figure whose SVG is larger than this becomes a PNG (option: ten of them stay below 4 MB; the figures of a run take
 #: 25 to 280 kB). A PNG costs a second drawing, which takes longer than the first.
 MAX_SVG_BYTES = 300_000
-#: Option.
+#: Of a PNG, pixels per inch (option).
 DPI = 150
 
 #: Sections of the page that can have figures.

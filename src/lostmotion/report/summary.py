@@ -112,7 +112,9 @@ def _observer_card(results: Mapping[str, Any], signal: str, label: str) -> Card:
     share = tables.error_of(results, "observer_1", signal)
     if share is None:
         observers = results.get("observers")
-        return _missing(label, observers if skip_reason(observers) else mapping(observers).get("observer_1"))
+        first = mapping(observers).get("observer_1")
+        parts = (observers, first, mapping(first).get(signal))
+        return _missing(label, next((part for part in parts if skip_reason(part)), first))
     naive = tables.best_naive(results, signal)
     if naive is None:
         return (label, percent(share), "RMSE, of the range", "plain")

@@ -33,6 +33,7 @@ PARTS = {
 _NAMES = {
     "pi": "PI",
     "pole_placement": "Observer 1 + pole placement",
+    "soft_landing": "Observer 1 + pole placement + soft landing",
     "motor_speed": "motor speed taken as estimate",
     "no_backlash": "observer without backlash",
 }
@@ -40,6 +41,7 @@ _TAKEN = {
     "sample_time": "Sample time",
     "torque_limit": "Torque limit",
     "poles": "Poles of the state feedback",
+    "integral_action": "Integral action of the state feedback",
     "pi_kp": "PI: kp",
     "pi_ki": "PI: ki",
     "pi_filter_time": "PI: time constant of the set-point filter",
@@ -79,6 +81,8 @@ def skipped(results: Mapping[str, Any]) -> list[tuple[str, str]]:
             found.append((name, reason))
         elif isinstance(part, Mapping) and depth:
             for key, value in part.items():
+                if key == "baselines":
+                    continue  # the observers say what was not recorded
                 search(f"{name}: {words(key)}", value, depth - 1)
 
     for key, value in results.items():
@@ -242,7 +246,7 @@ def _design(taken: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         if isinstance(value, (list, tuple)):
             shown = f"{', '.join(digits(v) if is_number(v) else str(v) for v in value)} {unit}"
         else:
-            shown = quantity(value, unit) if is_number(value) else "none"
+            shown = value if isinstance(value, str) else quantity(value, unit) if is_number(value) else "none"
         yield {
             "name": _TAKEN.get(str(name), words(name)),
             "value": shown,
@@ -273,6 +277,7 @@ def _controllers(controllers: Mapping[str, Any], taken: Mapping[str, Any]) -> li
                 else "does not settle within 2 %",
                 "peak_torque": quantity(entry.get("peak_torque"), "Nm"),
                 "steady_error": percent(entry.get("steady_error")),
+                "impact": quantity(entry.get("impact_speed"), "rad/s"),
             }
         )
     return rows

@@ -11,7 +11,8 @@ from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain, Friction
 from ..errors import InvalidInput
 
-#: Friction is identifiable only if the magnitudes of the recorded speeds differ by this share of the largest (option).
+#: Friction is identifiable only if the magnitudes of the recorded speeds differ by this share of the largest (numerics:
+#: rounding of the least squares).
 LEAST_SPREAD = 1e-6
 
 

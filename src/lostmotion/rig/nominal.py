@@ -32,16 +32,16 @@ CONTACT_POLE = 15833.0
 BACKLASH = 0.012
 #: Friction at the brake disc: Table I, and a Stribeck rise (option) of 15 % at rest that ends at 2 rad/s.
 COULOMB, VISCOUS = 2.0, 0.0175
-#: Physics.
+#: The rise: speed, rad/s, and torque, Nm (option).
 STRIBECK = ((0.0, 0.30), (0.4, 0.16), (1.0, 0.05), (2.0, 0.0))
 #: Torque lag of the current loop, s, and largest torque, Nm (lag option; torque: the paper's nominal torque).
 LAG, TORQUE_LIMIT = 3e-4, 73.5
 
-#: Range of the seeds' variation (the project's own choice): inertias and stiffnesses, friction and backlash (physics).
+#: Range of the seeds' variation (option): inertias and stiffnesses, friction and backlash.
 SPREAD_STRUCTURE, SPREAD_FRICTION = 0.10, 0.20
 
 #: Motor encoder: 20 bit in one turn, as sin/cos encoders with interpolation have; speed from count differences.
-#: (Physics.)
+#: (Option.)
 MOTOR_ENCODER_BITS = 20
 #: Validation encoder at the hub, interpolated to 24 bit; validation torque sensor on the side shaft, 0.3 Nm (option).
 HUB_ENCODER_BITS, TORQUE_NOISE = 24, 0.3

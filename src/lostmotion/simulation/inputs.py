@@ -15,7 +15,7 @@ from ..plain_data import number, shown
 #: Largest size of a signal and of a start, SI: that of a law's inputs (``kernels.law.machine_code.INPUT_BOUND``).
 #: (Numerics.)
 LARGEST = 1e30
-#: Longest sample, s (calibrated: an undamped shaft of the paper's rig swings 10 000 times in it, which takes 0.1 s).
+#: Longest sample, s (option: an undamped shaft of the paper's rig swings 10 000 times in it, which takes 0.1 s).
 LONGEST_SAMPLE = 100.0
 
 

@@ -18,8 +18,8 @@ from .tables import Plant
 
 Array = NDArray[np.float64]
 
-#: Samples whose states are kept at once where only signals are wanted (numerics by trying 1 to 64 thousand: they fit a
-#: core's own cache).
+#: Samples whose states are kept at once where only signals are wanted (numerics: they fit a core's own cache;
+#: of 1 to 64 thousand the fastest).
 BLOCK = 4096
 
 

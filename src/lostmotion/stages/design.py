@@ -39,6 +39,8 @@ class Design:
         Observer 1 + pole placement, for the target: speed_reference, speed_motor → torque_motor.
     watched : DiscreteSystem or None
         The same law with its estimates as further outputs.
+    landing : DiscreteSystem or None
+        The law with soft landing behind it, with its estimates as further outputs.
     pi : DiscreteSystem or None
     dt : float, s
     torque_limit : float, Nm
@@ -47,18 +49,20 @@ class Design:
         On which they are compared.
     taken : mapping of quantity → {"value", "unit", "source"}
         For ``results.json``.
-    skipped, pi_skipped : str
+    skipped, landing_skipped, pi_skipped : str
     problems : tuple of Problem
     """
 
     law: DiscreteSystem | None = None
     watched: DiscreteSystem | None = None
+    landing: DiscreteSystem | None = None
     pi: DiscreteSystem | None = None
     dt: float = 0.0
     torque_limit: float = math.inf
     step: SpeedStep = PAPER_STEP
     taken: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     skipped: str = ""
+    landing_skipped: str = ""
     pi_skipped: str = ""
     problems: tuple[Problem, ...] = ()
 
@@ -67,20 +71,20 @@ def design(material: Material, found: Found) -> Design:
     """The laws for an identified drivetrain; a law that cannot be designed is a result, not an exception."""
     drivetrain, settings = found.drivetrain, material.settings
     if drivetrain is None:
-        return Design(skipped=found.missing, pi_skipped=found.missing)
+        return Design(skipped=found.missing, landing_skipped=found.missing, pi_skipped=found.missing)
     recording = material.identify or material.validate
     dt = settings.sample_time or (recording.dt if recording is not None else None)
     if dt is None:
         reason = "no sample time: give sample_time in [law]"
-        return Design(skipped=reason, pi_skipped=reason)
+        return Design(skipped=reason, landing_skipped=reason, pi_skipped=reason)
     averaged = is_averaged(recording, found)
     limit, limit_source = _torque_limit(material)
     noise_gain = _largest_noise_gain(found, limit)
     poles = _poles(settings, drivetrain, dt, averaged, noise_gain)
     gains, gains_source = _pi_gains(material, drivetrain, dt, averaged, noise_gain)
 
-    def target(outputs: tuple[str, ...]) -> DiscreteSystem:
-        return target_law(drivetrain, poles.values, limit, dt, averaged, outputs)
+    def target(outputs: tuple[str, ...], landing: bool = False) -> DiscreteSystem:
+        return target_law(drivetrain, poles.values, limit, dt, averaged, outputs, landing=landing)
 
     own_poles = settings.poles is not None
     law, law_problem = _tried(
@@ -88,6 +92,7 @@ def design(material: Material, found: Found) -> Design:
         "Give a shorter sample_time under [law]" + (", or leave poles out." if own_poles else "."),
     )
     watched, _ = _tried(lambda: target(("torque_motor", *ESTIMATES)), "")
+    landing, landing_skipped = _soft_landing(drivetrain, limit, target)
     controller, pi_problem = _tried(
         lambda: pi(dt=dt, torque_limit=limit, **gains),
         "Leave kp and ki out of [law]: the default is made for this drivetrain.",
@@ -98,15 +103,29 @@ def design(material: Material, found: Found) -> Design:
     return Design(
         law=law,
         watched=watched,
+        landing=landing,
         pi=controller,
         dt=dt,
         torque_limit=limit,
         step=step,
         taken=_taken(dt, settings, (limit, limit_source), poles, gains, gains_source, step),
         skipped=str(law_problem or ""),
+        landing_skipped=landing_skipped,
         pi_skipped=str(pi_problem or ""),
         problems=tuple(p for p in (law_problem, pi_problem) if p is not None),
     )
+
+
+def _soft_landing(
+    drivetrain: Drivetrain, torque_limit: float, target: Callable[..., DiscreteSystem]
+) -> tuple[DiscreteSystem | None, str]:
+    """The law with soft landing behind it, or why there is none; that is no problem of the user's."""
+    if not drivetrain.backlash > 0.0:
+        return None, "no backlash to land in"
+    if math.isinf(torque_limit):
+        return None, "no torque limit: give torque_limit in [law]"
+    law, problem = _tried(lambda: target(("torque_motor", *ESTIMATES), landing=True), "")
+    return law, str(problem or "")
 
 
 def _torque_limit(material: Material) -> tuple[float, str]:
@@ -168,6 +187,10 @@ def _taken(
             "value": limit[0] if math.isfinite(limit[0]) else None, "unit": "Nm", "source": limit[1],
         },
         "poles": {"value": [_text(pole) for pole in poles.values], "unit": "1/s", "source": source},
+        "integral_action": {
+            "value": "load torque, estimated by the law's observer, which is as fast as the poles", "unit": "",
+            "source": "always",
+        },
         **{f"pi_{n}": {"value": v, "unit": units[n], "source": gains_source} for n, v in gains.items()},
         "step": {
             "value": [step.low, step.high], "unit": "rad/s",

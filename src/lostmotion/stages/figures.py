@@ -20,7 +20,9 @@ NAMES = {"observer_1": "Observer 1", "observer_2": "Observer 2"}
 BEFORE, AFTER = 0.2, 1.3
 #: The part of a user's recording that is drawn of an observer.
 LIVELIEST = "where the motor torque changes most"
-CONTROLLERS = {"pi": "PI", "pole_placement": "Observer 1 + pole placement"}
+CONTROLLERS = {
+    "pi": "PI", "pole_placement": "Observer 1 + pole placement", "soft_landing": "the same + soft landing",
+}  # fmt: skip
 
 
 def figures(
@@ -167,7 +169,7 @@ def _controllers(laws: Design, validation: Validation) -> list[ReportFigure]:
     length = min(max(drawn), step.stop - step.start)
     return [
         ReportFigure(
-            "Step of the set-point with PI and with Observer 1 + pole placement (as Fig. 15 of the paper)",
+            "Step of the set-point with PI, pole placement and soft landing (as Fig. 15 of the paper)",
             f"Plant: {validation.controllers['plant']}. {_torques(validation)}",
             plot.control_step(
                 {CONTROLLERS[name]: response for name, response in validation.responses.items()},

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..certificates import prove_running, stability
+from ..certificates import prove_with_load, stability
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io.storage.certificate_files import save_certificate
@@ -23,7 +23,7 @@ def prove(
     if laws.law is None or drivetrain is None:
         return {"skipped": laws.skipped}
     try:
-        proof = prove_running(drivetrain, laws.law, delay=DELAY, progress=progress)
+        proof = prove_with_load(drivetrain, laws.law, delay=DELAY, progress=progress)
     except InvalidInput as error:
         return {"skipped": str(error)}
     save_certificate(proof, folder / "certificate.json", folder / "certificate_verify.py")

@@ -23,7 +23,7 @@ OWN_DIRECTION = 0.1
 #: Half the step over the speed that the torque beyond friction gives within a time constant of the slowest pole
 #: (option: that of the paper's step on its rig).
 TORQUE_SHARE = 1.4
-#: Torque for the acceleration is at least this share of the limit (numerics).
+#: Torque for the acceleration is at least this share of the limit (numerics: a limit below friction gives a time too).
 LEAST_TORQUE = 0.1
 #: Time before and after the step, in time constants of the slowest pole, in times of acceleration with the limit, and
 #: in samples (numerics: a law that is as fast as designed settles within half of it).

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..controllers import pole_placement, quadratic_poles
+from ..controllers import pole_placement, quadratic_poles, soft_landing
 from ..controllers.pole_placement import DEFAULT_POLES
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -24,20 +24,24 @@ from ..systems import (
 )
 
 #: Share of the stiffness that a shaft with backlash shows to a small oscillation (its describing function): closed,
-#: half open, at the edges of the gap (numerics).
+#: half open, at the edges of the gap (numerics: a grid).
 GAP_SHARES = (1.0, 0.3, 0.1)
 #: Largest sensitivity of the default law (Åström & Hägglund 2006, Advanced PID Control, section 4.6: 1.4 to 2 are
 #: usual).
 LARGEST_SENSITIVITY = 1.7
 #: Fastest default law: torque that an error of one speed deserves, over what turns the drive to that speed in one
-#: radian of the torsional mode (calibrated on the zoo's development drives: beyond it the fastest pole runs away from
-#: the other two). Then by which factor it becomes slower, and the slowest (numerics).
+#: radian of the torsional mode (calibrated on development drives, seeds not recorded: beyond it the fastest pole runs
+#: away from the other two). Then by which factor it becomes slower, and the slowest (numerics).
 FASTEST, SLOWER, SLOWEST = 0.4, 0.8, 1e-4
 #: Density of the law's load torque on the paper's rig with the paper's poles, Nm²/s (calibrated on the virtual rigs 1
 #: to 5: a load step is over in 50 instead of 190 ms).
 LOAD_TORQUE_COVARIANCE = 1e6
 #: Rate of the paper's poles, 1/s, for which the observer's covariances are made.
 PAPER_RATE = -DEFAULT_POLES[0]
+#: Contact speed of soft landing, as a share of the speed at which all of the torque would cross the gap; how much
+#: narrower the gap may be than known, and how fast the limit gives way (calibrated on the virtual rigs 1 to 5: 0.5
+#: rad/s there, and the impact of pole placement is not reached where the backlash is known to ±20 % alone).
+LANDING_SHARE, TOLERANCE, RELEASE = 0.053, 0.03, 20.0
 #: What limits the default poles, in the words of the report.
 MODE, DELAY, NOISE = "the torsional mode", "delay and sample time", "noise of the measured speed"
 
@@ -111,12 +115,13 @@ def target_law(
     speed_from_counts: bool,
     outputs: tuple[str, ...] = ("torque_motor",),
     checked: bool = True,
+    landing: bool = False,
 ) -> DiscreteSystem:
     """Observer + pole placement; the observer's torque is one sample late, as the computing delay makes it act.
 
     The observer measures the motor speed and estimates the load torque, which the state feedback compensates: that is
     the integral action. Its speed goes with the poles: covariances of the speeds with their square, that of the load
-    torque with the fourth power and with the inertia squared.
+    torque with the fourth power and with the inertia squared. With ``landing``, soft landing limits the torque.
     """
     faster = Poles(tuple(poles), "").rate / PAPER_RATE
     covariance = {name: PROCESS_COVARIANCE[name] * faster**2 for name in ("speed_motor", "speed_load")}
@@ -128,12 +133,30 @@ def target_law(
         load_torque=True,
         process_covariance=covariance,
     )
-    controller = pole_placement(drivetrain, poles=poles, dt=dt, torque_limit=torque_limit, load_torque=True)
+    controllers = [
+        pole_placement(drivetrain, poles=poles, dt=dt, torque_limit=torque_limit, load_torque=True)
+    ]
+    if landing:
+        controllers = [
+            controllers[0].renamed({"torque_motor": "torque_wished"}), _landing(drivetrain, torque_limit, dt),
+        ]  # fmt: skip
     acting = one_sample_delay("torque_motor", dt, "torque_motor_acting")
     return connect(
         [(observer if checked else observer.without_checks()).renamed({"torque_motor": "torque_motor_acting"}),
-         controller, acting],
+         *controllers, acting],
         inputs=("speed_reference", "speed_motor"),
         outputs=outputs,
-        name="observer_1 + pole_placement",
+        name="observer_1 + pole_placement" + (" + soft_landing" if landing else ""),
     )  # fmt: skip
+
+
+def _landing(drivetrain: Drivetrain, torque_limit: float, dt: float) -> DiscreteSystem:
+    crossing = math.sqrt(2.0 * torque_limit / drivetrain.inertia_motor * drivetrain.backlash)
+    return soft_landing(
+        drivetrain,
+        dt=dt,
+        contact_speed=LANDING_SHARE * crossing,
+        torque_limit=torque_limit,
+        tolerance=TOLERANCE,
+        release=RELEASE,
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,8 @@ from .speed_step import PAPER_STEP, SpeedStep
 
 #: Signals that are withheld from the observers and compared with them afterwards.
 WITHHELD = ("speed_load", "torque_shaft", "twist")
-#: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole).
+#: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole
+#: on the paper's rig).
 SETTLING = 0.3
 #: A step that has not settled is shown with twice the time, at most so often (option: 16 times).
 DOUBLINGS = 4
@@ -123,7 +124,7 @@ def _baselines(recording: Recording, drivetrain: Drivetrain, averaged: bool) -> 
 def validate_controllers(
     material: Material, found: Found, laws: Design
 ) -> tuple[dict[str, Any], dict[str, Recording], SpeedStep, tuple[Problem, ...]]:
-    """PI and the target's law on a step of the set-point and back, on the rig or on a finer plant.
+    """PI, the target's law and that with soft landing on a step of the set-point and back, on the rig or a finer plant.
 
     A loop that is unstable or does not settle is a result, with a warning.
     """
@@ -137,7 +138,10 @@ def validate_controllers(
     table: dict[str, Any] = {"plant": label}
     step, responses, unstable = _settled_responses(plant, laws)
     problems: list[Problem] = []
-    for name, reason in (("pi", laws.pi_skipped), ("pole_placement", laws.skipped)):
+    skipped = {
+        "pi": laws.pi_skipped, "pole_placement": laws.skipped, "soft_landing": laws.landing_skipped,
+    }  # fmt: skip
+    for name, reason in skipped.items():
         if name in unstable:
             table[name] = {"skipped": f"unstable loop: {unstable[name]}"}
             problems.append(_loop_problem(name, unstable[name], laws))
@@ -159,7 +163,8 @@ def _settled_responses(
     for doubling in range(DOUBLINGS + 1):
         responses: dict[str, Recording] = {}
         unstable: dict[str, str] = {}
-        for name, law in (("pi", laws.pi), ("pole_placement", laws.watched)):
+        named = {"pi": laws.pi, "pole_placement": laws.watched, "soft_landing": laws.landing}
+        for name, law in named.items():
             if law is None:
                 continue
             response, trouble = _stable_response(plant, law, laws.dt, step)
@@ -218,11 +223,11 @@ def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep
     """A pulse of the set-point with the law in the loop of a rig: the recording of its sensors and the estimates."""
     recording, truth = rig.record(plant, law=law, speed_reference=step.reference(dt), dt=dt, noise_seed=2)
     estimates = {n: truth.signals[n] for n in law.outputs if n.endswith("_estimated")}
-    return recording.with_signals("estimated", **estimates)
+    return replace(recording.with_signals("estimated", **estimates), events=truth.signals.events)
 
 
 def judged_step(response: Recording, step: SpeedStep) -> dict[str, float | None]:
-    """Metrics of the load speed from the step to the end of the pulse."""
+    """Metrics of the load speed, and the largest impact, from the step to the end of the pulse."""
     metrics = step_metrics(
         response.time,
         response["speed_load"],
@@ -235,7 +240,10 @@ def judged_step(response: Recording, step: SpeedStep) -> dict[str, float | None]
     judged = metrics.as_dict()
     if judged["rise_time"] is None:
         judged["overshoot"] = None  # not defined for a response that never reaches the set-point
-    return judged
+    impacts = [
+        abs(e.speed) for e in response.events if e.kind == "impact" and step.start <= e.time < step.stop
+    ]
+    return {**judged, "impact_speed": max(impacts, default=0.0)}
 
 
 def validate(material: Material, found: Found, laws: Design) -> Validation:

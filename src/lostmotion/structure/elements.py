@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 
-#: Steel: shear modulus in Pa and density in kg/m³ (usual handbook values).
+#: Steel: shear modulus in Pa and density in kg/m³ (physics: usual handbook values).
 STEEL_SHEAR_MODULUS, STEEL_DENSITY = 79.3e9, 7850.0
 
 

@@ -13,7 +13,7 @@ from .torsional_model import TorsionalModel
 
 Floats = NDArray[np.float64]
 
-#: An eigenvalue below this multiple of n·eps·(largest) is a rigid rotation (zero up to rounding) (physics).
+#: An eigenvalue below this multiple of n·eps·(largest) is a rigid rotation (numerics: zero up to rounding).
 RIGID = 100.0
 
 

@@ -10,9 +10,8 @@ from .torsional_model import DAMPING_RATIO, TorsionalModel, assemble
 GAP = "joint"
 
 #: Motor – clutch – intermediate shaft – side shaft – tripod joint – wheel hub with brake disc (Fietzek & Rinderknecht,
-#: section I). Lengths, tube diameters, motor, joint, hub and flange are numerics; clutch, clutch output, the side
-#: shaft's
-#: diameter and the brake disc were solved for 100 Hz, 750 Hz, a motor zero at 38 Hz and 0.1292 kg m² in total.
+#: section I). Lengths, tube diameters, motor, joint, hub and flange are options; clutch, clutch output, the side
+#: shaft's diameter and the brake disc were solved for 100 Hz, 750 Hz, a motor zero at 38 Hz and 0.1292 kg m² in total.
 PARTS: tuple[Part, ...] = (
     Disc("motor", 0.0142),
     Coupling("clutch", 81_400.0),

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 #: Within this share of a zero or pole of the model the response is not scored: a shift of a thousandth dominates there.
-#: (Physics.)
+#: (Option.)
 AROUND_RESONANCE = 0.03
 #: Points of the scored response on a logarithmic grid (numerics).
 POINTS = 400

@@ -9,7 +9,7 @@ from ..errors import InvalidInput
 from ..plain_data import number, shown
 from .inputs import Matrix
 
-#: The law reports replaced inputs as bits of one number, also on a 32-bit target (numerics).
+#: The law reports replaced inputs as bits of one number, also on a 32-bit target (layout).
 MAX_INPUTS = 31
 
 

@@ -9,9 +9,9 @@ from typing import Any
 from ..errors import InvalidInput
 from ..plain_data import flag, number, shown, table, text, whole
 
-#: After this time of rejected samples the signal is accepted again, s (numerics).
+#: After this time of rejected samples the signal is accepted again by default, s (option).
 HOLD = 0.03
-#: Time constant with which accepted errors are forgotten, s (numerics).
+#: Time constant with which accepted errors are forgotten by default, s (option).
 MEMORY = 1.0
 
 

@@ -12,7 +12,7 @@ from ..recording import Recording
 
 Matrix = NDArray[np.float64]
 
-#: Largest relative difference between the sample times of a recording and a law (numerics).
+#: Largest relative difference between the sample times of a recording and a law (option).
 DT_TOLERANCE = 1e-3
 
 

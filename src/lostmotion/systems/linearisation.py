@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from .discrete_system import DiscreteSystem
 
 
+@checks_arguments
 def linearised(system: DiscreteSystem, slopes: Sequence[float]) -> DiscreteSystem:
     """The system with wᵢ = slopeᵢ·zᵢ in the place of its curves.
 

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from .design_model import DesignModel
 from .discrete_system import DiscreteSystem
 
 Array = NDArray[np.float64]
 
-#: Frequencies of the evaluation: this many, down from the Nyquist frequency by this factor (numerics).
+#: Frequencies of the evaluation: this many, down from the Nyquist frequency by this factor (numerics: 75
+#: per decade).
 FREQUENCIES, DECADES = 300, 1e-4
 
 
@@ -34,6 +36,7 @@ class LoopMargin:
     torque_per_speed_noise: float
 
 
+@checks_arguments
 def loop_margin(law: DiscreteSystem, model: DesignModel, speed_from_counts: bool = False) -> LoopMargin:
     """Margin of a linear law speed_motor → torque_motor around a drivetrain.
 

@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
 from .discrete_system import DiscreteSystem
 
 
+@checks_arguments
 def pruned(law: DiscreteSystem, outputs: Sequence[str] | None = None) -> DiscreteSystem:
     """The law with these outputs alone, and only the states and curves that they depend on.
 

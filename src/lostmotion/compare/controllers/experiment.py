@@ -22,7 +22,7 @@ from .work import Work, work
 
 #: Longest sample time of plant and record, s (option: crossings and jerk are judged by it).
 FINEST = 1e-4
-#: Speed over which the true friction turns, rad/s (numerics).
+#: Speed over which the true friction turns, rad/s (option: small against every speed of the experiments).
 TURN = 0.01
 #: Sensors that show the truth.
 TRUE_SENSORS = {

@@ -8,11 +8,11 @@ from ...errors import Problem
 from ..friction.result import Floats
 from ..statistics.estimates import Interval
 
-#: Fewest rows on each side of the gap (numerics).
+#: Fewest rows on each side of the gap (numerics: five for each of the fit's four columns).
 MIN_ROWS = 20
-#: The motor must turn by this many counts for a result (numerics).
+#: The motor must turn by this many counts for a result (numerics: each end is known to one count only).
 MIN_COUNTS = 3.0
-#: Fewest ramps for an interval (numerics).
+#: Fewest ramps for an interval without a warning (option: Student's factor of their scatter is 3.2 then).
 MIN_RAMPS = 4
 
 

@@ -7,13 +7,16 @@ from numpy.typing import NDArray
 
 from ..friction.result import Floats
 
-#: Torque reversals smaller than this part of its range count as noise (numerics).
+#: Torque reversals smaller than this part of its range count as noise (calibrated, data not recorded).
 REVERSAL = 0.05
-#: Left out on both sides of a crossing and of the end of sticking, as part of the torque's range (numerics).
+#: Left out on both sides of a crossing and of the end of sticking, as part of the torque's range (calibrated,
+#: data not recorded).
 CLEARANCE = 0.02
-#: Jumps of the torque by this part of its range within a sample are steps, after which the motor oscillates (numerics).
+#: Jumps of the torque by this part of its range within a sample are steps, after which the motor oscillates
+#: (calibrated, data not recorded).
 JUMP = 0.02
-#: The angle oscillates where it varies by this many times the usual amount within the settling time (numerics).
+#: The angle oscillates where it varies by this many times the usual amount within the settling time (calibrated, data
+#: not recorded).
 SWING = 2.0
 
 

@@ -13,7 +13,7 @@ from ...recording import Recording
 from . import problems as problem
 
 #: A torque counts as being on one side of zero when it is there by this many standard deviations of its noise
-#: (numerics: about one false reversal in ten million samples).
+#: (numerics: by chance one sample of normal noise in 1.7 million is).
 NOISE_FACTOR = 5.0
 
 

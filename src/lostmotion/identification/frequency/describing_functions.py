@@ -15,7 +15,8 @@ from .two_mass_response import two_mass_response
 
 Floats = NDArray[np.float64]
 
-#: Step towards the new gains, most steps, and relative change at which the iteration ends (numerics).
+#: Step towards the new gains, most steps, and relative change at which the iteration ends (numerics:
+#: half steps damp the iteration).
 STEP, MOST_STEPS, SETTLED = 0.5, 400, 1e-6
 #: Least gain of the gap that is tried: below, the shaft is hardly ever in contact (numerics).
 LEAST_GAIN = 1e-6

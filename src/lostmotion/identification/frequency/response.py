@@ -16,11 +16,11 @@ from .estimators import Method, direct, independent_averages, joint
 from .hold_and_averaging import Sampling, sampling
 from .spectra import Complexes, Floats, segment_spectra
 
-#: Share of the recording in one segment (numerics): with half overlap, nineteen segments.
+#: Share of the recording in one segment by default (option): with half overlap, nineteen segments.
 SEGMENT_SHARE = 0.1
-#: Fewer segments than this give a warning (numerics): coherence and bands are unreliable.
+#: Fewer segments than this give a warning (option): coherence and bands are unreliable, coherence by chance is 1/6.
 MIN_SEGMENTS = 6
-#: A time step this many times the mean one is a hole in the recording (numerics).
+#: A time step this many times the mean one is a hole in the recording (numerics: half way to two).
 LONGEST_STEP = 1.5
 
 

@@ -17,16 +17,17 @@ from ..statistics.estimates import Estimates, Interval, sources_of
 from . import problems as problem
 from .result import Floats, torque_to_use
 
-#: First part of each plateau that is left out (numerics).
+#: First part of each plateau that is left out (option).
 SETTLING = 0.4
-#: Parts of a plateau whose scatter gives its margin (numerics).
+#: Parts of a plateau whose scatter gives its margin (numerics: Student's factor is 2.4, hardly above that of many).
 PARTS = 8
-#: A plateau counts as steady while its speed scatters by less than this part of its mean (numerics): else it slips
-#: and sticks.
+#: A plateau counts as steady while its speed scatters by less than this part of its mean (calibrated, data not
+#: recorded): else it slips and sticks.
 STEADY = 0.3
-#: Shapes of the Stribeck rise, exp(−(speed/stribeck_speed)^exponent): Tustin's and the Gaussian one.
+#: Shapes of the Stribeck rise, exp(−(speed/stribeck_speed)^exponent) (physics): Tustin's and the Gaussian one.
 EXPONENTS = (1.0, 2.0)
-#: Absolute speeds, in Stribeck speeds, of the piecewise-linear curve that ``Friction`` takes (numerics).
+#: Absolute speeds, in Stribeck speeds, of the piecewise-linear curve that ``Friction`` takes (numerics: corners
+#: of its chords, closer where it bends).
 KNOTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0)
 
 

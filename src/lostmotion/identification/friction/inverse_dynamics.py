@@ -14,9 +14,10 @@ from ..statistics.block_covariance import sandwich, student_factor
 from ..statistics.regression import linear_fit
 from .result import Floats, FrictionFit, checked_inertia, reported, torque_to_use
 
-#: Samples in, one sample out (calibrated: the EMPS benchmark's own choice at 1 kHz).
+#: Samples in, one sample out by default (option: that of the EMPS benchmark at 1 kHz, Janot, Gautier & Brunot 2019).
 DECIMATION = 10
-#: Cut-off of the speed whose sign the friction takes, over the sample rate (numerics: 100 Hz at 1 kHz).
+#: Cut-off of the speed whose sign the friction takes, over the sample rate (calibrated, data not recorded: 100 Hz at
+#: the 1 kHz of EMPS).
 SIGN_CUTOFF = 0.1
 #: Decimated samples dropped at both ends: the filter is ±10 of them long, but its far ends weigh little (numerics).
 EDGE = 2

@@ -15,13 +15,16 @@ from ..statistics.regression import linear_fit
 from . import problems as problem
 from .result import Floats, FrictionFit, checked_inertia, reported, torque_to_use
 
-#: Above this part of the largest speed (numerics) the drive counts as turning, below it as in Stribeck or stiction.
+#: Above this part of the largest speed the drive counts as turning, below it as in Stribeck or stiction (option: the
+#: default of ``min_speed``).
 TURNING = 0.02
-#: Half width of the averages in s (numerics: ten periods of a 100 Hz eigenmode, a tenth of a friction time constant).
+#: Half width of the averages by default, s (option: ten periods of a 100 Hz eigenmode, a tenth of a friction time
+#: constant).
 AVERAGING = 0.1
 #: Fewest averages (numerics: three in each of the blocks that the intervals come from).
 MIN_AVERAGES = 60
-#: A torque is constant if it departs from one level in each direction by less than this part of it (numerics).
+#: A torque is constant if it departs from one level in each direction by less than this part of it (calibrated, data
+#: not recorded).
 CONSTANT = 0.01
 
 

@@ -17,22 +17,23 @@ from .warnings import count_step
 Array = NDArray[np.float64]
 
 #: Exact simulations of what was found (numerics: each adds its own scatter by a half), and over which part of the gap
-#: their starts are spread (chosen): they go apart from there.
+#: their starts are spread: they go apart from there.
 REPLICAS, APART = 2, 0.5
 
 #: Gauss–Newton steps at most from what was found to the fit of a replica (numerics: two move it by all but a
 #: hundredth).
 STEPS = 3
 
-#: A simulated speed that is further from the recorded one than this part of its deviation goes another way (calibrated:
-#: without model error it is an eighth, since the torsional oscillations go apart).
+#: A simulated speed that is further from the recorded one than this part of its deviation goes another way (calibrated
+#: on exact recordings of two masses, seeds 201 to 300, where it is an eighth: the torsional oscillations go apart).
 ASTRAY = 0.5
 
-#: A fit whose sum of squares is more than so many times that of the recording has ended elsewhere (numerics: without
-#: model error it is within a half of it).
+#: A fit whose sum of squares is more than so many times that of the recording has ended elsewhere (calibrated on the
+#: same, where it is within a half of it).
 ELSEWHERE = 2.0
 
-#: Time over which the first speed of a piece is averaged, s (numerics: several counts of a coarse encoder).
+#: Time over which the first speed of a piece is averaged, s (calibrated, data not recorded: several counts of a coarse
+#: encoder).
 FIRST = 0.005
 
 

@@ -20,8 +20,8 @@ from .result import Identification
 
 Array = NDArray[np.float64]
 
-#: The better law must lower the innovations' sum of squares by this fraction (numerics: below that, what else the model
-#: leaves out may decide), and the blocks of the recording must agree with 95 % certainty.
+#: The better law must lower the innovations' sum of squares by this fraction (calibrated, data not recorded: below
+#: that, what else the model leaves out may decide), and the blocks of the recording must agree with 95 % certainty.
 LEAST_GAIN = 0.01
 
 

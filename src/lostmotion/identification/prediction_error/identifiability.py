@@ -20,21 +20,22 @@ from .warnings import too_coarse
 
 Array = NDArray[np.float64]
 
-#: A parameter is not excited if its 95 % interval reaches further than this factor either way (numerics). A
+#: A parameter is not excited if its 95 % interval reaches further than this factor either way (option). A
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
 
-#: Intervals are wider by this where rows had to be joined (calibrated on exact recordings with 12 and 13 bit, where
-#: the shift by the counts is so large that it is not known well): others hold the truth then.
+#: Intervals are wider by this where rows had to be joined (calibrated on exact recordings of two
+#: masses with 12 and 13 bit, seeds 204 to 209: the shift by the counts is so large that it is not known well): others
+#: hold the truth then.
 JOINED = 1.5
 
 #: Innovations of more than this share of the speed's deviation may hide a mode: one at so many times the torsional
-#: frequency is then allowed for (calibrated: with 16 bit that of the virtual rigs, at seven times, is no longer seen).
+#: frequency is then allowed for (calibrated on the virtual rigs 1 to 12 with 16 bit, where that at seven times is no
+#: longer seen).
 HIDING, HIDDEN = 0.01, 7.0
 
 #: What is allowed for it grows with the share of the innovations, twofold at this one (calibrated on the virtual rigs
-#: 1 to
-#: 12 with 14 bit: noise and what the model leaves out shift the fit further together).
+#: 1 to 12 with 14 bit: noise and what the model leaves out shift the fit further together).
 BLURRING = 0.03
 
 #: And if a gap or a Coulomb torque that is off by ``NOT_EXCITED`` either way predicts no worse: by less than a typical
@@ -44,7 +45,8 @@ SURE = 3.0
 
 
 #: Motor torque and acceleration of opposite sign contradict the model if they are so by more than this part of the
-#: nameplate's inertia (numerics: a swapped sign shows all of it, a recording without acceleration a few percent).
+#: nameplate's inertia (calibrated, data not recorded: a swapped sign shows all of it, a recording without
+#: acceleration a few percent).
 CONTRADICTION = 0.3
 
 

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 #: Identified parameters, in the order of every vector and matrix of this folder.
 NAMES = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash", "coulomb", "viscous", "lag")
 
-#: The kernel runs without the interpreter's lock: two threads halve the time (numerics for two cores).
+#: The kernel runs without the interpreter's lock: two threads halve the time (option: for two cores).
 THREADS = 2
 
 

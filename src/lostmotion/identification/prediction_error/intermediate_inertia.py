@@ -20,8 +20,7 @@ SHARE, COMPLIANCE = 0.1, 0.5
 #: The search keeps both within these bounds (numerics).
 SMALLEST, LARGEST = 2e-3, 0.95
 #: The joint piece stays if the sum of squared innovations falls below this fraction (calibrated: on two masses without
-#: any
-#: it falls by less than 1 %, on the virtual rigs to a half or less).
+#: any it falls by less than 1 %, on the virtual rigs 1 to 20 to a half or less).
 WORTHWHILE = 0.9
 #: The search ends when a step lowers the sum of squares by less than this fraction (numerics: along the valley of share
 #: and compliance it would go on for long, and the parameters no longer move).

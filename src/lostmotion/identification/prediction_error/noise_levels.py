@@ -12,11 +12,11 @@ from .gain_schedule import Box, Stage, descend, fit
 
 Array = NDArray[np.float64]
 
-#: Rates at which an unknown load torque is followed, 1/s (numerics). The slowest is taken that predicts not much worse
-#: than the best: a faster one also takes away what is friction.
+#: Rates at which an unknown load torque is followed, 1/s (calibrated, data not recorded). The slowest is
+#: taken that predicts not much worse than the best: a faster one also takes away what is friction.
 LOAD_RATES = (10.0, 30.0)
 
-#: Largest ratio of innovations to the best ones that counts as not much worse (numerics).
+#: Largest ratio of innovations to the best ones that counts as not much worse (calibrated, data not recorded).
 MUCH_WORSE = 1.2
 
 #: Fits in turn with estimates of the noise levels at most, and when the levels count as settled (numerics).

@@ -15,13 +15,14 @@ from . import problems as problem
 
 Array = NDArray[np.float64]
 
-#: Largest deviation of a time step from the usual step; from ``MISSING`` steps on, rows are missing (numerics).
+#: Largest deviation of a time step from the usual step (option); from ``MISSING`` steps on, rows are missing (numerics:
+#: half way to two).
 RASTER, MISSING = 0.05, 1.5
 
 #: Shortest piece that is used, s (numerics: twice the settling of the observer after a gap).
 SHORTEST = 0.8
 
-#: Sample times of recordings that are taken together may differ by this fraction (numerics: far below the raster).
+#: Sample times of recordings that are taken together may differ by this fraction (option: far below the raster).
 SAME_RASTER = 1e-3
 
 

@@ -13,33 +13,35 @@ from ...recording import Recording
 from . import problems as problem
 from .result import Prediction
 
-#: Largest torque (Nm) and speed (rad/s) that are taken for real (numerics: a thousand times those of big drives).
+#: Largest torque (Nm) and speed (rad/s) that are taken for real (option: a thousand times those of big drives).
 LARGEST_VALUE = 1e8
 
-#: Correlation above which two parameters can hardly be told apart (numerics).
+#: Correlation above which two parameters can hardly be told apart (numerics: each interval is five times as wide as
+#: with the other one known).
 CORRELATED = 0.98
 
-#: A value off the nameplate by more than this factor is worth a second look (numerics: just beyond the factor
+#: A value off the nameplate by more than this factor is worth a second look (option: just beyond the factor
 #: of two that a start may be off).
 FAR = 2.2
 
 #: Innovations count as not white if the lower tenth of the band has more than so many times white noise's share of the
-#: power (calibrated; without model error it is 1 for white noise and 0.05 for count noise, on finer plants 3).
+#: power (calibrated, seeds not recorded: on exact recordings of two masses it is 1 for white noise and 0.05 for count
+#: noise, on the virtual rigs 3).
 NOT_WHITE = 2.0
 
-#: Innovations below this share of the speed's deviation are not looked at (numerics: below every real sensor's noise).
+#: Innovations below this share of the speed's deviation are not looked at (option: below every real sensor's noise).
 NEGLIGIBLE = 1e-4
 
-#: Where the innovations are more than this share of the speed's deviation, nothing is identified (calibrated: with 12
-#: bit
-#: at 10 kHz, where they were, values came out 50 to 100 % wrong).
+#: Where the innovations are more than this share of the speed's deviation, nothing is identified (calibrated on
+#: recordings with 12 bit at 10 kHz, seeds not recorded, where they were: values came out 50 to 100 % wrong).
 COARSE = 0.25
 
-#: Rows are joined until the rounding of counts is at most this share of the speed's deviation (numerics: 14 bit at
-#: 10 kHz, which needs none).
+#: Rows are joined until the rounding of counts is at most this share of the speed's deviation (calibrated on
+#: the virtual rigs 1 to 12: 14 bit at 10 kHz needs none).
 FINE = 0.1
 
-#: A torsional mode needs this many samples per period for the observer's discretisation (numerics).
+#: A torsional mode needs this many samples per period for the observer's discretisation (calibrated, data not
+#: recorded).
 SAMPLES_PER_PERIOD = 15.0
 
 

@@ -19,20 +19,22 @@ Floats = NDArray[np.float64]
 #: What is looked for.
 VALUES = ("frequency", "damping_ratio")
 
-#: Means over this many seconds on both sides make a step stand out (numerics: a few periods of the eigenmode).
+#: Means over this many seconds on both sides make a step stand out (calibrated, data not recorded: three periods of the
+#: Aalto rig's 28 Hz).
 STEP_WINDOW = 0.1
-#: A change of the mean is a step if it is this many robust standard deviations of all changes (numerics).
+#: A change of the mean is a step if it is this many robust standard deviations of all changes (numerics: hardly
+#: ever by chance).
 STEP_FACTOR = 6.0
-#: Steps at least this fraction of the largest are used together (numerics).
+#: Steps at least this fraction of the largest are used together (option).
 STEP_FRACTION = 0.5
-#: Where the fit starts after the step and how long it is, in periods (numerics). The first pair gives the
-#: estimate, the others its spread. The step itself is over after half a period.
+#: Where the fit starts after the step and how long it is, in periods (calibrated, data not recorded). The first pair
+#: gives the estimate, the others its spread. The step itself is over after half a period.
 WINDOWS = ((0.5, 10.0), (0.5, 6.0), (0.5, 14.0), (1.0, 10.0), (1.0, 14.0), (1.5, 10.0))
 #: Largest damping ratio: above, there is hardly a second period to measure (numerics: each is 14 % of the one before).
 MAX_DAMPING_RATIO = 0.3
 #: Surrogates of the residual for the interval (numerics: their scatter is then known within 11 %).
 SURROGATES = 40
-#: A window cut short by the next step or the end counts from this many periods on (numerics).
+#: A window cut short by the next step or the end counts from this many periods on (option).
 MIN_PERIODS = 4.0
 
 

@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 #: Smallest scatter about the model, in counts (numerics): keeps the likelihood smooth where there is no noise.
 SMALLEST_SCATTER = 0.03
-#: Slack beyond the least that makes all readings compatible, in counts (numerics, the same reason).
+#: Slack beyond the least that makes all readings compatible, in counts (numerics: without it they may leave one point).
 SLACK = 0.02
 
 

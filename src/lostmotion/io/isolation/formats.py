@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-#: Bytes of one number of the classes that scipy's ``whosmat`` names (option).
+#: Bytes of one number of the classes that scipy's ``whosmat`` names (layout).
 _ITEM = {
     "single": 4,
     "int32": 4,
@@ -24,7 +24,7 @@ _ITEM = {
     "uint8": 1,
     "logical": 1,
 }
-#: Type of an element of a MATLAB file that holds another one, compressed.
+#: Type of an element of a MATLAB file that holds another one, compressed (layout).
 _COMPRESSED = 15
 
 

@@ -18,7 +18,7 @@ from ...errors import InvalidInput
 from ..memory import memory_limit, size_text, too_much
 from .child import CAN_FORK, CRASHED, LATE, READ, REFUSED, TOO_LARGE
 
-#: Time to read a file, s, for each MB of it more (option: scipy unpacks 100 MB/s), and to start a process (chosen).
+#: Time to read a file, s, for each MB of it more (option: scipy unpacks 100 MB/s), and to start a process.
 SECONDS, SECONDS_PER_MB, START = 4.0, 0.1, 60.0
 
 _CODE = (

@@ -29,8 +29,8 @@ SHORTEST_STEP, LONGEST_STEP = 1e-8, 100.0
 #: Longest sample time without a warning, s. Option: up to 50 kHz a raster in ms is seen; it tells nothing above 25 Hz.
 SLOW = 0.02
 
-#: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Option likewise: the
-#: other correlation was -0.24 to 0 in all of these.
+#: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Calibrated as
+#: ``torque_and_speed.BLOCK``: the other correlation was -0.24 to 0 in all of these.
 SWAPPED, SWAPPED_MARGIN = 0.4, 0.2
 
 

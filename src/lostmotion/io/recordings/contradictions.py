@@ -11,7 +11,7 @@ from ..tables.columns import Column, Table
 from ..tables.units import is_unit, unit_factor
 from .checks import RASTER_TOLERANCE
 
-#: Numbers in a second of a time without a unit: s, ms, µs, ns (option).
+#: Numbers in a second of a time without a unit: s, ms, µs, ns (physics).
 _TIME_FACTORS = (1.0, 1e3, 1e6, 1e9)
 
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from ...recording import Recording
 
-#: Blocks over which torque and speed are averaged, s, and how many are needed. Calibrated: on rigs 1 to 4 the
-#: correlation
-#: of a right recording is 0.13 with blocks of 2.5 ms, 0.23 with 10 ms, 0.88 with 25 ms; measured drives give 0.46 to 1.
+#: Blocks over which torque and speed are averaged, s, and how many are needed. Calibrated on rigs 1 to 4, where the
+#: correlation of a right recording is 0.13 with blocks of 2.5 ms, 0.23 with 10 ms, 0.88 with 25 ms, and on measured
+#: drives (recordings not noted), which give 0.46 to 1.
 BLOCK, FEWEST_BLOCKS = 0.025, 40
 
 

@@ -22,7 +22,7 @@ from .checks import (
 from .raw_signals import RawSignals
 from .signal_faults import check_sizes
 
-#: Memory that a number of a new raster takes: as it is made, and in the recording (option).
+#: Memory that a number of a new raster takes: as it is made, and in the recording (numerics: three doubles).
 _BYTES = 24.0
 
 

@@ -18,13 +18,13 @@ from ...errors import InvalidInput, Problem
 from ...plain_data import shown
 from .whole_files import read_bytes, write_bytes
 
-#: Raised by one whenever an older package could no longer read the files (option).
+#: Raised by one whenever an older package could no longer read the files (layout).
 SCHEMA_VERSION = 2
 
-#: Versions that are still read; what differs is brought up to date by the type that the content makes.
+#: Versions that are still read (layout); what differs is brought up to date by the type that the content makes.
 READABLE = (1, SCHEMA_VERSION)
 
-#: Memory that JSON takes once it is read, as a multiple of its text (measured: lists of floats, 5) (option).
+#: Memory that JSON takes once it is read, as a multiple of its text (calibrated on lists of floats: 5).
 _TAKES = 6.0
 
 

@@ -15,7 +15,7 @@ from ...errors import InvalidInput
 from ..memory import check_memory
 from .whole_files import read_bytes
 
-#: Longest header of an array that numpy reads, bytes, and what stands before it (option).
+#: Longest header of an array that numpy reads, bytes, and what stands before it (layout).
 _HEADER = 10_000 + 12
 _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 

@@ -10,7 +10,7 @@ from typing import Any
 from ...errors import InvalidInput
 from .whole_files import read_bytes
 
-#: Memory that a TOML takes once it is read, as a multiple of its text (option: as JSON does, with room).
+#: Memory that a TOML takes once it is read, as a multiple of its text (calibrated as JSON's, with room).
 _TAKES = 20.0
 _MARKS = {
     codecs.BOM_UTF32_LE: "UTF-32",

@@ -19,7 +19,8 @@ from .columns import Column
 from .dialects import LONGEST, Dialect, check_decimal_commas, decode, find_dialect
 from .units import is_unit
 
-#: Bytes of memory that reading takes for each byte and for each line (measured on lines of 4 to 50 bytes) (option).
+#: Bytes of memory that reading takes for each byte and for each line (calibrated on lines of 4 to 50
+#: bytes).
 PER_BYTE, PER_LINE = 4.0, 150.0
 COMMENT_MARKS = ("#", "%", "//")
 _TIME_NAMES = ("time", "t")

@@ -12,7 +12,7 @@ from ...errors import InvalidInput
 from ...recording import Recording, unit_of
 from ..storage.whole_files import whole_file
 
-#: Rows that are text at a time (option: 10 MB of it).
+#: Rows that are text at a time (numerics: 10 MB of it).
 BLOCK = 50_000
 
 

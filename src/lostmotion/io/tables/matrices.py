@@ -22,9 +22,9 @@ Floats = NDArray[np.float64]
 
 _EXPECTED = "numbers as .npz (arrays mass and stiffness), MatrixMarket (.mtx) or CSV"
 _NEEDED, _OPTIONAL = {"mass", "stiffness"}, {"names", "ratios", "damping_ratio"}
-#: Largest number of a matrix (option: the square of a larger one is near the end of the floats).
+#: Largest number of a matrix (numerics: the square of a larger one is near the end of the floats).
 LARGEST = 1e100
-#: Bytes of memory that reading rows of text takes for each byte of the file (option).
+#: Bytes of memory that reading rows of text takes for each byte of the file (calibrated, data not recorded).
 _TAKES = 8.0
 
 

@@ -16,7 +16,7 @@ _DEG = math.pi / 180.0
 _REV = 2.0 * math.pi
 _RPM = 2.0 * math.pi / 60.0
 
-#: Factor to SI of every known unit, by dimension; a dimension is named by its SI unit.
+#: Factor to SI of every known unit, by dimension; a dimension is named by its SI unit (physics).
 UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
         "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},

@@ -23,7 +23,7 @@ MODULES = {
 }
 
 #: Numbers of parameters and outputs: a step reads and writes its arrays at fixed places, whatever their lengths are.
-#: (Numerics.)
+#: (Layout.)
 SIZES = {
     "extended_kalman": (layout.size(layout.PARAMETERS), 22),
     "interacting_models": (layout.size(layout.INTERACTING_PARAMETERS), 17),

@@ -21,14 +21,14 @@ from .layout import (
 from .two_mass_model import gap_argument
 
 #: A predicted contact is cancelled once the log-odds against it exceed the first, of which one sample gives at most the
-#: second. Calibration: the paper's rig with a shaft 8 to 16 times as stiff, under excitations of its own.
+#: second. Calibration: the paper's rig with a shaft 8 to 16 times as stiff, excitations 11 to 16.
 LOG_ODDS, MOST_LOG_ODDS = 2.0, 2.0
 #: Only where a contact within the spread before it turns the motor by this part of an innovation's deviation within a
 #: sample. Calibration: the same; there it is 0.9 to 2.6, and at most 0.2 where a filter that linearises once keeps
 #: hold.
 LEAST_EFFECT = 0.5
 
-#: Numerics.
+#: Of the normal distribution (numerics).
 _ROOT_HALF = math.sqrt(0.5)
 _DENSITY = 1.0 / math.sqrt(2.0 * math.pi)
 

@@ -30,7 +30,7 @@ TORQUE_LOAD, BACKLASH, COULOMB, STIFFNESS, INVERSE_INERTIA_MOTOR, INVERSE_INERTI
 #: Layout.
 TRACKED = 11
 
-# States of each interacting model beside those of the two-mass model and ``TORQUE_LOAD`` (numerics).
+# States of each interacting model beside those of the two-mass model and ``TORQUE_LOAD`` (layout).
 MODEL_COULOMB, MODEL_STATES, MODELS = 6, 7, 3
 
 #: Most samples of a horizon (layout).
@@ -38,7 +38,7 @@ MOST_NODES = 60
 
 # Network of the gap curve and of the friction. The gap curve is odd: each weight serves two of its centres, and the one
 # in the middle is zero. (A constant in the gap curve only moves the zero of the twist, which no speed can tell.)
-#: (Numerics.)
+#: (Option: how fine the curves are.)
 GAP_CENTRES, GAP_WEIGHTS, FRICTION_WEIGHTS = 17, 8, 13
 WEIGHTS = GAP_WEIGHTS + FRICTION_WEIGHTS
 

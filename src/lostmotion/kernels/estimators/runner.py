@@ -25,13 +25,16 @@ _STEP_POINTER = types.FunctionType(STEP)
 
 @njit(types.int64(_STEP_POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY), cache=True)
 def checked_step(step, parameters, state, inputs, good, outputs):
-    """One step with the input-fault rule; the state ends with the last good inputs; ``good`` is scratch."""
+    """One step; NaN, infinity and absurd inputs are flagged, and the last good input takes their place.
+
+    The state ends with the last good inputs; ``good`` is scratch.
+    """
     n = inputs.size
     start = state.size - n
     faults = 0
     for i in range(n):
         given = inputs[i]
-        if -INPUT_BOUND <= given <= INPUT_BOUND:
+        if -INPUT_BOUND <= given <= INPUT_BOUND:  # NaN fails both
             state[start + i] = given
         else:
             faults |= 1 << i

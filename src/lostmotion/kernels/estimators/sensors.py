@@ -10,7 +10,7 @@ from .layout import ANGLE_COUNTED, SPEED_LOAD, SPEED_MOTOR, TWIST
 #: What a sensor measures: its ``kind``.
 OF_SPEED_MOTOR, OF_SPEED_LOAD, OF_TWIST, OF_TORQUE_SHAFT = 0, 1, 2, 3
 
-#: Numerics.
+#: Numerics: the difference of two readings that are each uniform within a count.
 _ROOT_SIXTH = math.sqrt(1.0 / 6.0)
 
 

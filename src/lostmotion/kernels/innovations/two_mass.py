@@ -11,12 +11,12 @@ import numpy as np
 
 from ..jit import njit
 
-#: Terms of the series, and largest norm before squaring: 0.5¹³/13! is below rounding (layout).
+#: Terms of the series, and largest norm before squaring: 0.5¹³/13! is below rounding (numerics).
 _TERMS = 12
-#: Numerics.
+#: Numerics, likewise.
 _NORM = 0.5
 
-#: Doublings of the Riccati iteration; each doubles the time that it looks back, so this is never reached (layout).
+#: Doublings of the Riccati iteration; each doubles the time that it looks back, so this is never reached (numerics).
 _DOUBLINGS = 60
 
 

@@ -40,6 +40,7 @@ _memory = reads(CHECK_MEMORY)
 
 @njit(cache=True, inline="always")
 def _usable(value):
+    """False for NaN, which fails both comparisons, for infinity, and for absurd values."""
     return -INPUT_BOUND <= value <= INPUT_BOUND
 
 

@@ -17,7 +17,7 @@ from numba.extending import models, register_model
 
 from ..jit import njit
 
-#: Layout.
+#: Doubles in a register of AVX2 (layout).
 LANES = 4
 
 #: The decorator without its type, which knows nothing of what it makes.

@@ -18,7 +18,7 @@ LAW, ANGLE, ELEMENT, SUM, DIFFERENCE = range(5)
 ELEMENT_OF_FRICTION, POINT = range(2)
 KIND, INDEX, REST = range(3)
 #: Numbers of a shaft (stiffness, damping, half the backlash) and of a friction (viscous, Coulomb level of positive and
-#: negative speed, breakaway level of positive and negative torque) (numerics).
+#: negative speed, breakaway level of positive and negative torque) (layout).
 SHAFT_NUMBERS, FRICTION_NUMBERS = 3, 5
 
 
@@ -156,6 +156,12 @@ def _rate_rows(chain, p, digits, rows):
 
 @njit(**_INNER)
 def _guard_rows(chain, p, digits, rows, bounds):
+    """What decides impact, bounce, separation, stick, slip: a contact state lasts while its guards keep their bounds.
+
+    Guard of a gap: the twist, rad (``viscoelastic``: plus damping/stiffness times its rate; ``physical``: less the
+    shaft's own angle, in contact the shaft torque, Nm). Of a friction: the driving torque (Nm) at rest, else the speed
+    (rad/s). Of a branch of ``limited`` or ``clipped``: spring torque plus or minus damping torque, Nm.
+    """
     shafts, elements = chain.shafts, chain.elements
     n = chain.inertias.shape[0] - 1
     columns = rows.shape[1]
@@ -202,7 +208,7 @@ def _guard_rows(chain, p, digits, rows, bounds):
 
 @njit(**_INNER)
 def fill_rows(chain, p, digits, rows, bounds):
-    """All rows of the mode of these digits, see ``modes.ModeWork``."""
+    """All rows of the mode of these digits, see ``contact_states.ModeWork``."""
     rows[:] = 0.0
     _torque_rows(chain, p, digits, rows)
     _rate_rows(chain, p, digits, rows)

@@ -5,6 +5,10 @@ product. Otherwise the guards that may cross are expanded in their Taylor series
 crossing is found on that polynomial by steps that can be shown never to jump over a root, and the rest of the sample
 goes on from there in the next mode.
 
+Impact, bounce, separation, sticking and slipping are decided alike: a guard leaves its bounds. Guards and bounds of
+each contact law are in ``equations._guard_rows``; ``_next_event`` finds which guard is first, ``_enter`` changes the
+contact state. A bounce is a separation and an impact shortly after; nothing else is done for it.
+
 Two habits make it fast: four rows go through one register, and arrays are read by address (``vectors``), without tests
 of the index and without numba's counting of references.
 """
@@ -43,7 +47,7 @@ from .layout import (
 )
 
 DONE, NEED_MODE, NEED_EVENT_SPACE, CHATTERING = 0, 1, 2, 3
-#: Events within one sample beyond which the run is given up as chattering (numerics).
+#: Events within one sample beyond which the run is given up as chattering (option).
 MAX_EVENTS_PER_SAMPLE = 10_000
 #: An event's row: time in samples, element, old digit, new digit, speed at the element, new mode; then the state.
 #: (Layout.)

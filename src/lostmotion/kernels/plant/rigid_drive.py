@@ -8,7 +8,7 @@ import numpy as np
 
 from ..jit import njit
 
-#: Changes of direction within one sample that are followed; the torque is held, so two are the most (layout).
+#: Changes of direction within one sample that are followed; the torque is held, so two are the most (numerics).
 MOST_PIECES = 4
 
 

@@ -12,9 +12,9 @@ from .layout import padded
 #: The Taylor series ends where its terms fall below this part of what a torque moves in a piece (rounding of that).
 #: (Numerics.)
 LAST_TERM = 1e-16
-#: Highest order of the Taylor series, which the largest piece needs (layout).
+#: Highest order of the Taylor series, which the largest piece needs (numerics: ``contact_states.PIECE_NORM``).
 ORDER = 15
-#: Times this, a number splits in two halves (numerics).
+#: Times this, a number splits in two halves of 26 bits (numerics: Dekker 1971).
 SPLIT = 2.0**27 + 1.0
 
 _INNER: Any = {

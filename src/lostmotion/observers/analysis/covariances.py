@@ -31,7 +31,8 @@ Array = NDArray[np.float64]
 #: States whose process covariance is searched for. The twist follows from the speeds, so it is left at zero.
 SEARCHED = ("speed_motor", "speed_load")
 
-#: Settling time before the innovations are used, s (numerics: six time constants of the paper's slow pole).
+#: Settling time before the innovations are used, s (option: six time constants of Observer 1's slow pole on the paper's
+#: rig).
 SETTLING = 0.3
 
 #: Search range: this factor around the start, either way (numerics).

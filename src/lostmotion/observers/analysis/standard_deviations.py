@@ -19,7 +19,7 @@ from ..filters.tuning import EIGENMODE_SHARE, eigenmode_numbers
 
 Array = NDArray[np.float64]
 
-#: Samples of the error: their root mean square is known to 5 % (numerics).
+#: Samples of the error by default: their root mean square is known to 5 % (option).
 SAMPLES = 200
 
 

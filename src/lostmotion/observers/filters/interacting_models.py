@@ -29,7 +29,7 @@ OUTPUTS = (
 #: As ``tuning.TRACKING_TORQUE``, Nm·√s, and ``tuning.DRIFT``, Nm in 1 s. Calibration: virtual rigs with even seeds;
 #: with a twist that drifts, the motor's inertia 20 % off and an unknown load torque need these.
 MODELS_TORQUE: Mapping[str, float] = MappingProxyType({"motor": 0.03, "load": 0.01})
-#: Numerics.
+#: Calibration: the same.
 MODELS_DRIFT: Mapping[str, float] = MappingProxyType({"torque_load": 0.7})
 
 #: How far the twist drifts beside the model in contact and in the gap, rad/√s. The gap lies beyond an inertia of the

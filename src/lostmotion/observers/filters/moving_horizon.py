@@ -16,7 +16,7 @@ from .tracking_parameters import TRACKING_OUTPUTS, tracking_parameters
 from .tuning import TRACKING_TORQUE, Tuning, measured_sensors
 from .two_mass_parameters import stepper
 
-#: Numerics: Gauss–Newton passes for each new sample.
+#: Numerics: Gauss–Newton passes for each new sample, which starts near its minimum: the horizon of the one before.
 PASSES = 2
 
 

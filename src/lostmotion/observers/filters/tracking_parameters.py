@@ -36,8 +36,8 @@ TRACKING_OUTPUTS = (
 #: twist drifts in a substep, rad, so that no variance vanishes (numerics).
 START_TWIST, START_SPEED, SMALLEST_DRIFT = 1e-4, 0.5, 1e-7
 
-#: The Coulomb level stays within this many start deviations above its start value (numerics): an estimate that is far
-#: too high would hold the load for ever and never learn otherwise.
+#: The Coulomb level stays within this many start deviations above its start value (numerics: it hardly lies beyond):
+#: an estimate that is far too high would hold the load for ever and never learn otherwise.
 COULOMB_REACH = 4.0
 
 

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Parameters = NDArray[np.void]
 
 #: Standard deviation of the motor's turn by eigenmodes that no two-mass model has, rad: added to the error of a count.
-#: Calibration: the virtual rig, whose innovations are five times those of a 20-bit encoder.
+#: Calibration: the virtual rig, seeds not recorded, whose innovations are five times those of a 20-bit encoder.
 EIGENMODE_TURN = 1e-5
 
 #: The same of the shaft's twist, rad: added to the error of a torque or twist sensor. Calibration: virtual rigs 1 to 4,
@@ -32,9 +32,9 @@ EIGENMODE_TURN = 1e-5
 EIGENMODE_TWIST = 1.6e-4
 
 #: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit. Calibration:
-#: the virtual rig, whose eigenmodes beyond the model throw 0.6 rad/s at hard impacts.
+#: the virtual rig, seeds not recorded, whose eigenmodes beyond the model throw 0.6 rad/s at hard impacts.
 GATE = 4.0
-#: Numerics.
+#: Calibration: the same.
 MISMATCH: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 0.75, "speed_load": 0.75, "twist": 2.5e-4, "torque_shaft": 7.5}
 )
@@ -51,7 +51,7 @@ TORQUE_MISSING = 1500.0
 #: per time and per time that they were missing. Calibration: virtual rigs 1 to 4 (11 mrad, about the gap, after 20 ms).
 SIDE_UNKNOWN = 0.8
 #: Largest standard deviation of the speed while samples are refused as jumps, rad/s. Calibration: the virtual rig,
-#: where a jump of 8 rad/s is refused for 20 ms.
+#: seeds not recorded, where a jump of 8 rad/s is refused for 20 ms.
 LARGEST_DEVIATION = 10.0
 #: Numerics: a sample is predicted in substeps in which the shaft's closed mode turns by at most this angle, rad, since
 #: the gap term is held over a substep; 0.25 ms on the paper's rig.

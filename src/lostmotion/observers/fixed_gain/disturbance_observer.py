@@ -18,7 +18,7 @@ from .input_checks import with_checks
 
 Array = NDArray[np.float64]
 
-#: Rate at which the estimate follows the shaft torque, 1/s (calibrated on the virtual rig: slower is late at its first
+#: Rate at which the estimate follows the shaft torque, 1/s (calibrated on virtual rig 1: slower is late at its first
 #: eigenmode, faster shows the encoder).
 BANDWIDTH = 3000.0
 

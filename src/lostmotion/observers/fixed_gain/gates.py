@@ -23,16 +23,16 @@ from ..scale import scale_of, sized
 
 Array = NDArray[np.float64]
 
-#: Largest innovation that a gate passes, per signal in SI units (numerics: larger than those of good samples), and the
-#: shaft torque above which it does, Nm (chosen). A drivetrain of another size gets them by ``scale.scale_of``.
+#: Largest innovation that a gate passes, per signal in SI units (numerics: larger than those of good samples on the
+#: paper's rig). A drivetrain of another size gets them by ``scale.scale_of``.
 LARGEST_CORRECTION = {
     "speed_motor": 100.0, "speed_load": 100.0, "twist": 0.1, "torque_shaft": 1000.0, "angle_motor": 1.0
 }  # fmt: skip
 
-#: Numerics.
+#: Shaft torque above which a gate passes so much, Nm on the paper's rig (calibrated, data not recorded).
 OPEN_AT = 1.0
 
-#: Numerics.
+#: max(z, 0) (numerics).
 POSITIVE_PART = PiecewiseLinear(((0.0, 0.0),), 0.0, 1.0)
 
 

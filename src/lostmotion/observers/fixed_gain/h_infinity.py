@@ -17,15 +17,13 @@ from .kalman import SampledModel, covariances_of, predictor_gain, sampled_model
 
 Array = NDArray[np.float64]
 
-#: Weight of each error in the bound, 1/unit (calibrated: 1 rad/s and 10 mrad have weight 1 on the paper's rig; on
-#: others
-#: by ``scale.scale_of``).
+#: Weight of each error in the bound by default, 1/unit (option: 1 rad/s and 10 mrad weigh alike on the paper's rig; on
+#: others by ``scale.scale_of``).
 WEIGHTS: Mapping[str, float] = {"speed_load": 1.0, "twist": 100.0}
 
 #: Attenuation level as a multiple of the smallest possible one; 1 makes the gain infinite, ∞ gives the Kalman observer
-#: (calibrated on the virtual rig: nearly as good as Kalman with true parameters, and twice as good when the load
-#: inertia is
-#: wrong or an unknown torque acts on the load).
+#: (calibrated on the virtual rig, seeds not recorded: nearly as good as Kalman with true parameters, and twice as good
+#: when the load inertia is wrong or an unknown torque acts on the load).
 MARGIN = 1.1
 
 #: Relative accuracy of the search for the smallest level (numerics).

@@ -18,19 +18,17 @@ from ..scale import scale_of, sized
 
 Array = NDArray[np.float64]
 
-#: Largest accepted difference between measured and predicted value, in SI units. Calibrated on the virtual rig, where
-#: it
-#: stays below 3.8 rad/s with any parameter off by 20 % or 3 Nm on the load; the others accordingly, by 6300 Nm/rad and
-#: the closed gap's 640 1/s. A drivetrain of another size gets them by ``scale.scale_of``. Where good samples differ by
-#: more, the limit adapts.
+#: Largest accepted difference between measured and predicted value, in SI units. Calibrated on the virtual rigs 1
+#: to 4, where it stays below 3.8 rad/s with any parameter off by 20 % or 3 Nm on the load; the others accordingly, by
+#: 6300 Nm/rad and the closed gap's 640 1/s. A drivetrain of another size gets them by ``scale.scale_of``. Where
+#: good samples differ by more, the limit adapts.
 LARGEST_INNOVATION: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 4.0, "speed_load": 4.0, "twist": 0.006, "torque_shaft": 40.0, "angle_motor": 0.006}
 )
 
 #: Rate at which the motor follows its measured speed while its torque is missing, 1/s on the paper's rig (in proportion
 #: to the eigenfrequency of the closed shaft), and the most per sample (calibrated on rigs 1 to 4: slower loses the
-#: angle,
-#: faster mistakes encoder steps for torque; more per sample oscillates).
+#: angle, faster mistakes encoder steps for torque; more per sample oscillates).
 FOLLOWING, FASTEST = 1500.0, 0.55
 
 

@@ -19,7 +19,7 @@ from .assembly import Assembly
 
 Array = NDArray[np.float64]
 
-#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. Calibrated: no noise on the
+#: Continuous process covariance per state. The first three: Fietzek & Rinderknecht, eq. 8. Options: no noise on the
 #: actuator's torque and on the angle; an unknown load torque is followed at about 20 1/s, the observer's own slow pole
 #: (on the paper's rig; in proportion to the inertia squared).
 PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
@@ -30,10 +30,10 @@ PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
 )  # fmt: skip
 
 #: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8.
-#: Calibrated:
-#: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s, the twist with 3: with 1 the gap term held
-#: over the sample disturbs the speeds from 0.5 ms on (load speed 0.42 instead of 0.04 % at 1 ms). The torque's is that
-#: of the paper's rig, in proportion to the square of torque over speed (``scale.scale_of``).
+#: Options: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s. Calibrated, data not recorded: the
+#: twist with 3, since with 1 the gap term held over the sample disturbs the speeds from 0.5 ms on (load speed 0.42
+#: instead of 0.04 % at 1 ms). The torque's is that of the paper's rig, in proportion to the square of torque over speed
+#: (``scale.scale_of``).
 MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 1.0, "speed_load": 1.0, "torque_shaft": 10.0, "twist": 1e-5, "angle_motor": 1e-6}
 )
@@ -42,10 +42,11 @@ MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
 SLOWEST_RATE = 1e-6
 
 #: A fixed gain holds its gap term over a sample. It becomes unstable if the eigenmode of the closed shaft turns by more
-#: than 1.6 rad in a sample (measured with motor speed alone and gap) (numerics).
+#: than 1.6 rad in a sample (calibrated with motor speed alone and gap, drivetrain not recorded).
 LARGEST_TURN = 1.5
 
-#: Decay of every state of the drivetrain inside the gap, 1/s, see ``_gain_in_the_gap`` (numerics).
+#: Decay of every state of the drivetrain inside the gap, 1/s, see ``_gain_in_the_gap`` (numerics: small
+#: against every pole, and enough to make it detectable).
 GAP_DECAY = 0.1
 
 _UNDETECTABLE = (

@@ -14,17 +14,18 @@ from ..arguments import number, positive, sample_time
 from ..estimates import estimated
 from .input_checks import limits_of
 
-#: Standard deviation of one sample of the torque sensor, Nm (numerics).
+#: Standard deviation of one sample of the torque sensor by default, Nm (option).
 TORQUE_NOISE = 0.02
-#: Random walk of the load's acceleration: root of the density of its rate, rad/s³·√s (numerics: 950 rad/s² within 1 ms,
+#: Random walk of the load's acceleration: root of the density of its rate, rad/s³·√s (option: 950 rad/s² within 1 ms,
 #: so that the load is followed within two samples and the noise of the torque sensor is still averaged).
 JERK = 3e4
 
 #: Largest accepted difference between measured and predicted torque, in standard deviations of that difference by the
-#: model (numerics: a quarter of it, the largest sudden change, is ten).
+#: model (calibrated, data not recorded: a quarter of it is the largest sudden change).
 TORQUE_DEVIATIONS = 60.0
-#: How long a fault is bridged by prediction, s, its fewest samples, and how long an error is remembered, s (numerics:
-#: without a model of either end a longer prediction is worse than the fault, whose effect decays as fast).
+#: How long a fault is bridged by prediction, s, its fewest samples, and how long an error is remembered, s (calibrated,
+#: data not recorded: without a model of either end a longer prediction is worse than the fault, whose effect decays as
+#: fast).
 HOLD, FEWEST, MEMORY = 3e-3, 3, 0.1
 
 INPUTS = ("speed_motor", "torque_shaft")

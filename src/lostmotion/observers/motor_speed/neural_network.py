@@ -19,8 +19,8 @@ from .parameters import speed_only_parameters
 
 OUTPUTS = (*ESTIMATES, "backlash_estimated")
 
-#: Standard deviation of the innovation that the learning expects, rad/s. Calibration: the virtual rig, where it is that
-#: of Observer 1.
+#: Standard deviation of the innovation that the learning expects, rad/s. Calibration: the virtual rig, seeds not
+#: recorded, where it is that of Observer 1.
 INNOVATION = 0.16
 
 #: Option: defaults of the arguments on the paper's rig, Nm, rad, rad/s and rad; the two angles at least so large.

@@ -15,7 +15,7 @@ from ..filters.two_mass_parameters import FROZEN_MOVE, Parameters, model_paramet
 from ..scale import scale_of
 
 #: An innovation beyond this is a jump, rad/s; it grows by that rate while no sample is accepted, rad/s². Calibration:
-#: the virtual rig (the limit is that of the fixed gains, see ``fixed_gain.input_checks``).
+#: the virtual rig, seeds not recorded (the limit is that of the fixed gains, see ``fixed_gain.input_checks``).
 JUMP_LIMIT, JUMP_LIMIT_RATE = 4.0, 800.0
 #: Numerics: the sensor's noise adds so many of its standard deviations, which hardly ever occur.
 OF_NOISE = 6.0

@@ -64,6 +64,8 @@ def bode(
     -------
     Figure
     """
+    from matplotlib.font_manager import FontProperties
+
     count = 3 if coherences else 2
     figure, grid = panels(axes, count, size=(8.0, 1.0 + 2.7 * count), sharex=True)
     upper, lower = grid[:2]
@@ -75,7 +77,6 @@ def bode(
         upper.plot(frequency, _db(np.abs(response)), label=label, **style)
         lower.plot(frequency, _broken(_within(_known_phase(*values), top)), **style)
         if len(values) == 3:
-            upper.fill_between([], [], color=style["color"], alpha=0.25, linewidth=0.0, label="95 % interval")
             _bands(upper, lower, frequency, response, np.asarray(values[2], dtype=float), top, style)
     for name, place in (marks or {}).items():
         for axis in grid:
@@ -91,10 +92,11 @@ def bode(
     if coherences:
         grid[2].set(xscale="log", ylabel="coherence (1)", ylim=(0.0, 1.03))
     lines = [BROKEN] if any(len(values) == 3 for values in responses.values()) else []
-    below = "".join(f"\n{line}" for line in (*lines, note) if line)
-    grid[-1].set_xlabel(f"frequency (Hz){below}")
+    grid[-1].set_xlabel("frequency (Hz)")
     plain_ticks(grid[-1])
     title_and_legend(figure, [upper], title)
+    if below := "\n".join(line for line in (*lines, note) if line):
+        figure.legends[0].set_title(below, FontProperties(size=9))
     return figure
 
 
@@ -149,7 +151,7 @@ def _bands(
     size = np.abs(response)
     shade = {"color": style["color"], "alpha": 0.25, "linewidth": 0.0}
     low = _db(np.maximum(size - margin, 1e-2 * size))
-    upper.fill_between(frequency, low, _db(size + margin), **shade)
+    upper.fill_between(frequency, low, _db(size + margin), label="95 % interval", **shade)
     half = np.rad2deg(np.arcsin(np.minimum(margin / np.maximum(size, 1e-300), 1.0)))
     phase = _broken(_within(_known_phase(frequency, response, margin), top))
     lower.fill_between(frequency, phase - half, phase + half, **shade)

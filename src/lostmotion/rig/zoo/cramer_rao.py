@@ -33,11 +33,11 @@ Change = Callable[[Drivetrain, float], Drivetrain]
 #: Length of a window, torsional periods; how many stand for the recording, evenly spread; growth that ends one, in the
 #: energy norm, in which no error grows while the contacts stay (all option).
 WINDOW, WINDOWS, GROWTH = 64.0, 12, 10.0
-#: Step of the differences, relative (option: far above rounding, far below any gap).
+#: Step of the differences, relative (numerics: far above rounding, far below any gap).
 STEP = 1e-5
-#: A gap where the drive has none, over the wind-up: so small that more of it counts as if there were none (option).
+#: A gap where the drive has none, over the wind-up: so small that more of it counts as if there were none (numerics).
 TINY_GAP = 1e-3
-#: Half width of a 95 % interval in standard deviations (option).
+#: Half width of a 95 % interval in standard deviations (numerics: of a normal error).
 NORMAL = 1.96
 
 

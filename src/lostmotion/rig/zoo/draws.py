@@ -13,40 +13,25 @@ import numpy as np
 DEVELOPMENT, CALIBRATION, TEST = range(0, 10_000), range(10_000, 20_000), range(20_000, 30_000)
 SETS = {"development": DEVELOPMENT, "calibration": CALIBRATION, "test": TEST}
 
-#: Log-uniform ranges (all option: from a small servo axis to a mill drive).
-INERTIA = (1e-5, 1e3)  # total, kg m2
-#: Option.
-RATIO = (1.0 / 30.0, 30.0)  # load over motor
-#: Option.
-POLE = (5.0, 500.0)  # first torsional frequency, Hz
-#: Option.
-DAMPING_RATIO = (0.001, 0.1)
-#: Option.
-BACKLASH = (0.05, 10.0)  # times the wind-up at rated torque
-#: Option.
-COULOMB = (0.002, 0.3)  # of rated torque
-#: Option.
-VISCOUS = (0.001, 0.1)  # of rated torque, at rated speed
-#: Option.
-SECOND_MODE = (1.5, 15.0)  # times the first
-#: Option.
-SAMPLES_PER_PERIOD = (6.0, 200.0)
-#: Option.
-DURATION = (2.0, 60.0)  # s
-#: Option.
-ACCELERATION_TIME = (0.1, 1.0)  # from rest to rated speed with rated torque, s
-#: Option.
-RATED_SPEED = (10.0, 500.0)  # rad/s
-#: Option.
-SPEED_NOISE = (1e-5, 1e-2)  # of rated speed, sensors without counts
-#: Option.
-TORQUE_NOISE = (1e-4, 1e-2)  # of rated torque, measured torque
-#: Option.
-LOAD_TORQUE = (0.02, 0.3)  # of rated torque
+#: Log-uniform ranges: from a small servo axis to a mill drive.
+INERTIA = (1e-5, 1e3)  # total, kg m2 (option)
+RATIO = (1.0 / 30.0, 30.0)  # load over motor (option)
+POLE = (5.0, 500.0)  # first torsional frequency, Hz (option)
+DAMPING_RATIO = (0.001, 0.1)  # option
+BACKLASH = (0.05, 10.0)  # times the wind-up at rated torque (option)
+COULOMB = (0.002, 0.3)  # of rated torque (option)
+VISCOUS = (0.001, 0.1)  # of rated torque, at rated speed (option)
+SECOND_MODE = (1.5, 15.0)  # times the first (option)
+SAMPLES_PER_PERIOD = (6.0, 200.0)  # option
+DURATION = (2.0, 60.0)  # s (option)
+ACCELERATION_TIME = (0.1, 1.0)  # from rest to rated speed with rated torque, s (option)
+RATED_SPEED = (10.0, 500.0)  # rad/s (option)
+SPEED_NOISE = (1e-5, 1e-2)  # of rated speed, sensors without counts (option)
+TORQUE_NOISE = (1e-4, 1e-2)  # of rated torque, measured torque (option)
+LOAD_TORQUE = (0.02, 0.3)  # of rated torque (option)
 #: Uniform ranges (option).
 LAG = DELAY = (0.0, 2e-3)  # s
-#: Option.
-ENCODER_BITS = (12, 24)
+ENCODER_BITS = (12, 24)  # option
 #: The nameplate is off by up to this factor either way, each value for itself (option).
 NAMEPLATE = 3.0
 

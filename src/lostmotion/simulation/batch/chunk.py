@@ -24,7 +24,7 @@ from .law_family import LawRun
 
 Array = NDArray[np.float64]
 
-#: Times at which a signal is kept for its quantiles (numerics: a picture's width).
+#: Times at which a signal is kept for its quantiles (option: a picture's width).
 TIMES = 200
 
 

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Contact states of a variant for which there is room (numerics: all of two shafts with friction at both ends); one
-#: that
-#: enters more is run alone.
+#: that enters more is run alone.
 _ROOM = 128
 
 

@@ -25,7 +25,7 @@ PARTS = record(
     ("chance", (MODELS,)), ("shift", (MODELS,)), ("lost_share", (MODELS,)), ("along", (MODEL_STATES,))
 )
 
-#: Numerics.
+#: Of the normal distribution (numerics).
 _ROOT_HALF = math.sqrt(0.5)
 _DENSITY = 1.0 / math.sqrt(2.0 * math.pi)
 

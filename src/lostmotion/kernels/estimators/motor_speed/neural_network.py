@@ -37,7 +37,8 @@ from .speed_observer import SHORT, innovation_of, load_slips, start_again_if_los
 _parameters, _memory = reads(NETWORK_PARAMETERS), reads(NETWORK)
 _SIZE = size(NETWORK)
 
-#: Numerics: width of a Gaussian over the distance of the centres; neighbours overlap at 0.36.
+#: Numerics: width of a Gaussian over the distance of the centres; at a neighbour's centre it has 0.36, so that the sum
+#: of both is smooth.
 WIDTH = 0.7
 
 

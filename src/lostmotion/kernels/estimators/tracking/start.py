@@ -26,10 +26,10 @@ from ..two_mass_model import clip
 memory_of = reads(TRACKING)
 SIZE = size(TRACKING)
 
-#: Numerics: stiffness and inverse inertias stay within these factors of what was given, so that no input can make the
+#: Option: stiffness and inverse inertias stay within these factors of what was given, so that no input can make the
 #: model meaningless; the backlash below so many times its start value.
 LEAST_FACTOR, LARGEST_FACTOR = 0.5, 2.0
-#: Numerics.
+#: Option, likewise.
 LARGEST_BACKLASH = 20.0
 
 
