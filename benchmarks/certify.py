@@ -42,7 +42,7 @@ def cases() -> dict[str, tuple[lm.Drivetrain, lm.DiscreteSystem, dict[str, Any]]
     return {
         "PI, 0.1 ms": (plain, lm.controllers.pi(dt=1e-4), {}),
         "PI with torque limit, 0.1 ms": (plain, lm.controllers.pi(dt=1e-4, torque_limit=73.5), {}),
-        "PI, 1 ms": (plain, lm.controllers.pi(dt=1e-3), {"pieces": 2}),
+        "PI, 1 ms": (plain, lm.controllers.pi(dt=1e-3), {"substeps": 2}),
         "Observer 1, 0.1 ms": (plain, feedback(plain), {}),
         "Observer 1, dead_zone, 0.1 ms": (paper, feedback(paper), {}),
         "Observer 1, no compensation, 0.1 ms": (
@@ -56,7 +56,7 @@ def cases() -> dict[str, tuple[lm.Drivetrain, lm.DiscreteSystem, dict[str, Any]]
         "Observer 1, torque limit, lag, delay": (
             lagging, feedback(lagging, torque_limit=73.5), {"delay": 1},
         ),
-        "Observer 1, 1 ms": (plain, feedback(plain, dt=1e-3), {"pieces": 2}),
+        "Observer 1, 1 ms": (plain, feedback(plain, dt=1e-3), {"substeps": 2}),
         "Observer 2, 0.1 ms": (plain, feedback(plain, both), {}),
     }  # fmt: skip
 

@@ -24,6 +24,7 @@ def test_output_folder_holds_everything(finished_run: Finished) -> None:
     out, _ = finished_run
     files = {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()}
     expected = {"drivetrain.toml", "law.json", "report.html", "results.json", "truth.json"}
+    expected |= {"certificate.json", "certificate_verify.py"}
     assert expected <= files
     assert {"c/drive_law.c", "c/drive_law.h", "c/drive_law_test.c", "c/README.md"} <= files
     assert {"recordings/excitation.npz", "recordings/step.npz", "recordings/observer_1.npz"} <= files
@@ -48,7 +49,7 @@ def test_results_have_the_stated_form(finished_run: Finished) -> None:
         assert set(written["controllers"][name]) == {
             "overshoot", "rise_time", "settling_time", "peak_torque", "steady_error", "impact_speed",
         }  # fmt: skip
-    assert set(written["timing_s"]) == {"read", "identify", "design", "validate", "export", "report"}
+    assert set(written["timing_s"]) == {"read", "identify", "design", "validate", "export", "prove", "report"}
 
 
 def test_accuracy_on_the_default_rig(finished_run: Finished) -> None:
@@ -81,7 +82,7 @@ def test_identification_on_other_rigs(seed: int) -> None:
 
 
 def test_readme_tells_the_numbers_of_this_run(finished_run: Finished) -> None:
-    readme = (Path(__file__).resolve().parent.parent / "README.md").read_text().replace("\n", " ")
+    readme = (Path(__file__).resolve().parent.parent / "README.md").read_text()
     _, results = finished_run
 
     def told(pattern: str) -> float:
@@ -89,18 +90,31 @@ def test_readme_tells_the_numbers_of_this_run(finished_run: Finished) -> None:
         assert found is not None, pattern
         return float(found[1])
 
+    def row(head: str) -> list[float]:
+        """Numbers of a table's row."""
+        (line,) = (line for line in readme.splitlines() if line.startswith(f"| {head} |"))
+        return [float(cell) for cell in line.split("|")[2:] if cell.strip()]
+
     def share(rows: dict[str, Any], signal: str) -> float:
         return 100.0 * rows[signal]["rmse"] / rows[signal]["range"]
 
     # Within one unit of the last digit shown.
     found, truth = results["parameters"], results["truth"]["parameters"]
-    for name in ("backlash", "stiffness", "inertia_motor", "inertia_load", "coulomb"):
-        assert told(f"{name} #") == pytest.approx(100.0 * (found[name]["value"] / truth[name] - 1.0), abs=0.1)
+    names = ("backlash", "stiffness", "inertia_motor", "inertia_load", "coulomb", "damping")
+    assert "| | " + " | ".join(f"`{name}`" for name in names) + " |" in readme
+    for name, error in zip(names, row("error, %"), strict=True):
+        digit = 1.0 if name == "damping" else 0.1
+        assert error == pytest.approx(100.0 * (found[name]["value"] / truth[name] - 1.0), abs=digit), name
     first, naive = results["observers"]["observer_1"], results["observers"]["baselines"]
-    assert told("load speed comes out to #") == pytest.approx(share(first, "speed_load"), abs=0.01)
-    assert told("shaft torque to #") == pytest.approx(share(first, "torque_shaft"), abs=0.01)
-    assert told("taken as estimate: #") == pytest.approx(share(naive["motor_speed"], "speed_load"), abs=0.1)
-    assert told("without backlash: #") == pytest.approx(share(naive["no_backlash"], "speed_load"), abs=0.01)
+    speed, torque = row("Observer 1")
+    assert speed == pytest.approx(share(first, "speed_load"), abs=0.01)
+    assert torque == pytest.approx(share(first, "torque_shaft"), abs=0.01)
+    speed, torque = row("the same without backlash in its model")
+    assert speed == pytest.approx(share(naive["no_backlash"], "speed_load"), abs=0.01)
+    assert torque == pytest.approx(share(naive["no_backlash"], "torque_shaft"), abs=0.1)
+    assert row("motor speed taken as load speed") == [
+        pytest.approx(share(naive["motor_speed"], "speed_load"), abs=0.1)
+    ]
     assert told(r"\[Step of the load speed: #") == pytest.approx(
         results["controllers"]["pi"]["overshoot"], abs=0.1
     )

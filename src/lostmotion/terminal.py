@@ -41,7 +41,7 @@ class StageLines(_Shown):
     def __init__(self, shown: bool = True, every: float = 1.0) -> None:
         self.shown = shown
         self._every = every
-        self._told: dict[str, int] = {}
+        self._reported: dict[str, int] = {}
         self._console = Console(stderr=True, highlight=False)
         self._progress = Progress(
             TextColumn("{task.fields[stage]:<9}"),
@@ -68,8 +68,8 @@ class StageLines(_Shown):
         spent = time.perf_counter() - self._started[stage]
         if done:
             self._console.print(f"{stage} done in {spent:.1f} s")
-        elif fraction < 1.0 and (parts := int(fraction / self._every + 1e-9)) > self._told.get(stage, 0):
-            self._told[stage] = parts
+        elif fraction < 1.0 and (parts := int(fraction / self._every + 1e-9)) > self._reported.get(stage, 0):
+            self._reported[stage] = parts
             self._console.print(f"{stage} {100.0 * fraction:.0f} % in {spent:.0f} s")
 
 

@@ -87,11 +87,11 @@ def independent(data: dict[str, Any]) -> bool:
     bounds = sectors(loop, known)
     if bounds is None:
         return False
-    problem = sampled_proof(loop, known[0], bounds, copies(loop, known, bounds), own["pieces"])
-    m, knots = own["multipliers"], own["pieces"] + 1
+    problem = sampled_proof(loop, known[0], bounds, copies(loop, known, bounds), own["substeps"])
+    m, knots = own["multipliers"], own["substeps"] + 1
     unknowns = {f"P{k}": rational(own["P"][k]) for k in range(knots)}
     unknowns |= {name: rational(m[name]) for name in ("eta_plus", "eta_minus", "theta_plus", "theta_minus")}
-    ends = [(k, end) for k in range(own["pieces"]) for end in (0, 1)]
+    ends = [(k, end) for k in range(own["substeps"]) for end in (0, 1)]
     for where, names in (
         ("rest", [f"rest_{k}" for k in range(knots)]),
         ("flow", [f"flow_{k}_{end}" for k, end in ends]),

@@ -85,8 +85,6 @@ init no/where/x.toml                           | 1 | folder
 --memory-limit -1 check rig.toml               | 1 | a size such as
 --memory-limit 1kB check rig.toml              | 1 | a size such as
 compare observers --seeds 0                    | 2 | --seeds
-compare observers --case nothing               | 1 | nothing
-compare observers --observer nothing           | 1 | nothing
 compare everything                             | 2 | No such command
 frobnicate                                     | 2 | No such command
 """

@@ -248,3 +248,6 @@ def test_the_torque_limit_of_the_toml_holds(tmp_path: Path) -> None:
     wanted = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}
     result = excitation_file(tmp_path / "rig.toml", tmp_path / "x", **wanted)
     assert result["peaks"]["torque"] <= result["limits"]["torque"] == 3.0
+    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more.replace("torque_limit = 3.0", "")))
+    with pytest.raises(lm.InvalidInput, match=r"--torque-limit, or torque_limit in \[law\]"):
+        excitation_file(tmp_path / "rig.toml", tmp_path / "y", **wanted)

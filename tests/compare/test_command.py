@@ -74,7 +74,7 @@ def test_ctrl_c_stops_at_once_and_says_what_is_kept(tmp_path: Path) -> None:
         assert process.wait(timeout=60) == 130, rest
     assert time.monotonic() - before < 5.0
     words = " ".join(rest.split())
-    assert "finished parts stand in leaderboard-part/scores, the same command goes on" in words
+    assert "finished parts are kept in leaderboard-part/scores, the same command continues" in words
     assert "earlier output" not in words and "Traceback" not in rest
 
 
@@ -88,7 +88,7 @@ def test_ctrl_c_before_the_first_score_promises_no_files(tmp_path: Path) -> None
         rest = process.stderr.read()
         assert process.wait(timeout=60) == 130, rest
     assert not list(tmp_path.rglob("*.json"))
-    assert rest.splitlines()[-1] == "Interrupted; an earlier output is as it was."
+    assert rest.splitlines()[-1] == "Interrupted; an earlier output is unchanged."
 
 
 def test_a_wrong_name_is_told_with_the_nearest_and_the_way_to_the_list(tmp_path: Path) -> None:

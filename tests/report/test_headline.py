@@ -93,7 +93,10 @@ def test_an_observer_that_any_naive_estimate_beats_is_not_praised(better):
         (law(steady_error=0.03), "Do not rely on the control law"),
         (law(settling_time=None), "Do not rely on the control law"),
         (law(overshoot=None, rise_time=None), "the load does not reach the set-point"),
-        ({"controllers": {"pole_placement": {"skipped": "unstable loop"}}}, "there is none: unstable loop."),
+        (
+            {"controllers": {"pole_placement": {"skipped": "unstable loop"}}},
+            "Do not rely on the control law (unstable loop).",
+        ),
     ],
 )
 def test_controller(results, words):

@@ -86,6 +86,11 @@ RESULTS: dict[str, Any] = {
     },
     "controllers": {"pi": metrics(8.63), "pole_placement": metrics(0.42)},
     "export": {"max_difference": 0.0, "compiler": "cc 12.2"},
+    "stability": {
+        "headline": "Proved: from 0.2 rad/s.",
+        "proved": True,
+        "conditions": ["nothing touches it"],
+    },
     "problems": [
         {"severity": "warning", "where": "chan", "got": "few", "expected": "many", "remedy": "Record longer."}
     ],
@@ -146,6 +151,7 @@ def test_the_page_contains_every_part():
         "0.16 %", "1.2 %", "20 µs", "does not settle within 2 %", "38.2 Nm", "bit-equal", "cc 12.2",
         "Record longer.", "ab" * 32, "seed 7", "lostmotion 0.1.0", "lostmotion run x", "1.7 s", "converged",
         "A title.", "A caption", "20 000", "PI, symmetrical optimum",
+        "Proved: from 0.2 rad/s.", "Valid while nothing touches it.",
         "largest recorded motor torque", "-230 − 588j, -124 1/s",
     ):  # fmt: skip
         assert text in page.words, text
@@ -180,13 +186,13 @@ def test_simulated_is_said_only_where_it_is():
     page = Balanced(render(real)).words
     assert "virtual rig" not in page and "Truth" not in page
     assert (
-        "a finer one than the identified model, perturbed within the intervals" in page
+        "finer than the identified model, its parameters varied within the 95 % intervals" in page
         and "Controllers simulated" in page
     )
 
 
 @pytest.mark.parametrize(
-    "part", ["recordings", "parameters", "truth", "fits", "observers", "controllers", "export"]
+    "part", ["recordings", "parameters", "truth", "fits", "observers", "controllers", "stability", "export"]
 )
 def test_a_skipped_part_shows_its_reason(part):
     page = Balanced(render({**RESULTS, part: {"skipped": "because of the moon"}})).words

@@ -51,7 +51,7 @@ def proof_data(proof: SampledProof, unknowns: Unknowns) -> dict[str, Any]:
         )
         return [[*map(float, sectors), *map(float, copies)] for sectors, copies in each]
 
-    knots, ends = proof.pieces + 1, 2 * proof.pieces
+    knots, ends = proof.substeps + 1, 2 * proof.substeps
     multipliers = {
         name: unknowns[name].tolist() for name in ("eta_plus", "eta_minus", "theta_plus", "theta_minus")
     }
@@ -61,7 +61,7 @@ def proof_data(proof: SampledProof, unknowns: Unknowns) -> dict[str, Any]:
     if proof.limit is not None:
         multipliers |= {"level": unknowns["level"].tolist(), "region": parts("region", 1)[0]}
     return {
-        "pieces": proof.pieces,
+        "substeps": proof.substeps,
         "P": [unknowns[f"P{k}"].tolist() for k in range(knots)],
         "multipliers": multipliers,
     }

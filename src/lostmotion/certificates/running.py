@@ -93,7 +93,7 @@ def prove_running(
     delay: int = 0,
     torque_load: tuple[float, float] = (0.0, 0.0),
     fastest: float = FASTEST,
-    pieces: int = 1,
+    substeps: int = 1,
     step: float = STEP,
     progress: Progress | None = None,
 ) -> RunningProof:
@@ -107,8 +107,8 @@ def prove_running(
         Smallest and largest constant load torque, positive in the direction of the motion.
     fastest : float, rad/s
         Largest load speed.
-    pieces : int
-        Into how many pieces P(τ) is cut over a sample.
+    substeps : int
+        Into how many substeps P(τ) is cut over a sample.
     step : float, rad/s
         Step of the load speed that must be proved where the torque limit keeps the proof from holding for every state;
         larger ones of ``STEPS`` are tried.
@@ -129,7 +129,7 @@ def prove_running(
     if not 0.0 < step < math.inf:
         raise InvalidInput("step", repr(step), "a step of the load speed in rad/s above 0", "Raise it.")
     search = _Search(
-        lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, pieces, step,
+        lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, substeps, step,
         progress or (lambda share, text: None),
     )  # fmt: skip
     return search.smallest()
@@ -161,7 +161,7 @@ class _Search:
     delay: int
     torque_load: tuple[float, float]
     fastest: float
-    pieces: int
+    substeps: int
     step: float
     progress: Progress
     reason: str = ""
@@ -171,24 +171,17 @@ class _Search:
 
         The floats of the solver guide it; the exact check of the last one decides, and goes up where it fails.
         """
-        speeds = [speed for speed in SPEEDS if speed < self.fastest]
         try:
-            goal = self._goal(speeds[-1])
-            return self._smallest_checked(speeds, goal)
+            return self._checked_smallest()
         except Unproved as error:
             return RunningProof(
-                None,
-                self.fastest,
-                None,
-                self.torque_load,
-                None,
-                self.delay,
-                self.loop.is_odd,
-                None,
-                str(error),
-            )
+                None, self.fastest, None, self.torque_load, None, self.delay, self.loop.is_odd, None, str(error)
+            )  # fmt: skip
 
-    def _smallest_checked(self, speeds: list[float], goal: _Goal) -> RunningProof:
+    def _checked_smallest(self) -> RunningProof:
+        """The proof that ``smallest`` finds; raises ``Unproved`` if it finds none."""
+        speeds = [speed for speed in SPEEDS if speed < self.fastest]
+        goal = self._goal(speeds[-1])
         found: dict[int, _Candidate] = {}
         low, high = -1, len(speeds)
         done, tries = 0, math.ceil(math.log2(len(speeds) + 1))
@@ -254,7 +247,7 @@ class _Search:
         region = None
         if goal.step is not None:
             region, bounds = limit_region(self.loop, known, bounds, Fraction(goal.step), Fraction(goal.share))
-        problem = sampled_proof(self.loop, known[0], bounds, pairs, self.pieces, region)
+        problem = sampled_proof(self.loop, known[0], bounds, pairs, self.substeps, region)
         return _Candidate(known[0], problem, self.solved(problem), goal)
 
     def checked(self, speed: float, candidate: _Candidate) -> RunningProof:

@@ -43,7 +43,7 @@ class SampledProof:
     Parameters
     ----------
     A, E : arrays
-        Flow over one piece of P: those of ``LureLoop`` times dt / pieces.
+        Flow over one substep of P: those of ``LureLoop`` times dt / substeps.
     Z, S, S_w, S_v, N, N_w, N_v : arrays
         As in ``LureLoop``.
     sectors : (p + q, 2) array
@@ -56,7 +56,7 @@ class SampledProof:
         Rising law curves without a jump whose argument the law's state alone decides: V has their integrals.
     seen : tuple of int
         Plant curves that count at a sample: the law reads them, or has copies of them.
-    pieces : int
+    substeps : int
     limit : int or None
         Law curve that is the torque limit, where the proof holds in a sublevel set of V alone: its sector is that of a
         region of its argument.
@@ -81,7 +81,7 @@ class SampledProof:
     copies: tuple[Copies, ...]
     of_state: tuple[int, ...]
     seen: tuple[int, ...]
-    pieces: int
+    substeps: int
     limit: int | None = None
     reach: Matrix | None = None
     start: Matrix | None = None
@@ -109,7 +109,7 @@ class SampledProof:
     def layout(self) -> Layout:
         """Names and sizes of the unknowns of ``conditions``."""
         _, p, _ = self.sizes
-        knots, ends = self.pieces + 1, 2 * self.pieces
+        knots, ends = self.substeps + 1, 2 * self.substeps
         _, still = self.rest
         _, flowing = self.flow
         _, jumping = self.sample
@@ -138,11 +138,11 @@ class SampledProof:
         return {"level": 1, "region_sectors": len(before), "region_copies": len(self.pairs(before))}
 
     def conditions(self, unknowns: Unknowns) -> list[Matrix]:
-        """Matrices that must be positive definite: V at each knot, its fall along each piece, and at the sample."""
-        knots = range(self.pieces + 1)
+        """Matrices that must be positive definite: V at each knot, its fall along each substep, and at the sample."""
+        knots = range(self.substeps + 1)
         return [
             *(self.positive(unknowns, k) for k in knots),
-            *(self.falls(unknowns, k, end) for k in range(self.pieces) for end in (0, 1)),
+            *(self.falls(unknowns, k, end) for k in range(self.substeps) for end in (0, 1)),
             self.does_not_rise(unknowns),
             *([] if self.limit is None else [self.contains(unknowns), self.starts_inside(unknowns)]),
         ]
@@ -155,7 +155,7 @@ class SampledProof:
 
     @cached_property
     def flow(self) -> tuple[tuple[Matrix, Matrix, Matrix], list[Evaluation]]:
-        """Rows over (ζ, w) of ζ, of its rate times the length of a piece, and of z's; all curves."""
+        """Rows over (ζ, w) of ζ, of its rate times the length of a substep, and of z's; all curves."""
         n, p, _ = self.sizes
         one = self._rows(self.size + p)
         zeta, w = one[: self.size], one[self.size :]
@@ -202,14 +202,14 @@ class SampledProof:
         """V at knot k over ζ, with each negative integral at its largest (equation 12)."""
         zeta, evaluations = self.rest
         form = self._least(unknowns, k, zeta[: self.A.shape[0]], evaluations)
-        return form - self._known(unknowns, "rest", k, self.pieces + 1)
+        return form - self._known(unknowns, "rest", k, self.substeps + 1)
 
     def contains(self, unknowns: Unknowns) -> Matrix:
         """V before a sample minus level times the square of the limit's argument (equation 17)."""
         xi, evaluations = self.before_sample
         p = self.sizes[1]
         laws = {e.curve - p: e for e in evaluations if e.curve >= p}
-        form = self._least(unknowns, self.pieces, xi, [laws[j] for j in self.of_state])
+        form = self._least(unknowns, self.substeps, xi, [laws[j] for j in self.of_state])
         form = form - unknowns["level"][0] * _square(laws[self.limit or 0].argument)
         return form - self._known(unknowns, "region", 0, 1)
 
@@ -217,7 +217,7 @@ class SampledProof:
         """What the level leaves for V at the start, where every curve rests on its segment (equation 18)."""
         assert self.reach is not None and self.start is not None
         n = self.A.shape[0]
-        v = self.start @ unknowns[f"P{self.pieces}"][:n, :n] @ self.start.T
+        v = self.start @ unknowns[f"P{self.substeps}"][:n, :n] @ self.start.T
         return unknowns["level"][0] * self.reach**2 - v
 
     def _least(self, unknowns: Unknowns, k: int, xi: Matrix, of_state: Sequence[Evaluation]) -> Matrix:
@@ -231,19 +231,19 @@ class SampledProof:
         return form
 
     def falls(self, unknowns: Unknowns, k: int, end: int) -> Matrix:
-        """−dV/dτ over (ζ, w) at one end of piece k, in the sectors (equation 13)."""
+        """−dV/dτ over (ζ, w) at one end of substep k, in the sectors (equation 13)."""
         (zeta, rate, z_rate), evaluations = self.flow
         form = zeta.T @ (unknowns[f"P{k + 1}"] - unknowns[f"P{k}"]) @ zeta
         form = form + _twice(unknowns[f"P{k + end}"] @ zeta, rate)
         eta = unknowns["eta_plus"] - unknowns["eta_minus"]
         for i in range(self.sizes[1]):
             form = form + eta[i] * _product(evaluations[i].value, z_rate[i])
-        return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.pieces)
+        return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.substeps)
 
     def does_not_rise(self, unknowns: Unknowns) -> Matrix:
         """V before minus V after a sample, in the sectors and with the curves' copies (equations 14 to 16)."""
         (zeta, jumped, ends), _ = self.sample
-        form = jumped.T @ unknowns["P0"] @ jumped - zeta.T @ unknowns[f"P{self.pieces}"] @ zeta
+        form = jumped.T @ unknowns["P0"] @ jumped - zeta.T @ unknowns[f"P{self.substeps}"] @ zeta
         p = self.sizes[1]
         for place, (j, (s, v, s_later, later)) in enumerate(ends.items()):
             curvature = _square(later - v) / self.steepest[p + j]
@@ -309,7 +309,7 @@ def sampled_proof(
     corner: Equilibrium,
     sectors: Sequence[Sector],
     copies: Sequence[Copies],
-    pieces: int = 1,
+    substeps: int = 1,
     region: Region | None = None,
 ) -> SampledProof:
     """The problem for a loop without the law curves that hang on the set-point alone: they stand still.
@@ -339,7 +339,7 @@ def sampled_proof(
     )
     read = {*map(int, np.flatnonzero(loop.S_w.any(axis=0))), *map(int, np.flatnonzero(n_w.any(axis=0)))}
     read |= {c.first for c in known if c.first < p <= c.second}
-    step = loop.dt / pieces
+    step = loop.dt / substeps
     bounds = [sectors[i] for i in kept]
     steepest = np.empty(len(curves), dtype=object)
     steepest[:] = [curve.steepest for curve in curves]
@@ -348,7 +348,7 @@ def sampled_proof(
         A=loop.A * step, E=loop.E * step, Z=loop.Z, S=loop.S, S_w=loop.S_w, S_v=loop.S_v[:, moving],
         N=n, N_w=n_w, N_v=n_v, sectors=rational([[s.low, s.high] for s in bounds]).reshape(len(curves), 2),
         slopes=rational(slopes), steepest=steepest, copies=known,
-        of_state=tuple(of_state), seen=tuple(sorted(read)), pieces=pieces,
+        of_state=tuple(of_state), seen=tuple(sorted(read)), substeps=substeps,
         limit=None if region is None else moving.index(region.limit),
         reach=None if region is None else rational([[region.reach]]),
         start=None if region is None else region.start[np.newaxis],

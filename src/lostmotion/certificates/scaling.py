@@ -27,7 +27,7 @@ def state_sizes(proof: SampledProof) -> Array | None:
     w = proof.slopes[:p, np.newaxis] * proof.Z
     slopes = proof.slopes[p:, np.newaxis]
     v = np.linalg.solve(np.eye(slopes.size) - slopes * proof.N_v, slopes * (proof.N + proof.N_w @ w))
-    flow = (proof.A + proof.E @ w) * proof.pieces
+    flow = (proof.A + proof.E @ w) * proof.substeps
     step = (proof.S + proof.S_w @ w + proof.S_v @ v) @ expm(flow)
     if not np.max(np.abs(np.linalg.eigvals(step))) < 1.0:
         return None
@@ -47,7 +47,7 @@ def condition_sizes(proof: SampledProof, sizes: Array) -> list[Array]:
         v[j] = power_of_two(highest[w.size + j] * s)
     zeta = np.concatenate([sizes, v[list(proof.of_state)]])
     jump = np.concatenate([sizes, w[list(proof.seen)], v, v[list(proof.of_state)]])
-    sizes_of = [zeta] * (proof.pieces + 1) + [np.concatenate([zeta, w])] * (2 * proof.pieces) + [jump]
+    sizes_of = [zeta] * (proof.substeps + 1) + [np.concatenate([zeta, w])] * (2 * proof.substeps) + [jump]
     if proof.limit is not None:
         sizes_of.append(jump[: jump.size - len(proof.of_state)])
         sizes_of.append(power_of_two(1.0 / np.linalg.norm(np.asarray(proof.start) / sizes, axis=1)))

@@ -9,7 +9,7 @@ from .running import RunningProof
 #: What voids every proof, whatever its numbers.
 CONDITIONS = (
     "the set-point and the load torque are constant",
-    "the drivetrain has the values of the certificate, within their rounding",
+    "the drivetrain has exactly the values of the certificate: no tolerance of them is proved",
     "friction is Coulomb and viscous: no Stribeck curve, no breakaway level above it",
     "the law reads every signal as it is at its sample: no mean over the sample, no noise, no offset",
     "no input check of the law has fired, and every sample is taken in time",

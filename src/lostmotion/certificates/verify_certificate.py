@@ -381,12 +381,12 @@ class Proof:
 
     def __init__(self, loop, sectors, copies, dt, proof, region):
         self.loop, self.sectors, self.copies, self.dt, self.region = loop, sectors, copies, dt, region
-        self.pieces = whole(proof["pieces"], 1)
+        self.substeps = whole(proof["substeps"], 1)
         self.moving = moving_curves(loop)
         self.of_state = self.curves_of_the_state()
         self.zeta = [*loop.states, *self.of_state]
         self.p = [self.symmetric(m) for m in proof["P"]]
-        demand(len(self.p) == self.pieces + 1, "not as many matrices P as knots")
+        demand(len(self.p) == self.substeps + 1, "not as many matrices P as knots")
         self.multipliers = {name: list(values) for name, values in proof["multipliers"].items()}
         demand(
             all(m >= 0 for values in self.multipliers.values() for m in values), "a multiplier is negative"
@@ -480,7 +480,7 @@ class Proof:
 
     def contains(self):
         """(17): V before a sample is at least level · (the limit's argument)²."""
-        total = self.least(self.pieces)
+        total = self.least(self.substeps)
         s = self.deviation(self.loop.arguments[self.loop.limit])
         add_product(total, -self.level(), s, s)
         seen = self.seen()
@@ -504,8 +504,8 @@ class Proof:
         return positive_definite(total, self.zeta)
 
     def falls(self, k, end):
-        """(13): −dV/dτ at one end of piece k, times the length of the piece."""
-        step = self.dt / self.pieces
+        """(13): −dV/dτ at one end of substep k, times the length of the substep."""
+        step = self.dt / self.substeps
         rates = {name: plus((step, self.deviation(form))) for name, form in self.loop.rates.items()}
         rate = [rates.get(name, {}) for name in self.zeta]
         here = [self.own(name) for name in self.zeta]
@@ -577,11 +577,11 @@ def verify(certificate, law=None):
     if claim["limit"] is not None:
         region = region_of(loop, claim, sectors, rests, ends)
     proof = Proof(loop, sectors, copies_of(loop, corners, sectors), own["dt"], certificate["proof"], region)
-    for k in range(proof.pieces + 1):
+    for k in range(proof.substeps + 1):
         demand(proof.positive(k), f"V is not positive at knot {k} (12)")
-    for k in range(proof.pieces):
+    for k in range(proof.substeps):
         for end in (0, 1):
-            demand(proof.falls(k, end), f"V does not fall in piece {k}, end {end} (13)")
+            demand(proof.falls(k, end), f"V does not fall in substep {k}, end {end} (13)")
     demand(proof.does_not_rise(), "V rises at a sample (15)")
     if region is not None:
         demand(loop.limit in proof.moving, "the torque limit reads nothing")

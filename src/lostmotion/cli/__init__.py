@@ -17,10 +17,10 @@ from .proofs import certify
 from .single_steps import excite, frf, identify, simulate
 
 EXIT_CODES = (
-    "Exit codes: 0 done (warnings included), 1 errors in the input or the output's place, 2 wrong usage, "
-    "130 interrupted."
+    "Exit codes: 0 done, perhaps with warnings; 1 error in the input, or the output cannot be written; "
+    "2 wrong usage; 130 interrupted."
 )
-RUN_EXIT_CODES = f"{EXIT_CODES} With any but 0 nothing was written: an earlier output stays whole."
+RUN_EXIT_CODES = f"{EXIT_CODES} Unless it is 0, nothing was written, and an earlier output is unchanged."
 
 
 def _show_version(wanted: bool) -> None:
@@ -56,7 +56,7 @@ def _options(
 
 
 app = typer.Typer(
-    help="From a recording to an identified drivetrain with backlash, observer, controller, evidence and C code.",
+    help="From a recording to an identified drivetrain with backlash, observer, controller, report and C code.",
     epilog=EXIT_CODES,
     no_args_is_help=True,
     pretty_exceptions_enable=False,

@@ -57,7 +57,7 @@ def observers(
         bool,
         typer.Option(
             "--quick",
-            help="Two seeds, fewer cases, short recordings: two minutes of processor time at first.",
+            help="Two rigs, fewer cases, short recordings: two minutes of processor time at first.",
         ),
     ] = False,
     seeds: Seeds = None,

@@ -27,9 +27,7 @@ def run(
     ] = None,
     force: Annotated[
         bool,
-        typer.Option(
-            "--force", help="Write although foreign or changed files lie in the folder; they are kept."
-        ),
+        typer.Option("--force", help="Write even if the folder has foreign or changed files; they are kept."),
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print results.json.")] = False,

@@ -36,9 +36,9 @@ def interruptible(parts: str = "", folder: Path | None = None, files: str = "*")
         with as_exceptions():
             yield
     except KeyboardInterrupt:
-        kept = "an earlier output is as it was"
+        kept = "an earlier output is unchanged"
         if folder is not None and any(folder.rglob(files)):
-            kept = f"{parts} stand in {folder}, the same command goes on"
+            kept = f"{parts} are kept in {folder}, the same command continues"
         typer.secho(f"Interrupted; {kept}.", fg="yellow", err=True)
         raise typer.Exit(INTERRUPTED) from None
 

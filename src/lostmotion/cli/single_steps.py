@@ -33,7 +33,7 @@ def identify(
     seed: SeedOption = None,
     force: ForceOption = False,
 ) -> None:
-    """Identify the drivetrain alone."""
+    """Identify the drivetrain, and nothing more."""
     from ..commands.identify import identify_file
     from ..terminal import StageLines, parameters
 
@@ -62,7 +62,7 @@ def frf(
     seed: SeedOption = None,
     force: ForceOption = False,
 ) -> None:
-    """Frequency response with coherence and the two masses that fit it."""
+    """Frequency response with coherence, and the two-mass drivetrain that fits it."""
     from ..commands.frf import frequency_response_file
 
     if file is None:
@@ -74,9 +74,7 @@ def frf(
     fit = result["two_mass_fit"]
     if fit is not None:
         typer.echo(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
-        typer.echo(
-            "  A gap that opens during the test lowers both: docs/frequency-response.md says by how much."
-        )
+        typer.echo("  If the gap opens during the test, both are too low: see docs/frequency-response.md.")
     finished(result["problems"], out, ".json", ".png")
 
 
@@ -92,19 +90,23 @@ def excite(
         str,
         typer.Option(help="levels, step, chirp, multisine, prbs or noise.", autocompletion=completing(KINDS)),
     ] = "levels",
-    duration: Annotated[float, typer.Option(callback=finite_positive, help="s")] = 10.0,
+    duration: Annotated[float, typer.Option(callback=finite_positive, help="Length of the test, s.")] = 10.0,
     dt: Annotated[float, typer.Option(callback=finite_positive, help="Sample time of the drive, s.")] = 1e-4,
     torque_limit: Annotated[
         float | None,
-        typer.Option(callback=positive, help="Nm; default: the torque_limit of the TOML, else 40."),
+        typer.Option(callback=positive, help="Nm; default: that of the TOML, on the virtual rig 40."),
     ] = None,
-    speed_limit: Annotated[float, typer.Option(callback=positive, help="rad/s")] = 50.0,
-    angle_limit: Annotated[float, typer.Option(callback=positive, help="rad")] = float("inf"),
+    speed_limit: Annotated[
+        float, typer.Option(callback=positive, help="Largest speed of motor and load, rad/s.")
+    ] = 50.0,
+    angle_limit: Annotated[
+        float, typer.Option(callback=positive, help="Largest angle of motor and load from the start, rad.")
+    ] = float("inf"),
     encoder_bits: Annotated[int, typer.Option(min=1, max=40, help="Motor encoder, bit per turn.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the signal.")] = 1,
     force: ForceOption = False,
 ) -> None:
-    """Design the torque of a test within limits, and say beforehand how well it will tell each parameter."""
+    """Design the torque of a test within limits, and predict how well it identifies each parameter."""
     from ..commands.excite import excitation_file
 
     compile_kernels("simulation", "identification")
@@ -119,7 +121,7 @@ def excite(
     for name, half in result["half_widths"].items():
         typer.echo(f"  {name:<15} ± {100.0 * half:.2g} % expected")
     for name in result["not_excited"]:
-        typer.echo(f"  {name:<15} will not be told")
+        typer.echo(f"  {name:<15} will not be identified")
     finished(result["problems"], out, ".csv", ".json", ".png")
 
 
@@ -139,7 +141,7 @@ def simulate(
         float, typer.Option(callback=finite_positive, help="Without a torque: sample time, s.")
     ] = 1e-4,
     seed: Annotated[
-        int, typer.Option(min=0, help="Of the variants, and without a torque of the excitation.")
+        int, typer.Option(min=0, help="Seed of the variants and, without --torque, of the excitation.")
     ] = 1,
     variants: Annotated[
         int | None, typer.Option(min=1, help="Simulate so many variants instead; the CSV has a row for each.")
@@ -152,7 +154,7 @@ def simulate(
     ] = 0.2,
     force: ForceOption = False,
 ) -> None:
-    """Simulate a drivetrain exactly, from event to event; or variants of it, going on after an interruption."""
+    """Simulate a drivetrain exactly, from event to event; or many variants of it (an interrupted run continues)."""
     compile_kernels("simulation")
     if variants is not None:
         _simulate_variants(drivetrain, out, variants, spread, torque, duration, dt, seed, force)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .. import plot
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
 from ..experiment.design import design_excitation
 from ..io import read_configuration, save_json
 from ..io.storage.whole_files import read_bytes
@@ -18,7 +21,7 @@ from .outputs import outputs, save_picture
 from .recordings import drivetrain_of
 from .simulate import check_times
 
-#: Largest torque of a test where neither the user nor the TOML says one, Nm (option: fits the virtual rig).
+#: Largest torque of a test on the virtual rig, Nm (option).
 TORQUE_LIMIT = 40.0
 #: Bytes of memory and seconds that a sample takes: three plants are recorded and identified (calibrated,
 #: machine not recorded).
@@ -42,18 +45,19 @@ def excitation_file(
 ) -> dict[str, Any]:
     """Design and write OUT.csv, OUT.json and OUT.png; returns what the JSON holds.
 
-    Without a ``torque_limit`` (Nm) the TOML's own holds, else ``TORQUE_LIMIT``. ``announce`` is told what a long test
-    will cost.
+    Without a ``torque_limit`` (Nm) that of the TOML or of the drivetrain holds; a user's drive needs one. ``announce``
+    is told what a long test will cost.
     """
     with outputs(out, ".csv", ".json", ".png", sources=(file,), force=force) as (table, json_file, picture):
         check_times(duration, dt)
         Cost(duration / dt, MEMORY, SECONDS).check(f"{duration:g} s at {dt:g} s", announce)
+        drivetrain = two_mass(RIG_NAMEPLATE) if file is None else drivetrain_of(file)
         design = design_excitation(
-            two_mass(RIG_NAMEPLATE) if file is None else drivetrain_of(file),
+            drivetrain,
             kind=kind,
             duration=duration,
             dt=dt,
-            torque_limit=_torque_limit(file) if torque_limit is None else torque_limit,
+            torque_limit=_torque_limit(file, drivetrain) if torque_limit is None else torque_limit,
             speed_limit=speed_limit,
             angle_limit=angle_limit,
             encoder_bits=encoder_bits,
@@ -75,7 +79,14 @@ def excitation_file(
     return result
 
 
-def _torque_limit(file: Path | None) -> float:
-    if file is None or b"[nameplate]" not in read_bytes(file):
+def _torque_limit(file: Path | None, drivetrain: Drivetrain) -> float:
+    if file is None:
         return TORQUE_LIMIT
-    return read_configuration(file).law.torque_limit or TORQUE_LIMIT
+    stated = read_configuration(file).law.torque_limit if b"[nameplate]" in read_bytes(file) else None
+    limit = stated or drivetrain.actuator.torque_limit
+    if math.isinf(limit):
+        raise InvalidInput(
+            str(file), "no torque limit", "the largest torque that the test may ask for, Nm",
+            "Give --torque-limit, or torque_limit in [law] of the TOML.",
+        )  # fmt: skip
+    return limit

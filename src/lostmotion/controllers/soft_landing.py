@@ -110,7 +110,7 @@ def soft_landing(
     contact speed by 0.03 rad/s.
     """
     braking_torque = BRAKING_SHARE * torque_limit if braking_torque is None else braking_torque
-    rate = 1.0 / max(drivetrain.lag + dt, LEAST_SAMPLES * dt) if rate is None else rate
+    rate = approach_rate(drivetrain.lag, dt) if rate is None else rate
     _check(drivetrain, dt, rate, release, tolerance, contact_speed=contact_speed, torque_limit=torque_limit,
            braking_torque=braking_torque)  # fmt: skip
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag
@@ -153,6 +153,11 @@ def soft_landing(
         ),
         **state,
     )  # fmt: skip
+
+
+def approach_rate(lag: float, dt: float) -> float:
+    """Rate (1/s) of the approach-speed control by default; lag and dt in s."""
+    return 1.0 / max(lag + dt, LEAST_SAMPLES * dt)
 
 
 def _approach(

@@ -97,7 +97,7 @@ def _controller(results: Mapping[str, Any]) -> Iterator[_Verdict]:
     law = mapping(results.get("controllers")).get("pole_placement")
     reason, figures = skip_reason(law), mapping(law)
     if reason is not None:
-        yield _Verdict(f"a control law, of which there is none: {reason}", False)
+        yield _Verdict(f"the control law ({reason})", False)
     elif figures:
         overshoot, steady = figures.get("overshoot"), figures.get("steady_error")
         settles = is_number(figures.get("settling_time")) and is_number(steady) and steady <= STEADY

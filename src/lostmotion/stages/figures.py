@@ -48,7 +48,7 @@ def _recordings(material: Material) -> list[ReportFigure]:
     return [
         ReportFigure(
             f"Recording: {name.replace('_', ' ')}",
-            "Each signal over the whole time; of many samples, the smallest and the largest are drawn.",
+            "Each signal over the whole time. Of too many samples, the smallest and the largest are drawn.",
             plot.recording_overview(recording, title=f"{name.replace('_', ' ').capitalize()}{origin}"),
             "recording",
         )
@@ -72,7 +72,7 @@ def _parameters(found: Found, truth: dict[str, float | None] | None, source: str
         made.append(
             ReportFigure(
                 "Prediction of the motor speed",
-                "One sample ahead. Lines outside the band: the residual contains a part that the two-mass model lacks.",
+                "One sample ahead. Where the residual leaves the band, the two-mass model does not explain it.",
                 plot.prediction_fit(
                     prediction.time,
                     prediction.speed_motor + prediction.residual,
@@ -150,7 +150,7 @@ def _withheld(recording: Recording, observer: str) -> str:
     seen = [plot.words(signal) for signal in hidden if signal in recording]
     absent = [plot.words(signal) for signal in hidden if signal not in recording]
     parts = [f"Withheld from the observer: {', '.join(seen)}."] if seen else []
-    parts += [f"Not recorded, so estimated alone: {', '.join(absent)}."] if absent else []
+    parts += [f"Not recorded, only estimated: {', '.join(absent)}."] if absent else []
     return " ".join(parts)
 
 

@@ -181,7 +181,7 @@ def _finished(
     reason = ""
     if missing:
         keys = " and ".join(f"{name} = ..." for name in missing)
-        reason = f"{', '.join(missing)} not known: give {keys} under [nameplate], or record what tells it"
+        reason = f"{', '.join(missing)} not known: give {keys} under [nameplate], or record a test that identifies it"
     elif found is None:
         drivetrain = two_mass(values)
     else:

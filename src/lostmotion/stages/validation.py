@@ -134,7 +134,7 @@ def validate_controllers(
         plant, label = rig.varied_rig(material.seed), "virtual rig (simulated), not used in the design"
     else:
         plant = rig.finer_rig(found.drivetrain, found.intervals, material.seed)
-        label = "simulated: a finer plant of four inertias, perturbed within the intervals"
+        label = "simulated: four inertias, parameters varied within the 95 % intervals"
     table: dict[str, Any] = {"plant": label}
     step, responses, unstable = _settled_responses(plant, laws)
     problems: list[Problem] = []

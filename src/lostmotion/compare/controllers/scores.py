@@ -25,8 +25,6 @@ BAND = 0.08
 LOST, LOST_SPEED = 0.25, 0.5
 #: Share of the run over which it is judged whether it settles (option).
 LAST_PART = 0.2
-#: Speed of a load that rests, rad/s (numerics: rounding).
-RESTS = 1e-9
 
 #: Every number of a score, None where the work does not ask for it; s, rad/s, Nm, %, rad/s³.
 METRICS = (

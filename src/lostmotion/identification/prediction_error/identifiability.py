@@ -1,4 +1,4 @@
-"""Intervals of a fit, and what the recording does not tell."""
+"""The width of each parameter's interval (``half_widths``), and which parameters the recording does not identify."""
 
 from __future__ import annotations
 
@@ -24,23 +24,22 @@ Array = NDArray[np.float64]
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
 
-#: Intervals are wider by this where rows had to be joined (calibrated on exact recordings of two
-#: masses with 12 and 13 bit, seeds 204 to 209: the shift by the counts is so large that it is not known well): others
-#: hold the truth then.
+#: Intervals are wider by this where rows had to be joined: the shift by the counts is so large that it is not known
+#: well (calibrated on exact recordings of two masses with 12 and 13 bit, seeds 204 to 209, to contain the truth).
 JOINED = 1.5
 
-#: Innovations of more than this share of the speed's deviation may hide a mode: one at so many times the torsional
-#: frequency is then allowed for (calibrated on the virtual rigs 1 to 12 with 16 bit, where that at seven times is no
-#: longer seen).
+#: Innovations of more than this share of the speed's deviation may hide an eigenmode: one at so many times the
+#: torsional frequency is then allowed for (calibrated on the virtual rigs 1 to 12 with 16 bit, where that at seven
+#: times is no longer seen).
 HIDING, HIDDEN = 0.01, 7.0
 
-#: What is allowed for it grows with the share of the innovations, twofold at this one (calibrated on the virtual rigs
+#: The allowance for it grows with the share of the innovations, twofold at this one (calibrated on the virtual rigs
 #: 1 to 12 with 14 bit: noise and what the model leaves out shift the fit further together).
 BLURRING = 0.03
 
-#: And if a gap or a Coulomb torque that is off by ``NOT_EXCITED`` either way predicts no worse: by less than a typical
-#: block's sum of squares, and by less than so many standard deviations (numerics). Then the twist has touched one side
-#: only, and some gap with room for it would pass for known; or the load has stuck, and the friction that held it would.
+#: Nor is a gap or a Coulomb torque excited if a value off by ``NOT_EXCITED`` either way predicts no worse: by less than
+#: a typical block's sum of squares, and by less than so many standard deviations (numerics). Then the shaft was in
+#: contact on one side only, or the load always stuck, and a wrong value would pass for identified.
 SURE = 3.0
 
 
@@ -142,7 +141,7 @@ def higher_mode(predictor: Predictor, stage: Stage) -> float | None:
 
 
 def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box) -> Stage:
-    """Put what the recording does not tell back to the nameplate, one by one, and fit the rest again."""
+    """Set parameters that are not identified back to the nameplate, one by one, and fit the rest again."""
     while stage.free:
         name = _unexcited(predictor, stage, box)
         if name is None:
@@ -152,7 +151,7 @@ def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box
 
 
 def told(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, total: float) -> tuple[Stage, Told]:
-    """The stage without what recording or replicas do not tell, and values and intervals of the rest.
+    """The stage without the parameters that recording or replicas do not identify; values and intervals of the rest.
 
     ``total`` is the inertia that the recording shows at low frequency, kg m2: clearly negative, nothing is believed.
     """
@@ -192,7 +191,7 @@ def _put_back(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, n
 
 
 def _unexcited(predictor: Predictor, stage: Stage, box: Box) -> str | None:
-    """The free parameter that the recording tells least about, if that is too little."""
+    """The free parameter that is identified worst, if it is not identified."""
     free = [NAMES[i] for i in stage.free]
     for name in ("backlash", "coulomb"):
         if name in free and _other_does_as_well(predictor, stage, name):
@@ -201,18 +200,18 @@ def _unexcited(predictor: Predictor, stage: Stage, box: Box) -> str | None:
     worst = int(np.argmax(half))
     if half[worst] > np.log(NOT_EXCITED):
         return free[worst]
-    # What only the box holds is not held by the recording. No lag at all is a value like any other.
+    # A value at its search bound is not identified. A lag of zero is a value like any other.
     theta = stage.fit.theta
     held = (theta >= box.upper - 1e-9) | (theta <= box.lower + 1e-9)
     held[NAMES.index("lag")] = theta[-1] >= box.upper[-1] - 1e-9
     edge = [NAMES[i] for i in stage.free if held[i]]
     if edge:
         return edge[0]
-    # A spring before a load that does not answer cannot be told from the gap.
+    # If neither load inertia nor gap is identified, the stiffness cannot be distinguished from the gap.
     lost = {NAMES[i] for i in stage.unexcited}
     if "stiffness" in free and {"inertia_load", "backlash"} <= lost:
         return "stiffness"
-    # And friction shows by how it slows the load, or twists the shaft.
+    # Friction of the load shows only by how it slows the load or twists the shaft.
     return "coulomb" if "coulomb" in free and {"inertia_load", "stiffness"} <= lost else None
 
 
