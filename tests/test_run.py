@@ -49,7 +49,16 @@ def test_results_have_the_stated_form(finished_run: Finished) -> None:
         assert set(written["controllers"][name]) == {
             "overshoot", "rise_time", "settling_time", "peak_torque", "steady_error", "impact_speed",
         }  # fmt: skip
-    assert set(written["timing_s"]) == {"read", "identify", "design", "validate", "export", "prove", "report"}
+    assert set(written["timing_s"]) == {
+        "read",
+        "identify",
+        "design",
+        "validate",
+        "export",
+        "draw",
+        "prove",
+        "report",
+    }
 
 
 def test_accuracy_on_the_default_rig(finished_run: Finished) -> None:

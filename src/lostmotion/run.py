@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Event
 from typing import Any, Protocol
 
 from . import __version__
@@ -75,16 +77,20 @@ def run(
             found = find_parameters(material, lambda fraction, text: progress("identify", fraction, text))
         with _stage("design", timing, progress):
             laws = design(material, found)
-        with _stage("validate", timing, progress):
-            validation = validate(material, found, laws)
-        with _stage("export", timing, progress):
-            code, code_problems = write_code(laws, folder, found.drivetrain)
-        with _stage("prove", timing, progress):
-            proof = prove(laws, found.drivetrain, folder, lambda share, text: progress("prove", share, text))
+        # The solver of the proof runs without the interpreter's lock.
+        with _meanwhile(lambda stop: prove(laws, found.drivetrain, folder, stop)) as proof:
+            with _stage("validate", timing, progress):
+                validation = validate(material, found, laws)
+            with _stage("export", timing, progress):
+                code, code_problems = write_code(laws, folder, found.drivetrain)
+            with _stage("draw", timing, progress):
+                true_parameters = None if truth is None else truth.parameters
+                drawn = figures(material, found, laws, validation, true_parameters)
+            with _stage("prove", timing, progress):
+                stability = proof.result()
         results = _results(material, found, laws, validation, code)
-        results["stability"] = proof
+        results["stability"] = stability
         results["problems"] += [p.as_dict() for p in code_problems]
-        true_parameters = None if truth is None else truth.parameters
         if truth is not None:
             results["truth"] = {"parameters": truth.parameters}
         with _stage("report", timing, progress):
@@ -93,11 +99,22 @@ def run(
             write_report(
                 folder / "report.html",
                 {**results, **_report_only(material)},
-                figures(material, found, laws, validation, true_parameters),
+                drawn,
                 command=_command(configuration, material.seed),
             )
         save_json(folder / "results.json", "results", results)
     return results
+
+
+@contextmanager
+def _meanwhile(work: Callable[[Event], Any]) -> Iterator[Future[Any]]:
+    """Work in a thread beside the block. What ends the block early sets its event, at which it stops."""
+    stop = Event()
+    with ThreadPoolExecutor(1) as pool:
+        try:
+            yield pool.submit(work, stop)
+        finally:
+            stop.set()
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from ..errors import InvalidInput
 from ..systems import DiscreteSystem
 from .certificate import certificate, proof_data, short, verdict
 from .equilibrium import Equilibrium, equilibrium
+from .linear_loop import is_stable_in_sectors
 from .lure import LureLoop, lure_loop
 from .sampled_proof import SampledProof, sampled_proof
 from .scaling import condition_sizes, state_sizes
@@ -275,6 +276,8 @@ class _Search:
         sizes = state_sizes(numbers)
         if sizes is None:
             raise Unproved("the loop is not stable where it rests, in contact and slipping")
+        if not is_stable_in_sectors(numbers):
+            raise Unproved("the sectors allow slopes of the curves with which the loop is not stable")
         scales = condition_sizes(numbers, sizes)
         found = Inequalities(numbers.conditions, numbers.layout(), scales).largest_margin()
         if found is None:

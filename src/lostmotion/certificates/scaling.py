@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .linear_loop import flow_and_step, is_stable
 from .sampled_proof import SampledProof
 
 Array = NDArray[np.float64]
@@ -21,15 +22,10 @@ def state_sizes(proof: SampledProof) -> Array | None:
     proof in floats. The loop made linear at its equilibrium, from sample to sample; W of its observability by the
     plant's speeds and accelerations: a state of size 1/√Wᵢᵢ moves them by about one.
     """
-    from scipy.linalg import expm, solve_discrete_lyapunov
+    from scipy.linalg import solve_discrete_lyapunov
 
-    p = proof.sizes[1]
-    w = proof.slopes[:p, np.newaxis] * proof.Z
-    slopes = proof.slopes[p:, np.newaxis]
-    v = np.linalg.solve(np.eye(slopes.size) - slopes * proof.N_v, slopes * (proof.N + proof.N_w @ w))
-    flow = (proof.A + proof.E @ w) * proof.substeps
-    step = (proof.S + proof.S_w @ w + proof.S_v @ v) @ expm(flow)
-    if not np.max(np.abs(np.linalg.eigvals(step))) < 1.0:
+    flow, step = flow_and_step(proof, np.asarray(proof.slopes, dtype=float))
+    if not is_stable(step):
         return None
     turn = np.max(np.abs(np.linalg.eigvals(flow[:3, :3])))
     shown = np.vstack([np.eye(flow.shape[0])[1:3], flow[1:3] / turn])

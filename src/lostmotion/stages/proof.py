@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 from ..certificates import prove_with_load, stability
@@ -16,14 +16,24 @@ from .design import Design
 DELAY = 1
 
 
-def prove(
-    laws: Design, drivetrain: Drivetrain | None, folder: Path, progress: Callable[[float, str], None]
-) -> dict[str, Any]:
-    """Write certificate.json and its verifier into the folder; returns the part of ``results.json``."""
+class Stopped(Exception):
+    """The run that wanted the proof has ended."""
+
+
+def prove(laws: Design, drivetrain: Drivetrain | None, folder: Path, stop: Event) -> dict[str, Any]:
+    """Write certificate.json and its verifier into the folder; returns the part of ``results.json``.
+
+    Raises ``Stopped`` within a second after ``stop`` is set.
+    """
+
+    def go_on(share: float, text: str) -> None:
+        if stop.is_set():
+            raise Stopped
+
     if laws.law is None or drivetrain is None:
         return {"skipped": laws.skipped}
     try:
-        proof = prove_with_load(drivetrain, laws.law, delay=DELAY, progress=progress)
+        proof = prove_with_load(drivetrain, laws.law, delay=DELAY, progress=go_on)
     except InvalidInput as error:
         return {"skipped": str(error)}
     save_certificate(proof, folder / "certificate.json", folder / "certificate_verify.py")
