@@ -39,7 +39,7 @@ def identified(seed: int) -> dict[str, Any]:
     }
     before = time.perf_counter()
     try:
-        found = lm.identify(drive.recording, start=drive.nameplate)
+        found = lm.identify(drive.recording, start=drive.nameplate, second_estimator=True)
     except LostMotionError as refusal:
         entry["refusal"] = str(refusal)[:300]
     else:

@@ -11,7 +11,6 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import Problem
-from lostmotion.identification.prediction_error.problems import correlated
 from lostmotion.stages.design import design
 from lostmotion.stages.material import Material, Settings
 from lostmotion.stages.parameters import Found, find_parameters
@@ -73,13 +72,14 @@ def coulomb_error(found: Found) -> float:
 
 
 def test_friction_of_the_motor_that_the_nameplate_left_out() -> None:
-    """It is found by itself; ``coulomb_motor`` under [nameplate] does no harm."""
+    """``coulomb_motor`` under [nameplate]."""
     recording = recorded(coulomb_motor=1.0)
     without = find_parameters(material(recording, START))
+    assert "coulomb_motor under [nameplate]" in told(without, "coulomb_motor").remedy
     helped = find_parameters(material(recording, START | {"coulomb_motor": 1.0}))
-    assert coulomb_error(without) < 0.02 and coulomb_error(helped) < 0.02
+    assert coulomb_error(without) > 0.1 and coulomb_error(helped) < 0.02
     residual = [found.identification.prediction.rms for found in (without, helped) if found.identification]
-    assert max(residual) < 0.01  # 0.058 rad/s with the friction left out of the model
+    assert residual[1] < 0.5 * residual[0]
 
 
 def test_a_torque_on_the_load() -> None:
@@ -93,12 +93,13 @@ def test_a_torque_on_the_load() -> None:
 
 def test_parameters_that_cannot_be_told_apart() -> None:
     """``fixed = [...]`` under [identify]: at one speed, Coulomb and viscous friction act alike."""
-    assert "fixed = [...] under [identify]" in correlated(["coulomb", "viscous"], 0.99, 0.98).remedy
     recording = recorded(seconds=3.0, levels=(20.0,))
-    helped = find_parameters(material(recording, KNOWN, fixed=("viscous",)))
+    without = find_parameters(material(recording, KNOWN))
+    problem = told(without, "fixed = [...] under [identify]")
+    name = problem.where.split(", ")[-1]
+    helped = find_parameters(material(recording, KNOWN, fixed=(name,)))
     assert not [p for p in helped.problems if "fixed" in p.remedy]
-    assert helped.table["viscous"]["source"] == "nameplate"
-    assert helped.table["viscous"]["value"] == pytest.approx(KNOWN["viscous"])
+    assert helped.table[name]["source"] == "nameplate"
 
 
 def test_a_torque_of_the_wrong_sign() -> None:

@@ -86,7 +86,6 @@ def compare_contacts(
             fixed=fixed,
             contact=law,
             joint_piece=False,
-            second_estimator=False,
             speed_from_counts=speed_from_counts,
         )
         for law in CONTACTS

@@ -49,7 +49,7 @@ def wrong(found: Identification, truth: dict[str, float]) -> dict[str, float]:
 def test_exact_drives_from_the_truth(changes: dict[str, float]):
     """Load inertia was 64 % too large with ±14 %; stiffness stopped at half."""
     plant = TABLE_I.with_parameters(**changes)
-    found = lm.identify(recorded(plant, 1e-4, 5.0), start=plant)
+    found = lm.identify(recorded(plant, 1e-4, 5.0), start=plant, second_estimator=True)
     truth = plant.parameters()
     assert wrong(found, truth) == {}
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
@@ -64,7 +64,7 @@ def test_three_masses_without_a_gap():
         shafts=(lm.Shaft(80_000.0, 1.0), lm.Shaft(6285.896, 0.397)),
         frictions=(lm.Friction(), lm.Friction(), lm.Friction(viscous=0.0175, coulomb=2.0)),
     )
-    found = lm.identify(recorded(chain, 1e-4, 5.0), start=TABLE_I.with_parameters(backlash=0.0))
+    found = lm.identify(recorded(chain, 1e-4, 5.0), start=TABLE_I.with_parameters(backlash=0.0), second_estimator=True)
     truth = {
         name: value for name, value in two_mass_equivalent(chain, np.empty(0)).items() if value is not None
     }
@@ -76,14 +76,14 @@ def test_three_masses_without_a_gap():
 def test_a_rigid_drive_has_no_spring():
     """A load inertia and a stiffness fit the noise a little better; neither is there."""
     rigid = lm.Drivetrain(inertias=(0.1292,), frictions=(lm.Friction(viscous=0.0175, coulomb=2.0),))
-    found = lm.identify(recorded(rigid, 1e-3, 8.0), start=TABLE_I)
+    found = lm.identify(recorded(rigid, 1e-3, 8.0), start=TABLE_I, second_estimator=True)
     assert found.intervals == {}
     assert any("rigid" in problem.got for problem in found.problems)
 
 
 def test_a_sample_time_of_a_millisecond():
     """Six of eight intervals were wrong without a warning."""
-    found = lm.identify(recorded(TABLE_I, 1e-3, 20.0), start=TABLE_I)
+    found = lm.identify(recorded(TABLE_I, 1e-3, 20.0), start=TABLE_I, second_estimator=True)
     assert wrong(found, TABLE_I.parameters()) == {}
 
 
@@ -91,7 +91,7 @@ def test_a_sample_time_of_a_millisecond():
 def test_drives_of_the_zoo_that_were_wrong(seed: int):
     """A rigid drive with 120 % more inertia, one with friction at the motor, one that no model explains."""
     drive = lm.rig.drive(seed)
-    found = lm.identify(drive.recording, start=drive.nameplate)
+    found = lm.identify(drive.recording, start=drive.nameplate, second_estimator=True)
     truth = {name: value for name, value in drive.truth.parameters.items() if value is not None}
     for name in found.intervals:
         assert name not in drive.absent, name
