@@ -64,7 +64,9 @@ def test_three_masses_without_a_gap():
         shafts=(lm.Shaft(80_000.0, 1.0), lm.Shaft(6285.896, 0.397)),
         frictions=(lm.Friction(), lm.Friction(), lm.Friction(viscous=0.0175, coulomb=2.0)),
     )
-    found = lm.identify(recorded(chain, 1e-4, 5.0), start=TABLE_I.with_parameters(backlash=0.0), second_estimator=True)
+    found = lm.identify(
+        recorded(chain, 1e-4, 5.0), start=TABLE_I.with_parameters(backlash=0.0), second_estimator=True
+    )
     truth = {
         name: value for name, value in two_mass_equivalent(chain, np.empty(0)).items() if value is not None
     }
