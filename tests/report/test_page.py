@@ -171,13 +171,13 @@ def test_the_page_is_self_contained():
 
 
 def test_large_figures_become_png_and_small_ones_svg():
-    assert ReportFigure("t", "c", figure(50)).uri().startswith("data:image/svg+xml;base64,")
-    large = ReportFigure("t", "c", figure(20_000, ".")).uri()
+    assert ReportFigure("t", "c", figure(50)).uri.startswith("data:image/svg+xml;base64,")
+    large = ReportFigure("t", "c", figure(20_000, ".")).uri
     assert large.startswith("data:image/png;base64,") and len(large) < 2 * MAX_SVG_BYTES
 
 
 def test_a_figure_is_the_same_in_every_run():
-    assert ReportFigure("t", "c", figure()).uri() == ReportFigure("t", "c", figure()).uri()
+    assert ReportFigure("t", "c", figure()).uri == ReportFigure("t", "c", figure()).uri
 
 
 def test_simulated_is_said_only_where_it_is():

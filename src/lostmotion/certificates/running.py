@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -96,6 +96,7 @@ def prove_running(
     fastest: float = FASTEST,
     substeps: int = 1,
     step: float = STEP,
+    speeds: Sequence[float] = SPEEDS,
     progress: Progress | None = None,
 ) -> RunningProof:
     """The smallest load speed from which the sampled loop is proved globally asymptotically stable.
@@ -113,6 +114,8 @@ def prove_running(
     step : float, rad/s
         Step of the load speed that must be proved where the torque limit keeps the proof from holding for every state;
         larger ones of ``STEPS`` are tried.
+    speeds : sequence of float, rad/s, rising
+        Smallest load speeds that are tried; fewer take less time.
     progress : callable, optional
         Told the share done and what is tried.
 
@@ -125,13 +128,13 @@ def prove_running(
         raise InvalidInput(
             "torque_load", repr(torque_load), "smallest and largest torque in Nm", "Swap them."
         )
-    if not SPEEDS[0] < fastest < math.inf:
-        raise InvalidInput("fastest", repr(fastest), f"more than {SPEEDS[0]} rad/s", "Raise it.")
+    if not speeds[0] < fastest < math.inf:
+        raise InvalidInput("fastest", repr(fastest), f"more than {speeds[0]} rad/s", "Raise it.")
     if not 0.0 < step < math.inf:
         raise InvalidInput("step", repr(step), "a step of the load speed in rad/s above 0", "Raise it.")
     search = _Search(
         lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, substeps, step,
-        progress or (lambda share, text: None),
+        tuple(speeds), progress or (lambda share, text: None),
     )  # fmt: skip
     return search.smallest()
 
@@ -164,11 +167,15 @@ class _Search:
     fastest: float
     substeps: int
     step: float
+    speeds: tuple[float, ...]
     progress: Progress
     reason: str = ""
+    #: What has been worked out: rests by speed and load torque, candidates by speed and goal.
+    _rests: dict[tuple[float, float], Equilibrium | None] = field(default_factory=dict)
+    _found: dict[tuple[float, _Goal], _Candidate] = field(default_factory=dict)
 
     def smallest(self) -> RunningProof:
-        """Bisection over ``SPEEDS``: the sectors nest, so what holds from one speed on holds from any larger one.
+        """Bisection over ``speeds``: the sectors nest, so what holds from one speed on holds from any larger one.
 
         The floats of the solver guide it; the exact check of the last one decides, and goes up where it fails.
         """
@@ -181,7 +188,7 @@ class _Search:
 
     def _checked_smallest(self) -> RunningProof:
         """The proof that ``smallest`` finds; raises ``Unproved`` if it finds none."""
-        speeds = [speed for speed in SPEEDS if speed < self.fastest]
+        speeds = [speed for speed in self.speeds if speed < self.fastest]
         goal = self._goal(speeds[-1])
         found: dict[int, _Candidate] = {}
         low, high = -1, len(speeds)
@@ -233,11 +240,17 @@ class _Search:
 
     def at(self, speed: float, goal: _Goal) -> _Candidate:
         """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
-        corners = [
-            equilibrium(self.loop, Fraction(r), Fraction(m))
-            for m in sorted(set(self.torque_load))
-            for r in (speed, self.fastest)
-        ]
+        if (speed, goal) not in self._found:
+            self._found[speed, goal] = self._solved_at(speed, goal)
+        return self._found[speed, goal]
+
+    def _rest(self, speed: float, torque: float) -> Equilibrium | None:
+        if (speed, torque) not in self._rests:
+            self._rests[speed, torque] = equilibrium(self.loop, Fraction(speed), Fraction(torque))
+        return self._rests[speed, torque]
+
+    def _solved_at(self, speed: float, goal: _Goal) -> _Candidate:
+        corners = [self._rest(r, m) for m in sorted(set(self.torque_load)) for r in (speed, self.fastest)]
         known = [corner for corner in corners if corner is not None]
         if len(known) < len(corners):
             raise Unproved("the loop has no single equilibrium there")

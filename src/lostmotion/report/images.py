@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -38,8 +39,9 @@ class ReportFigure:
     image: Figure | str
     section: str = "other"
 
+    @cached_property
     def uri(self) -> str:
-        """The figure as a ``data:`` address: it cannot load or run anything."""
+        """The figure, drawn once, as a ``data:`` address: it cannot load or run anything."""
         if isinstance(self.image, str):
             return _uri("svg+xml", self.image.encode())
         svg = _svg(self.image)

@@ -101,5 +101,5 @@ def _by_section(figures: Iterable[ReportFigure | tuple[Any, ...]]) -> dict[str, 
     for entry in figures:
         figure = entry if isinstance(entry, ReportFigure) else ReportFigure(*entry)
         section = figure.section if figure.section in grouped else "other"
-        grouped[section].append({"title": figure.title, "caption": figure.caption, "uri": figure.uri()})
+        grouped[section].append({"title": figure.title, "caption": figure.caption, "uri": figure.uri})
     return grouped

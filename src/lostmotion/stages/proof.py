@@ -14,6 +14,8 @@ from .design import Design
 
 #: Computing delay of a drive in samples; the law is designed for it (``design.target_law``) (option).
 DELAY = 1
+#: Smallest load speeds that a run tries, rad/s (option: so that it need not wait; ``lostmotion certify`` tries all).
+SPEEDS = (0.5, 2.0)
 
 
 class Stopped(Exception):
@@ -33,7 +35,10 @@ def prove(laws: Design, drivetrain: Drivetrain | None, folder: Path, stop: Event
     if laws.law is None or drivetrain is None:
         return {"skipped": laws.skipped}
     try:
-        proof = prove_with_load(drivetrain, laws.law, delay=DELAY, progress=go_on)
+        for speed in SPEEDS:
+            proof = prove_with_load(drivetrain, laws.law, delay=DELAY, speeds=(speed,), progress=go_on)
+            if proof.speed is not None:
+                break
     except InvalidInput as error:
         return {"skipped": str(error)}
     save_certificate(proof, folder / "certificate.json", folder / "certificate_verify.py")
