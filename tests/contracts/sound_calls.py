@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion import controllers, identification, metrics, observers, plot, rig, signals, structure, systems
@@ -25,17 +26,15 @@ class Call(NamedTuple):
     arguments: dict[str, Any]
 
 
+#: Arguments of a frequency response.
+RESPONSE: dict[str, Any] = {
+    "input": "torque_motor", "output": "speed_motor", "method": "H1", "segment": 0.1, "band": (10.0, 200.0),
+}  # fmt: skip
+
+
 @functools.cache
 def plant() -> lm.Drivetrain:
-    return lm.Drivetrain.two_mass(
-        inertia_motor=0.0182,
-        inertia_load=0.111,
-        stiffness=6285.896,
-        damping=0.397,
-        backlash=0.012,
-        coulomb=2.0,
-        viscous=0.0175,
-    )
+    return PAPER
 
 
 @functools.cache
@@ -270,25 +269,11 @@ def _identification() -> list[Call]:
         Call(r.breakaway, one | {"angle": "angle_motor", "torque": "torque_motor", "travel": 0.1}),
         Call(
             r.frequency_analysis,
-            one
-            | {
-                "input": "torque_motor",
-                "output": "speed_motor",
-                "method": "H1",
-                "segment": 0.1,
-                "band": (10.0, 200.0),
-            },
+            one | RESPONSE,
         ),
         Call(
             r.frequency_response,
-            one
-            | {
-                "input": "torque_motor",
-                "output": "speed_motor",
-                "method": "H1",
-                "segment": 0.1,
-                "band": (10.0, 200.0),
-            },
+            one | RESPONSE,
         ),
         Call(
             r.friction_ladder,

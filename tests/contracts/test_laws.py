@@ -83,6 +83,8 @@ OBSERVERS = {
     ),
     "kalman, one-sided friction": kalman(ONE_SIDED, measured=("angle_motor", "speed_load"), dt=2e-4),
 }
+#: What the laws with weights are asked for.
+WISHES = {"dt": 1e-4, "largest_error": 2.0, "largest_torque": 73.5}
 CONTROLLERS = {
     "pi": pi(dt=1e-4),
     "pi with limit": pi(dt=1e-4, torque_limit=20.0),
@@ -94,25 +96,14 @@ CONTROLLERS = {
         ONE_SIDED, dt=1e-4, torque_limit=73.5, friction_compensation="reference"
     ),
     "pole placement, uncompensated": pole_placement(PAPER, dt=1e-4, friction_compensation="none"),
-    "lqi": lqi(PAPER, dt=1e-4, largest_error=2.0, largest_torque=73.5),
+    "lqi": lqi(PAPER, **WISHES),
     "lqi with limit, lag and friction of the motor": lqi(
-        ONE_SIDED.with_parameters(lag=3e-4),
-        dt=1e-4,
-        largest_error=2.0,
-        largest_torque=73.5,
-        torque_limit=73.5,
+        ONE_SIDED.with_parameters(lag=3e-4), **WISHES, torque_limit=73.5
     ),
     "flatness": flatness(
         PAPER, dt=1e-4, largest_acceleration=300.0, largest_jerk=1e5, largest_error=2.0, largest_torque=73.5
     ),
-    "H infinity": h_infinity(
-        PAPER.with_parameters(lag=3e-4),
-        dt=1e-4,
-        largest_error=2.0,
-        largest_torque=73.5,
-        load_torque=10.0,
-        torque_limit=73.5,
-    ),
+    "H infinity": h_infinity(PAPER.with_parameters(lag=3e-4), **WISHES, load_torque=10.0, torque_limit=73.5),
     "predictive": predictive(
         ONE_SIDED.with_parameters(lag=3e-4),
         dt=1e-4,

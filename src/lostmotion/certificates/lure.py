@@ -32,7 +32,22 @@ REFERENCE = "speed_reference"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class LureLoop:
+class LoopMatrices:
+    """Flow, jump and the curves' arguments without inputs; symbols as in the module's equations."""
+
+    A: Matrix
+    E: Matrix
+    Z: Matrix
+    S: Matrix
+    S_w: Matrix
+    S_v: Matrix
+    N: Matrix
+    N_w: Matrix
+    N_v: Matrix
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LureLoop(LoopMatrices):
     """The closed loop; symbols as in the module's equations, sizes n states, p plant curves, q law curves.
 
     ``dt`` in s. ``plant_size``: number of plant states, which come first; the held torque follows. ``limit``: the law
@@ -42,17 +57,8 @@ class LureLoop:
     dt: Fraction
     states: tuple[str, ...]
     plant_size: int
-    A: Matrix
-    E: Matrix
     L: Matrix
-    Z: Matrix
-    S: Matrix
-    S_w: Matrix
-    S_v: Matrix
     R: Matrix
-    N: Matrix
-    N_w: Matrix
-    N_v: Matrix
     M: Matrix
     plant_curves: tuple[StaticCurve, ...]
     law_curves: tuple[StaticCurve, ...]

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .equilibrium import Equilibrium
-from .lure import LureLoop
+from .lure import LoopMatrices, LureLoop
 from .rational import Matrix, rational
 from .sectors import Copies, Region, Sector
 from .semidefinite import Layout, Unknowns
@@ -37,7 +37,7 @@ class Evaluation(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SampledProof:
+class SampledProof(LoopMatrices):
     """What is to be proved, in fractions (or, for the solver, floats).
 
     Parameters
@@ -66,15 +66,6 @@ class SampledProof:
         Deviation of the state from which V must stay in the region.
     """
 
-    A: Matrix
-    E: Matrix
-    Z: Matrix
-    S: Matrix
-    S_w: Matrix
-    S_v: Matrix
-    N: Matrix
-    N_w: Matrix
-    N_v: Matrix
     sectors: Matrix
     slopes: Matrix
     steepest: Matrix

@@ -15,7 +15,7 @@ from lostmotion.identification.prediction_error.gain_schedule import (
     Box,
     Stage,
     bandwidth_for,
-    descend,
+    descent,
     fit,
 )
 from lostmotion.identification.prediction_error.identifiability import half_widths, without_unexcited
@@ -56,7 +56,7 @@ def test_more_free_parameters_are_known_less_well(predictor: Predictor):
 def test_the_fit_stays_in_its_box(predictor: Predictor):
     start = THETA + np.log([30.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
     box = Box.around(start, DT)
-    stage = descend(predictor, start, list(range(len(NAMES))), box, lambda fraction, text: None)
+    stage = descent(predictor, start, list(range(len(NAMES))), box, lambda fraction, text: None)[-1]
     assert np.all(stage.fit.theta >= box.lower - 1e-12) and np.all(stage.fit.theta <= box.upper + 1e-12)
     assert from_theta(stage.fit.theta, DT)[0] >= 0.0182 * 30.0 / FARTHEST * (1.0 - 1e-9)
 

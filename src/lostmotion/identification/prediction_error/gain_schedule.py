@@ -162,15 +162,3 @@ def descent(
         stages.append(Stage(found, bandwidth, free, done))
         theta = found.theta
     return stages
-
-
-def descend(
-    predictor: Predictor,
-    theta: Array,
-    free: list[int],
-    box: Box,
-    say: Progress,
-    later: Fitting = fit_past_bursts,
-) -> Stage:
-    """The last fit of a descent."""
-    return descent(predictor, theta, free, box, say, later)[-1]

@@ -17,7 +17,7 @@ from . import initial_values, warnings
 from . import problems as problem
 from .channel_innovations import ChannelPredictor
 from .contact_switching.agreement import confirmed
-from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descend, descent, fit
+from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descent, fit
 from .identifiability import Told, higher_mode, told
 from .innovations import NAMES, Predictor, from_theta
 from .intermediate_inertia import with_joint_piece
@@ -154,7 +154,7 @@ def identify(
         if higher_mode(predictor, upper[-1]) is not None:
             found = with_joint_piece(predictor, upper, box)
         theta = upper[0].fit.theta
-    predictor, stage = found or (predictor, descend(predictor, theta, free, box, _from(0.5, say)))
+    predictor, stage = found or (predictor, descent(predictor, theta, free, box, _from(0.5, say))[-1])
     ambiguous = _second_minimum(predictor, second, stage, box)
     if wide:
         say(0.7, "fitting all channels")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .channel_innovations import ChannelPredictor
-from .gain_schedule import Box, Stage, descend, fit
+from .gain_schedule import Box, Stage, descent, fit
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ def refine(
     tried = []
     for rate in LOAD_RATES:
         following = replace(predictor, load_rate=rate)
-        tried.append(_settled(following, descend(following, theta, stage.free, box, _silent, fit), box))
+        tried.append(_settled(following, descent(following, theta, stage.free, box, _silent, fit)[-1], box))
     # With normal innovations of the levels σ, the likelihood falls with the sum of log σ over the channels.
     scores = [float(np.sum(np.log(list(found.levels.values())))) for found, _ in tried]
     return next(t for t, score in zip(tried, scores, strict=True) if score < min(scores) + np.log(MUCH_WORSE))

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 
 from ..jit import njit
+from .intermediate_inertia import two_springs
+from .two_mass import add_series, product
 
 # Places in a row of parameters, SI units. A share of zero: two masses. An infinite stiffness: rigid. A torque rate of
 # zero: no unknown load torque.
@@ -40,37 +42,8 @@ LEAD, HALF, LEVELS, CONSTANT, WHOLE, PART, NUMBERS = 0, 1, 2, 6, 7, 8, 9
 
 COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
-#: Terms of the exponential's series, and largest norm before squaring: 0.5¹³/13! is below rounding (numerics).
-_TERMS, _NORM = 12, 0.5
-
-
-@njit(**COMPILED)
-def product(a, b, out):
-    """out = a·b; explicit loops compile ten times faster than array expressions."""
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            total = 0.0
-            for k in range(b.shape[0]):
-                total += a[i, k] * b[k, j]
-            out[i, j] = total
-
-
-@njit(**COMPILED)
-def two_springs(inertia_motor, inertia_load, stiffness, share, compliance):
-    """Stiffness before and behind a third mass that is ``share`` of the motor's inertia.
-
-    Their compliances are as ``compliance`` to 1 − ``compliance``; together they give the mode that two masses with
-    ``stiffness`` have.
-    """
-    piece = share * inertia_motor
-    motor = inertia_motor - piece
-    before, behind = 1.0 / compliance, 1.0 / (1.0 - compliance)
-    # λ² − sum·λ + product = 0 for the two squared frequencies; the smaller root without cancellation.
-    total = before * (1.0 / motor + 1.0 / piece) + behind * (1.0 / piece + 1.0 / inertia_load)
-    both = before * behind * (inertia_motor + inertia_load) / (motor * piece * inertia_load)
-    squared = 2.0 * both / (total + math.sqrt(total * total - 4.0 * both))
-    scale = stiffness * (1.0 / inertia_motor + 1.0 / inertia_load) / squared
-    return scale * before, scale * behind
+#: Largest norm before squaring, as in ``two_mass`` (numerics).
+_NORM = 0.5
 
 
 @njit(**COMPILED)
@@ -172,22 +145,8 @@ def _transitions(block, density, dt, n, finest, table, at, noise):
     half, rest = np.zeros((states, states)), density.copy()
     for i in range(size):
         step[i, i] = term[i, i] = 1.0
-    factor = h
     noise[:] = 0.0
-    for order in range(1, _TERMS + 1):
-        product(block, rest, half)
-        product(term, block, other)
-        for i in range(size):
-            for j in range(size):
-                term[i, j] = other[i, j] * h / order
-                step[i, j] += term[i, j]
-        for i in range(states):
-            for j in range(states):
-                noise[i, j] += factor * rest[i, j]
-        for i in range(states):
-            for j in range(states):
-                rest[i, j] = half[i, j] + half[j, i]
-        factor *= h / (order + 1)
+    add_series(block, rest, half, term, other, h, step, noise)
     for left in range(doublings, -1, -1):
         if left <= finest:
             for i in range(n):

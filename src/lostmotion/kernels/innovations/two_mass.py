@@ -96,6 +96,27 @@ def continuous(parameters, block):
 
 
 @njit(cache=True, nogil=True)
+def add_series(block, density, half, term, other, h, step, noise):
+    """Adds the series of exp(block·h) to step, which begins as the unit matrix like term, and that of the integral of
+    ``sampled`` over h to noise; density and the scratch are lost."""
+    factor = h
+    for order in range(1, _TERMS + 1):
+        product(block, density, half)
+        product(term, block, other)
+        for i in range(step.shape[0]):
+            for j in range(step.shape[0]):
+                term[i, j] = other[i, j] * h / order
+                step[i, j] += term[i, j]
+        for i in range(density.shape[0]):
+            for j in range(density.shape[0]):
+                noise[i, j] += factor * density[i, j]
+        for i in range(density.shape[0]):
+            for j in range(density.shape[0]):
+                density[i, j] = half[i, j] + half[j, i]
+        factor *= h / (order + 1)
+
+
+@njit(cache=True, nogil=True)
 def sampled(block, density, dt, step, noise):
     """step = exp(block·dt), and the first n rows and columns of noise ∫exp(A·s)·density·exp(Aᵀ·s)ds over dt.
 
@@ -116,21 +137,7 @@ def sampled(block, density, dt, step, noise):
     term, other, half = np.zeros((n_block, n_block)), np.zeros((n_block, n_block)), np.zeros((n, n))
     for i in range(n_block):
         step[i, i] = term[i, i] = 1.0
-    factor = h
-    for order in range(1, _TERMS + 1):
-        product(block, density, half)
-        product(term, block, other)
-        for i in range(n_block):
-            for j in range(n_block):
-                term[i, j] = other[i, j] * h / order
-                step[i, j] += term[i, j]
-        for i in range(n):
-            for j in range(n):
-                noise[i, j] += factor * density[i, j]
-        for i in range(n):
-            for j in range(n):
-                density[i, j] = half[i, j] + half[j, i]
-        factor *= h / (order + 1)
+    add_series(block, density, half, term, other, h, step, noise)
     for _ in range(doublings):
         for i in range(n):
             for j in range(n):
