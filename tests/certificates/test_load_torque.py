@@ -26,3 +26,4 @@ def test_the_integral_action_of_a_run_is_proved_with_a_load_torque() -> None:
     assert proof.speed is not None and low < high < 0.0
     assert verdict(proof.certificate or {}) is None
     assert "of load torque against the motion" in headline(proof)
+    assert headline(proof).endswith("Not proved: the loop without load torque.")

@@ -23,17 +23,19 @@ def headline(proof: RunningProof) -> str:
     directions = "in both directions" if proof.both_directions else "in the positive direction"
     where = f"at every load speed from {proof.speed:g} to {proof.fastest:g} rad/s, {directions}{_load(proof)}"
     if proof.step is None:
-        return f"Proved: {where}, the loop returns to its rest from every state, with the whole gap and friction."
-    return (
-        f"Proved: {where}, the loop comes to its rest after every step by up to {proof.step:g} rad/s between them, "
-        "with the whole gap, friction and torque limit."
-    )
+        proved = f"Proved: {where}, the loop returns to its rest from every state, with the whole gap and friction."
+    else:
+        proved = (
+            f"Proved: {where}, the loop comes to its rest after every step by up to {proof.step:g} rad/s between them, "
+            "with the whole gap, friction and torque limit."
+        )
+    return proved + (" Not proved: the loop without load torque." if proof.torque_load[1] < 0.0 else "")
 
 
 def _load(proof: RunningProof) -> str:
     """The load torque, where the proof needs one."""
     low, high = proof.torque_load
-    return f" and with {-high:g} to {-low:g} Nm of load torque against the motion" if high < 0.0 else ""
+    return f" and with {-high:.3g} to {-low:.3g} Nm of load torque against the motion" if high < 0.0 else ""
 
 
 def conditions(proof: RunningProof) -> list[str]:
@@ -41,7 +43,7 @@ def conditions(proof: RunningProof) -> list[str]:
     low, high = proof.torque_load
     torque = "there is no load torque but friction"
     if low or high:
-        torque = f"the load torque is constant between {low:g} and {high:g} Nm, positive in the direction of motion"
+        torque = f"the load torque is constant between {low:.3g} and {high:.3g} Nm, positive in the direction of motion"
     samples = {0: "acts at its own sample", 1: "acts one sample later"}.get(
         proof.delay, f"acts {proof.delay} samples later"
     )
