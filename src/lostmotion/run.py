@@ -87,7 +87,7 @@ def run(
                 true_parameters = None if truth is None else truth.parameters
                 drawn = figures(material, found, laws, validation, true_parameters)
                 for figure in drawn:
-                    assert figure.uri  # drawn now, and not when all wait for the report
+                    figure.draw()
             with _stage("prove", timing, progress):
                 stability = proof.result()
         results = _results(material, found, laws, validation, code)

@@ -30,7 +30,8 @@ def is_stable(step: Array) -> bool:
 def is_stable_in_sectors(proof: SampledProof) -> bool:
     """Whether the loop is stable with each curve, and its copies, at the top of its sector.
 
-    The sectors allow these slopes: where the linear loop is unstable there, the inequalities have no solution.
+    The sectors allow these slopes: where the linear loop is unstable there, the solver is not asked. Copies whose
+    sectors differ get slopes that differ, which cross multipliers may exclude: then a proof may be missed.
     """
     for curve in range(proof.sizes[1]):
         group = {curve} | {c.second for c in proof.copies if c.first == curve}

@@ -10,13 +10,24 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from ..io.storage.whole_files import write_bytes
 from .scores import Score
 from .statistics import Estimate, median
 
-CaseType = TypeVar("CaseType")
+
+class AnyCase(Protocol):
+    """What a table must know of a case."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def group(self) -> str: ...
+
+
+CaseType = TypeVar("CaseType", bound=AnyCase)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +71,7 @@ class ScoreTable(Generic[CaseType]):
 
     def groups(self) -> tuple[str, ...]:
         """Groups of cases, in their order."""
-        return tuple(dict.fromkeys(case.group for case in self.cases))  # type: ignore[attr-defined]
+        return tuple(dict.fromkeys(case.group for case in self.cases))
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -76,7 +87,7 @@ class ScoreTable(Generic[CaseType]):
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(["case", "group", "seed", self.ENTRY, *self.METRICS])
         for case in self.cases:
-            name, group = case.name, case.group  # type: ignore[attr-defined]
+            name, group = case.name, case.group
             for seed, row in sorted(self.scores[name].items()):
                 for entry in self.entries:
                     if entry in row:

@@ -39,6 +39,10 @@ class ReportFigure:
     image: Figure | str
     section: str = "other"
 
+    def draw(self) -> None:
+        """Draw it now: the page, which is written when all else is known, then takes what is drawn."""
+        _ = self.uri
+
     @cached_property
     def uri(self) -> str:
         """The figure, drawn once, as a ``data:`` address: it cannot load or run anything."""
