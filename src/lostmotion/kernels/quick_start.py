@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import sys
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 
@@ -36,6 +38,19 @@ def load_without_tables(ours: type) -> None:
             return numbas_own(self, sig, target_context)
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
-            return self._load_overload(sig, target_context)
+            found = self._load_overload(sig, target_context)
+        if found is None:
+            _tell_of_compiling()
+        return found
 
     caching.Cache.load_overload = load_overload
+
+
+@cache
+def _tell_of_compiling() -> None:
+    """Once: why the first call takes long. Commands compile beforehand, and show which step of how many."""
+    if "ipykernel" in sys.modules or sys.stderr.isatty():
+        print(
+            "lostmotion compiles its kernels for this processor, once; that can take a minute.",
+            file=sys.stderr,
+        )
