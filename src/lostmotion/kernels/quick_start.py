@@ -43,7 +43,7 @@ def load_without_tables(ours: type) -> None:
             _tell_of_compiling()
         return found
 
-    caching.Cache.load_overload = load_overload
+    caching.Cache.load_overload = load_overload  # type: ignore[method-assign]
 
 
 @cache

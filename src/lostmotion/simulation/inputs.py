@@ -60,7 +60,7 @@ def check_signal(name: str, values: ArrayLike) -> NDArray[np.float64]:
             name, f"shape {array.shape}", "a one-dimensional array of two or more samples", "Reshape."
         )
     array = array.astype(float, copy=False)
-    if not (-LARGEST <= array.min() and array.max() <= LARGEST):  # a NaN is the smallest and the largest
+    if not (array.min() >= -LARGEST and array.max() <= LARGEST):  # a NaN is the smallest and the largest
         bad = np.flatnonzero(~(np.abs(array) <= LARGEST))
         raise InvalidInput(
             name,
