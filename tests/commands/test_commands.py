@@ -40,7 +40,9 @@ def test_frf_of_the_rig_lies_below_the_linear_zero_and_pole(tmp_path: Path) -> N
     assert 10.0 < values["zero"] < 37.0
     assert values["zero"] < values["pole"] < 99.0
     assert is_picture(tmp_path / "frf.png")
-    assert max(load_json(tmp_path / "frf.json", "frequency_response")["response"]["frequency_hz"]) <= 200.0
+    written = load_json(tmp_path / "frf.json", "frequency_response")
+    assert max(written["response"]["frequency_hz"]) <= 200.0
+    assert "those of the gap as it moved here" in written["note"]
 
 
 def test_excite_then_simulate_what_it_wrote(tmp_path: Path) -> None:
