@@ -42,7 +42,7 @@ def block_diagram(
     plant : Drivetrain, optional
         Closes the loop: it reads the torques that laws make, and gives the signals that no law makes.
     outputs : sequence of str, optional
-        Of several laws, or of a loop: what leaves; default: all that nobody in it reads.
+        Of several laws, or of a loop: what leaves; default: all that is not read in it.
     title : str, optional
         Default: the laws' names.
 
