@@ -2,13 +2,20 @@
 
 from .certificate import verdict
 from .load_torque import prove_with_load
+from .robustness.contact_margins import MARGIN_COLUMNS, margin_data, margin_table, margins
+from .robustness.loop_margins import Margins
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
 __all__ = [
+    "MARGIN_COLUMNS",
+    "Margins",
     "RunningProof",
     "conditions",
     "headline",
+    "margin_data",
+    "margin_table",
+    "margins",
     "prove_running",
     "prove_with_load",
     "stability",

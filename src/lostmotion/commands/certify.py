@@ -7,7 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..certificates import prove_running, prove_with_load, stability
+from ..certificates import RunningProof, margin_data, margins, prove_running, prove_with_load, stability
+from ..certificates.robustness.contact_margins import SPEED
+from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io import load_law
 from ..io.storage.certificate_files import save_certificate
@@ -51,7 +53,17 @@ def certify_file(
         else:
             proof = prove_running(plant, system, torque_load=torque_load, **options)
         save_certificate(proof, file, script)
-    return stability(proof)
+        return {**stability(proof), "margins": margins_of(plant, system, proof)}
+
+
+def margins_of(plant: Drivetrain, law: DiscreteSystem, proof: RunningProof) -> dict[str, dict[str, Any]]:
+    """Margins at the load and at a speed of the proof; none where the loop does not rest there."""
+    load = proof.torque_load[0]
+    speed = max(proof.speed or 0.0, SPEED)
+    try:
+        return margin_data(margins(plant, law, delay=proof.delay, speed=speed, torque_load=load))
+    except InvalidInput:
+        return {}
 
 
 def law_beside(drive: DriveFile, law: Path | None) -> Path | None:
