@@ -2,13 +2,17 @@
 
 from .certificate import verdict
 from .load_torque import prove_with_load
+from .observer_error import ObserverError, observer_error, observer_verdict
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
 __all__ = [
+    "ObserverError",
     "RunningProof",
     "conditions",
     "headline",
+    "observer_error",
+    "observer_verdict",
     "prove_running",
     "prove_with_load",
     "stability",
