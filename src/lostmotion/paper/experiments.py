@@ -43,8 +43,8 @@ OUTPUTS = ("angle_motor", "speed_motor", "torque_shaft")
 #: Length of the speed steps, s, and seed of their noise (option).
 LENGTH, STEP_NOISE = 1.5, 2
 #: Names of the responses: the three of figures 8 and 9, and that of a shaft which only pushes.
-RIG, NONLINEAR, LINEAR = "measurement (virtual rig)", "nonlinear two-mass", "linear two-mass"
-PUSHING = "nonlinear two-mass, viscoelastic contact"
+RIG, NONLINEAR, LINEAR = "measurement (virtual rig)", "nonlinear model", "linear model"
+PUSHING = "nonlinear model, viscoelastic contact"
 
 
 @dataclass(frozen=True, eq=False)
