@@ -10,7 +10,7 @@ motor speed with start values up to 40 % off, and the laws that ``stages.design`
 torque limit meet the very plant that was recorded.
 
 Drives of the zoo (``rig.drive``) are harder: two to five inertias, operation and load torques instead of a designed
-test, start values up to three off or not told, delays up to 2 ms. Taken are those of the same sizes and sample times
+test, start values up to three off or missing, delays up to 2 ms. Taken are those of the same sizes and sample times
 with one gap and a two-mass equivalent, and of each recording the first 40 000 rows; where identification asks for
 ``load_torque = true``, it is given.
 """

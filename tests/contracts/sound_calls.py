@@ -291,6 +291,9 @@ def _certificates() -> list[Call]:
         Call(certificates.conditions, {"proof": proof()}),
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
+        Call(certificates.margins, loop | {"speed": 1.0, "torque_load": 0.0}),
+        Call(certificates.observer_error, {"drivetrain": plant(), "measured": ["speed_motor"], "faces": 1}),
+        Call(certificates.observer_verdict, {"data": {}}),
     ]
 
 
