@@ -2,7 +2,7 @@
 
 from .certificate import verdict
 from .load_torque import prove_with_load
-from .observer_error import ObserverError, observer_error, observer_verdict
+from .observer.error_bound import ObserverError, observer_error, observer_verdict
 from .robustness.contact_margins import margins
 from .robustness.loop_margins import Margins
 from .running import RunningProof, prove_running
