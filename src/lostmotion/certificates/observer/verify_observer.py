@@ -16,6 +16,7 @@ from fractions import Fraction
 STATES = ("twist", "speed_motor", "speed_load")
 
 
+#: What reading something else raises.
 NO_CERTIFICATE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
