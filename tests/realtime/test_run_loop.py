@@ -153,7 +153,7 @@ def test_a_port_that_is_taken_is_named() -> None:
 def test_a_law_that_ends_or_is_silent_is_told_of(
     monkeypatch: pytest.MonkeyPatch, partners: list[Partner]
 ) -> None:
-    monkeypatch.setattr(exchanges, "GIVE_UP", 0.3)
+    monkeypatch.setattr(exchanges, "GIVE_UP", 1.0)
     monkeypatch.setattr(partner, "STOP", 0.1)
     for number, said in ((signal.SIGKILL, "ended with exit code -9"), (signal.SIGSTOP, "no answer in")):
 
