@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import struct
 from collections.abc import Callable
 from types import SimpleNamespace
@@ -68,7 +67,7 @@ class Law:
 def partner_with(law: Law) -> Partner:
     process: Any = SimpleNamespace(poll=lambda: None)
     socket: Any = law
-    return Partner(process, socket, WIRE, io.BytesIO())
+    return Partner(process, socket, WIRE)
 
 
 def reply(number: int, value: float) -> bytes:

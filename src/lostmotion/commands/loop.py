@@ -18,7 +18,7 @@ from ..rig.record import CHANNELS
 from ..systems import DiscreteSystem, Stepper
 from .cost import Announce, Cost, silent
 from .outputs import outputs, save_picture
-from .recordings import drivetrain_of
+from .recordings import read_drive
 
 Law = DiscreteSystem | Stepper
 Code = Literal["c", "python"]
@@ -58,11 +58,12 @@ def loop_file(
     drivetrain itself with the rig's sensors; without one it is the virtual rig of the seed. The law's process runs the
     exported C by default, where there is a compiler and the law can be exported.
     """
-    with outputs(out, ".json", ".png", sources=(law, drivetrain), force=force) as (table, picture):
-        system = load_law(law)
-        if code is None:
-            code = "c" if isinstance(system, DiscreteSystem) and find_compiler() else "python"
-        plant = rig.varied_rig(seed) if drivetrain is None else rig_around(drivetrain_of(drivetrain), seed)
+    system, drive = load_law(law), None if drivetrain is None else read_drive(drivetrain)
+    plant = rig.varied_rig(seed) if drive is None else rig_around(drive.drivetrain, seed)
+    if code is None:
+        code = "c" if isinstance(system, DiscreteSystem) and find_compiler() else "python"
+    read = (law,) if drive is None else (law, *drive.reads)
+    with outputs(out, ".json", ".png", sources=read, force=force) as (table, picture):
         samples = round(seconds / system.dt)
         Cost(float(samples), MEMORY, system.dt if paced else SECONDS).check(f"{seconds:g} s", announce)
         given = set_points(system, samples, speed)

@@ -1,18 +1,13 @@
-"""The law's process: ``python -m lostmotion.realtime.law_process PORT SESSION LAW [LIBRARY]``.
-
-It answers every request of the rig once more if it is asked once more, and steps the law once for each number.
-"""
+"""The law's process: it steps the law once for each number, and answers again where it is asked again."""
 
 from __future__ import annotations
 
 import os
-import signal
 import socket
 import sys
 from pathlib import Path
 
 from ..io import load_law
-from ..systems import DiscreteSystem
 from .datagrams import LONGEST, Wire
 from .law_steps import Step, exported_step, own_step
 
@@ -49,19 +44,18 @@ def serve(rig: socket.socket, wire: Wire, step: Step, parent: int) -> None:
         rig.send(reply)
 
 
-def main() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the rig's process, which ends this one
+def run(port: str, session: str, law_file: str, library: str = "") -> None:
+    """What the process does: serve the rig at that port with a law, or with its exported C in that library.
+
+    Its last words, if it cannot, are on standard output.
+    """
     parent = os.getppid()
-    port, session, path, *library = sys.argv[1:]
-    law = load_law(path)
-    if library and isinstance(law, DiscreteSystem):
-        step = exported_step(Path(library[0]), law)
-    else:
-        step = own_step(law)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as rig:
-        rig.connect((HOST, int(port)))
-        serve(rig, Wire(int(session), len(law.inputs), len(law.outputs)), step, parent)
-
-
-if __name__ == "__main__":
-    main()
+    try:
+        law = load_law(law_file)
+        step = exported_step(Path(library), law) if library else own_step(law)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as rig:
+            rig.connect((HOST, int(port)))
+            serve(rig, Wire(int(session), len(law.inputs), len(law.outputs)), step, parent)
+    except Exception as error:
+        print(f"{type(error).__name__}: {error}", flush=True)
+        sys.exit(1)

@@ -46,7 +46,7 @@ def _stepper(law: Stepper) -> Step:
     return step
 
 
-def exported_step(library: Path, law: DiscreteSystem) -> Step:
+def exported_step(library: Path, law: Law) -> Step:
     """The exported C, of a library that ``export.shared_library`` made."""
     code = ctypes.CDLL(str(library))
     code.law_step.restype = ctypes.c_ulong

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import errno
-import os
 import secrets
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
+from ..child_process import end_python, start_python
 from ..errors import InvalidInput
 from ..export import shared_library
 from ..io import save_law
 from ..systems import DiscreteSystem, Stepper
+from . import law_process
 from .datagrams import LONGEST, Wire
 from .law_process import HOST
 
@@ -37,15 +36,13 @@ class Partner:
     process: subprocess.Popen[bytes]
     socket: socket.socket
     wire: Wire
-    words: IO[bytes]
 
     def check_alive(self) -> None:
         """Raises ``InvalidInput`` with its last words where it has ended."""
         if (code := self.process.poll()) is not None:
-            self.words.seek(0)
-            said = self.words.read().decode(errors="replace").strip().splitlines()
+            said = self.process.stdout.read().decode(errors="replace").strip() if self.process.stdout else ""
             raise InvalidInput(
-                "the law's process", f"ended with exit code {code}: {said[-1] if said else 'no message'}",
+                "the law's process", f"ended with exit code {code}: {said or 'no message'}",
                 "a process that answers until the end", "Run the law alone, with law.run(recording), to see why.",
             )  # fmt: skip
 
@@ -53,22 +50,15 @@ class Partner:
 @contextmanager
 def partner(law: Law, *, exported: bool, port: int) -> Iterator[Partner]:
     """A process that steps the law, heard once; it ends with the block, whatever happens in it."""
-    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as words, _bound(port) as rig:
+    with tempfile.TemporaryDirectory() as folder, _bound(port) as rig:
         save_law(law, Path(folder) / "law.json")
         files = [str(Path(folder) / "law.json")]
         if exported and isinstance(law, DiscreteSystem):
             files.append(str(shared_library(law, Path(folder) / "c")))
         wire = Wire(secrets.randbits(64), len(law.inputs), len(law.outputs))
         place = str(rig.getsockname()[1]), str(wire.session)
-        command = [sys.executable, "-m", "lostmotion.realtime.law_process", *place, *files]
-        path = os.pathsep.join(
-            [str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])]
-        )
-        process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=words,
-            env={**os.environ, "PYTHONPATH": path},
-        )  # fmt: skip
-        found = Partner(process, rig, wire, words)
+        process = start_python(law_process.__name__, "run", *place, *files, stdin=subprocess.DEVNULL)
+        found = Partner(process, rig, wire)
         try:
             _hear(found)
             yield found
@@ -113,9 +103,6 @@ def _end(law: Partner) -> None:
     try:
         law.process.wait(STOP)
     except subprocess.TimeoutExpired:
-        law.process.kill()
-    except BaseException:  # a second Ctrl-C must leave no process either
-        law.process.kill()
-        raise
-    finally:
-        law.process.wait()
+        pass
+    finally:  # a second Ctrl-C must leave no process either
+        end_python(law.process)
