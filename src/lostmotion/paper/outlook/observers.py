@@ -9,6 +9,7 @@ from ...compare.contestants import CONTESTANTS, Contestant, Sensing
 from ...drivetrain import Drivetrain
 from ...metrics import rmse, signal_range
 from ...observers import speed_of_counts
+from ...plot.frequency.bode import plain_ticks
 from ...rig import record
 from ...rig.nominal import MOTOR_ENCODER_BITS, TORQUE_NOISE
 from .. import published
@@ -86,11 +87,12 @@ def _figure(found: dict[str, tuple[float, float]]) -> PaperFigure:
         panel.plot(values, places, mark, color=line["color"], markersize=4.5, label=label)
     panel.set_yticks(places, [NAMED[name] for name in found])
     panel.invert_yaxis()
-    panel.set(xscale="log", xlabel="error of the load speed (% of range)")
+    panel.set(xscale="log", xlabel="error (% of range)")
+    plain_ticks(panel)
     legend(figure, [panel])
     return PaperFigure(
         number="observers",
-        title="The observers that the paper names",
+        title="Error of the load speed: the observers that the paper names",
         caption="Motor torque and motor speed alone, 10 s on the virtual rig, judged from 5 s on.",
         image=figure,
     )

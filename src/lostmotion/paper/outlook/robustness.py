@@ -90,7 +90,7 @@ def _figure(found: dict[str, dict[str, float]]) -> PaperFigure:
         )
     panel.set_yticks(range(len(names)), names)
     panel.invert_yaxis()
-    panel.set(xlabel="overshoot of the load speed (% of the step)", xlim=(-0.3, None))
+    panel.set(xlabel="overshoot (% of the step)", xlim=(-0.3, None))
     legend(figure, [panel])
     return PaperFigure(
         number="robustness",
