@@ -24,6 +24,10 @@ BITS = 96
 SHAPES = {"A": "xx", "B": "xu", "E": "xw", "F": "wx", "G": "wu", "H": "ww", "C": "yx", "D": "yu", "J": "yw"}
 
 
+#: What reading something else raises.
+NO_CERTIFICATE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+
+
 class NotProved(Exception):
     """Why a certificate proves nothing."""
 
@@ -646,15 +650,7 @@ def main(paths):
     except NotProved as reason:
         print(f"NOT PROVED: {reason}")
         return 1
-    except (
-        OSError,
-        LookupError,
-        TypeError,
-        ValueError,
-        AttributeError,
-        ArithmeticError,
-        RecursionError,
-    ) as error:
+    except (OSError, *NO_CERTIFICATE) as error:
         print(f"NOT PROVED: the file is no certificate ({type(error).__name__}: {error})")
         return 1
     low, high = float(claim["speed_from"]), float(claim["speed_to"])
