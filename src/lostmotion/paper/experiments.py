@@ -222,22 +222,25 @@ def observer_2(model: Drivetrain, torque_covariance: float = published.R_2["torq
     )
 
 
-def placed_law(
+def placed_parts(
     model: Drivetrain,
     pole: float = published.POLE_PLACED,
     torque_limit: float = published.TORQUE_LIMIT,
     prefilter: bool = True,
     compensation: bool = True,
-) -> DiscreteSystem:
-    """Observer 1 with pole placement, its prefilter V and the friction compensation DC, as in Fig. 14."""
+) -> list[DiscreteSystem]:
+    """Observer 1, and pole placement with its prefilter V and the friction compensation DC, as in Fig. 14."""
     control = pole_placement(
         model, poles=(pole,) * 3, dt=published.DT, torque_limit=torque_limit,
         friction_compensation="estimated" if compensation else "none",
     )  # fmt: skip
-    if not prefilter:
-        control = _without_prefilter(control)
+    return [observer(model), control if prefilter else _without_prefilter(control)]
+
+
+def placed_law(model: Drivetrain, **options: Any) -> DiscreteSystem:
+    """The parts of ``placed_parts``, which takes the same options, as one law."""
     return connect(
-        [observer(model), control], inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",)
+        placed_parts(model, **options), inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",)
     )
 
 

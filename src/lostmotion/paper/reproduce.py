@@ -9,7 +9,7 @@ from ..argument_checks import checks_arguments
 from ..io import output_folder, save_json
 from .claims import GROUPS
 from .experiments import Experiments, identify_rig, perform
-from .figures import FIGURES, PaperFigure, styled
+from .figures import DRAWINGS, FIGURES, styled
 from .files import save_figure
 from .outlook import Answer, answers
 from .page import Shown, render
@@ -65,10 +65,8 @@ def reproduce(
         progress("record", 1.0)
         figures = folder / "figures"
         figures.mkdir()
-        # Some figures belong to answers, so the look holds for all of it.
-        with styled():
-            found = _found(experiments, quick, progress)
-            shown = _draw(experiments, found, figures, progress)
+        found = _found(experiments, quick, progress)
+        shown = _draw(experiments, found, figures, progress)
         content = found.as_dict()
         (folder / "paper.html").write_text(render(found, shown), encoding="utf-8")
         save_json(folder / "claims.json", "claims", content)
@@ -86,21 +84,25 @@ def _found(e: Experiments, quick: bool, progress: Progress) -> Reproduction:
     progress("claims", 1.0)
     answered: list[Answer] = []
     progress("outlook", 0.0)
-    for answer in answers(e, identified):
-        answered.append(answer)
-        progress("outlook", min(len(answered) / 6.0, 0.99), answer.question)
+    with styled():  # answers have figures
+        for answer in answers(e, identified):
+            answered.append(answer)
+            progress("outlook", min(len(answered) / 6.0, 0.99), answer.question)
     progress("outlook", 1.0)
     return Reproduction(claims, table_1(e, identified), table_2(), reading_of_table_2(e), answered, quick)
 
 
 def _draw(e: Experiments, found: Reproduction, folder: Path, progress: Progress) -> dict[str, Shown]:
-    """Every figure by its name, drawn and saved."""
+    """Every figure by its name, drawn and saved; those of the paper first, by number."""
+    drawn = [draw(e) for draw in DRAWINGS]
+    progress("draw", 0.0)
+    with styled():
+        drawn += [draw(e) for draw in FIGURES]
+    drawn.sort(key=lambda figure: figure.name)
+    drawn += [answer.figure for answer in found.answers if answer.figure is not None]
     shown: dict[str, Shown] = {}
-    extra: list[PaperFigure] = [a.figure for a in found.answers if a.figure is not None]
-    count = len(FIGURES) + len(extra)
-    for done, draw in enumerate([*FIGURES, *(lambda _, figure=figure: figure for figure in extra)]):
-        figure = draw(e)
-        progress("draw", done / count, figure.title)
+    for done, figure in enumerate(drawn):
+        progress("draw", done / len(drawn), figure.title)
         shown[figure.name] = Shown(figure, save_figure(figure, folder))
     progress("draw", 1.0)
     return shown
