@@ -87,6 +87,7 @@ def _at_segments(
     rows, right = zeros(size, size), zeros(size, 1)
     plant = loop.plant_size
     rows[:plant, :n], rows[:plant, n : n + p] = loop.A[:plant], loop.E[:plant]
+    rows[:plant, -1:] = loop.R[:plant]
     right[:plant, 0] = -loop.L[:plant, 0] * torque_load
     jump = np.hstack([loop.S, loop.S_w, loop.S_v, loop.R])[plant:]
     rows[plant:n] = jump
