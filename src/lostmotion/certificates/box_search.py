@@ -116,8 +116,8 @@ class BoxSearch:
         return max(sides, key=lambda name: weights[name] * sides[name])
 
 
-#: Numbers of a proved cell, or None and why.
-_Result = tuple[dict[str, Any] | None, str]
+#: Numbers of each corner of a proved cell, or None and why.
+_Result = tuple[list[dict[str, Any]] | None, str]
 
 
 def _work(claim: CellClaim, header: Mapping[str, Any], cell: Cell) -> _Result:

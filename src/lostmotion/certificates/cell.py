@@ -9,19 +9,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 
 from ..drivetrain import Drivetrain, Friction
 from .lure import LureLoop
-from .rational import Matrix, identity, rational
+from .rational import Matrix
 from .sampled_proof import SampledProof
 from .semidefinite import Layout, Unknowns
 from .static_curves import StaticCurve
 
 #: Parameters that a box may vary; each is a share of its nominal value.
 PARAMETERS = ("inertia_load", "stiffness", "coulomb", "backlash", "inertia_motor")
+
+#: Those that enter the flow.
+IN_THE_FLOW = ("stiffness", "inertia_load", "inertia_motor")
 
 #: Smallest and largest share of each parameter; what is left out keeps its nominal value.
 Cell = Mapping[str, tuple[float, float]]
@@ -58,15 +61,9 @@ def in_torque(loop: LureLoop, drivetrain: Drivetrain) -> LureLoop:
     backlash nor friction is in any matrix: they are in the curves.
     """
     k = Fraction(drivetrain.stiffness)
-    state = identity(len(loop.states))
-    state[0, 0] = k
-    back = identity(len(loop.states))
-    back[0, 0] = 1 / k
-    heights = [_height(name, drivetrain) for name in loop.names[: len(loop.plant_curves)]]
-    widths = [k if name == "gap" else Fraction(1) for name in loop.names[: len(heights)]]
-    by_value = np.diag(np.array([1 / height for height in heights], dtype=object))
-    by_value = rational(by_value) if heights else loop.E[:0, :0]
-    argument = rational(np.diag(np.array(widths, dtype=object))) if heights else by_value
+    names = loop.names[: len(loop.plant_curves)]
+    heights = [_height(name, drivetrain) for name in names]
+    widths = [k if name == "gap" else Fraction(1) for name in names]
     curves = tuple(
         StaticCurve(
             tuple((width * z, height * w) for z, w in curve.points), height * curve.left / width,
@@ -74,11 +71,17 @@ def in_torque(loop: LureLoop, drivetrain: Drivetrain) -> LureLoop:
         )
         for curve, width, height in zip(loop.plant_curves, widths, heights, strict=True)
     )  # fmt: skip
-    return replace(
-        loop, A=state @ loop.A @ back, E=state @ loop.E @ by_value, L=state @ loop.L, R=state @ loop.R,
-        Z=argument @ loop.Z @ back, S=state @ loop.S @ back, S_w=state @ loop.S_w @ by_value, S_v=state @ loop.S_v,
-        N=loop.N @ back, N_w=loop.N_w @ by_value, plant_curves=curves,
-    )  # fmt: skip
+    made = {
+        key: getattr(loop, key).copy() for key in ("A", "E", "L", "R", "Z", "S", "S_w", "S_v", "N", "N_w")
+    }
+    for key in ("A", "E", "L", "R", "S", "S_w", "S_v"):
+        made[key][0] *= k
+    for key in ("A", "Z", "S", "N"):
+        made[key][:, 0] /= k
+    for key in ("E", "S_w", "N_w"):
+        made[key] /= np.array(heights, dtype=object) if heights else 1
+    made["Z"] = (np.array(widths, dtype=object)[:, np.newaxis] * made["Z"]) if widths else made["Z"]
+    return replace(loop, **made, plant_curves=curves)
 
 
 def _height(name: str, drivetrain: Drivetrain) -> Fraction:
@@ -94,7 +97,7 @@ def _height(name: str, drivetrain: Drivetrain) -> Fraction:
 
 def flow_corners(cell: Cell) -> list[dict[str, float]]:
     """Corners of what enters the flow: stiffness and inertias."""
-    return corners(cell, ("stiffness", "inertia_load", "inertia_motor"))
+    return corners(cell, IN_THE_FLOW)
 
 
 def rest_corners(cell: Cell) -> list[dict[str, float]]:
@@ -109,72 +112,112 @@ def corners(cell: Cell, names: Sequence[str]) -> list[dict[str, float]]:
     return [dict(combination) for combination in product(*ends)]
 
 
+#: The state whose rate, and no other, is proportional to the parameter or to one over it, in units of torque.
+RATE_OF = {"stiffness": 0, "inertia_motor": 1, "inertia_load": 2}
+
+
 @dataclass(frozen=True, eq=False)
 class CellProof:
-    """The inequalities of ``SampledProof`` at the corners of a cell, with one P and one set of integrals.
+    """The inequalities of ``SampledProof`` at each corner of a cell, coupled so that they hold in all of it.
 
-    What does not hang on the parameters stands once. Multipliers of the flow may differ from corner to corner: between
-    them they are interpolated, as the flow is. In continuous time P stands still and nothing happens at samples.
+    Every corner has numbers of its own, between corners they are interpolated. So that nothing is quadratic in a
+    parameter, the plant's integrals have the same weights everywhere, and the row of P that belongs to a parameter's
+    rate does not change with that parameter (docs/stability.md, equation 21). In continuous time P stands still and
+    nothing happens at samples.
 
     Parameters
     ----------
-    flows : tuple of SampledProof
-        One for each of ``flow_corners``; they differ in A and E alone.
+    proofs : tuple of SampledProof
+        One for each of ``flow_corners(cell)``; they differ in A and E alone.
+    cell : Cell
     continuous : bool
     """
 
-    flows: tuple[SampledProof, ...]
+    proofs: tuple[SampledProof, ...]
+    cell: Cell
     continuous: bool
 
     @cached_property
+    def varied(self) -> tuple[str, ...]:
+        """Parameters that differ from corner to corner."""
+        return tuple(
+            name for name in IN_THE_FLOW if name in self.cell and self.cell[name][0] < self.cell[name][1]
+        )
+
+    @cached_property
     def layout(self) -> Layout:
-        own = self.flows[0].layout()
-        multipliers = dict(own.multipliers)
-        for name in ("flow_sectors", "flow_copies"):
-            count = multipliers.pop(name)
-            multipliers |= {f"{name}_{i}": count for i in range(len(self.flows))}
-        if not self.continuous:
-            return Layout(own.symmetric, multipliers)
-        kept = {name: n for name, n in multipliers.items() if name.startswith(("eta", "flow"))}
-        return Layout({"P0": own.symmetric["P0"]}, {n: c // 2 if "flow" in n else c for n, c in kept.items()})
+        """P of the first corner, what each set of parameters adds to it, common integrals, own multipliers."""
+        own = self.proofs[0].layout()
+        knots = ["P0"] if self.continuous else list(own.symmetric)
+        symmetric = {
+            _part(knot, subset): own.symmetric[knot] - len(subset)
+            for knot in knots
+            for subset in _subsets(self.varied)
+        }
+        common = {name: own.multipliers[name] for name in ("eta_plus", "eta_minus")}
+        each = {name: count for name, count in own.multipliers.items() if name not in common}
+        if self.continuous:  # both ends of its sample are alike
+            each = {name: count // 2 for name, count in each.items() if name.startswith("flow")}
+        corners = range(len(self.proofs))
+        return Layout(symmetric, common | {f"{name} {i}": n for i in corners for name, n in each.items()})
 
     def conditions(self, unknowns: Unknowns) -> list[Matrix]:
-        """Matrices that must be positive definite: those of ``SampledProof``, the flow's at each corner."""
-        first, substeps = self.flows[0], range(self.flows[0].substeps)
-        ends = (0,) if self.continuous else (0, 1)
-        given = [self.at_corner(unknowns, i) for i in range(len(self.flows))]
-        flow = [
-            proof.falls(own, k, end)
-            for proof, own in zip(self.flows, given, strict=True)
-            for k in substeps
-            for end in ends
-        ]
-        if self.continuous:
-            return [first.positive(given[0], 0), *flow]
-        knots = range(first.substeps + 1)
-        region = [] if first.limit is None else [first.contains(unknowns), first.starts_inside(unknowns)]
-        return [*(first.positive(unknowns, k) for k in knots), *flow, first.does_not_rise(unknowns), *region]
-
-    def at_corner(self, unknowns: Unknowns, i: int) -> dict[str, Matrix]:
-        """The unknowns as ``SampledProof`` has them, with the multipliers of one corner's flow."""
-        own = dict(unknowns)
-        for name in ("flow_sectors", "flow_copies"):
-            own[name] = unknowns[f"{name}_{i}"]
-            if self.continuous:  # both ends of its sample are alike
-                own[name] = np.concatenate([own[name], own[name]])
-        if self.continuous:
-            own["P1"] = own["P0"]
-            nothing = ("theta_plus", "theta_minus", "rest_sectors", "rest_copies", "jump_sectors", "jump_copies")
-            own |= dict.fromkeys(nothing, np.zeros(0))
-        return own
+        """Matrices that must be positive definite."""
+        found = []
+        for i, proof in enumerate(self.proofs):
+            own = self.at_corner(unknowns, i)
+            if self.continuous:
+                found += [proof.positive(own, 0), proof.falls(own, 0, 0)]
+            else:
+                found += proof.conditions(own)
+        return found
 
     def sizes(self, of_one: Sequence[Matrix]) -> list[Matrix]:
         """Typical sizes of the conditions, from those of one ``SampledProof``."""
-        knots, ends = self.flows[0].substeps + 1, 2 * self.flows[0].substeps
-        flow = list(of_one[knots : knots + ends]) * len(self.flows)
+        return list(of_one[::2][:2] if self.continuous else of_one) * len(self.proofs)
+
+    def at_corner(self, unknowns: Unknowns, i: int) -> dict[str, Matrix]:
+        """The unknowns of one corner, as ``SampledProof`` has them."""
+        own: dict[str, Matrix] = {name: unknowns[name] for name in ("eta_plus", "eta_minus")}
+        own |= {name.rsplit(" ", 1)[0]: v for name, v in unknowns.items() if name.endswith(f" {i}")}
+        raised = self._raised[i]
+        for knot in ("P0",) if self.continuous else self.proofs[0].layout().symmetric:
+            total = unknowns[knot].copy()
+            for subset in _subsets(raised)[1:]:
+                kept = [s for s in range(len(total)) if s not in {RATE_OF[name] for name in subset}]
+                total[np.ix_(kept, kept)] += unknowns[_part(knot, subset)]
+            own[knot] = total
         if self.continuous:
-            return [of_one[0], *flow[: len(self.flows)]]
-        return [*of_one[:knots], *flow, *of_one[knots + ends :]]
+            nothing = (
+                "theta_plus",
+                "theta_minus",
+                "rest_sectors",
+                "rest_copies",
+                "jump_sectors",
+                "jump_copies",
+            )
+            own |= dict.fromkeys(nothing, np.zeros(0))
+            own |= {name: np.tile(own[name], 2) for name in ("flow_sectors", "flow_copies")}
+            own["P1"] = own["P0"]
+        return own
+
+    @cached_property
+    def _raised(self) -> list[tuple[str, ...]]:
+        """For each corner: the parameters that have their largest share there."""
+        return [
+            tuple(name for name in self.varied if corner[name] == self.cell[name][1])
+            for corner in flow_corners(self.cell)
+        ]
+
+
+def _subsets(names: Sequence[str]) -> list[tuple[str, ...]]:
+    """All subsets, the empty one first."""
+    return [subset for size in range(len(names) + 1) for subset in combinations(names, size)]
+
+
+def _part(knot: str, subset: Sequence[str]) -> str:
+    """Name of what raising the parameters of a set adds to P."""
+    return " + ".join((knot, *subset))
 
 
 def with_flows_of(proof: SampledProof, loops: Sequence[LureLoop]) -> tuple[SampledProof, ...]:

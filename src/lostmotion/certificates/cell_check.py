@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from . import verify_certificate
@@ -12,18 +12,12 @@ from .certificate import proof_data
 from .semidefinite import Unknowns
 
 
-def cell_data(proof: CellProof, unknowns: Unknowns) -> dict[str, Any]:
-    """P at each knot and all multipliers of a cell, in the order in which the verifier needs them."""
-    given = [proof.at_corner(unknowns, i) for i in range(len(proof.flows))]
-    data = proof_data(proof.flows[0], given[0])
-    multipliers = {name: v for name, v in data["multipliers"].items() if not name.startswith("flow_")}
-    for i, own in enumerate(given):
-        each = proof_data(proof.flows[i], own)["multipliers"]
-        multipliers |= {f"flow_{i}_{name[5:]}": v for name, v in each.items() if name.startswith("flow_")}
-    return {**data, "multipliers": multipliers}
+def cell_data(proof: CellProof, unknowns: Unknowns) -> list[dict[str, Any]]:
+    """P at each knot and all multipliers of each corner of a cell, in the order in which the verifier needs them."""
+    return [proof_data(own, proof.at_corner(unknowns, i)) for i, own in enumerate(proof.proofs)]
 
 
-def cell_verdict(header: Mapping[str, Any], numbers: Mapping[str, Any], cell: Cell) -> str | None:
+def cell_verdict(header: Mapping[str, Any], numbers: Sequence[Mapping[str, Any]], cell: Cell) -> str | None:
     """None if the numbers prove the cell in exact fractions, else why not.
 
     ``header``: the certificate without its cells.

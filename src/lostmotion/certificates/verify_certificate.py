@@ -396,7 +396,6 @@ class Proof:
         )
         self.eta = self.signed("eta", loop.plant_curves)
         self.theta = self.signed("theta", self.of_state)
-        self.flow = "flow"
 
     def curves_of_the_state(self):
         """Rising law curves without a jump whose argument is the law's state alone: the integrals of V (10)."""
@@ -523,7 +522,7 @@ class Proof:
             z_rate = replaced(self.loop.arguments[name], rates)
             add_product(total, -2 * (positive - negative), self.own(name), z_rate)
         curves = self.evaluated([*self.loop.plant_curves, *self.of_state])
-        self.subtract_known(total, f"{self.flow}_{k}_{end}", curves)
+        self.subtract_known(total, f"flow_{k}_{end}", curves)
         return positive_definite(total, [*self.zeta, *self.loop.plant_curves])
 
     def does_not_rise(self):
@@ -548,6 +547,28 @@ class Proof:
         return positive_definite(
             total, [*loop.states, *seen, *self.moving, *(f"{n} after" for n in self.of_state)]
         )
+
+    def holds(self):
+        """All inequalities of a sampled loop."""
+        for k in range(self.substeps + 1):
+            demand(self.positive(k), f"V is not positive at knot {k} (12)")
+        for k in range(self.substeps):
+            for end in (0, 1):
+                demand(self.falls(k, end), f"V does not fall in substep {k}, end {end} (13)")
+        demand(self.does_not_rise(), "V rises at a sample (15)")
+        if self.region is not None:
+            demand(self.loop.limit in self.moving, "the torque limit reads nothing")
+            demand(self.contains(), "the level does not keep the torque in its region (17)")
+            demand(self.starts_inside(), "the step starts above the level (18)")
+
+    def holds_in_continuous_time(self):
+        """All inequalities of a loop without samples: one P, given twice."""
+        demand(
+            self.substeps == 1 and self.p[0] == self.p[1],
+            "P changes although the law acts in continuous time",
+        )
+        demand(self.positive(0), "V is not positive (12)")
+        demand(self.falls(0, 0), "V does not fall (13)")
 
     def seen(self):
         """Plant curves that the law reads at a sample, or has copies of."""
@@ -576,16 +597,7 @@ def verify(certificate, law=None):
     if claim["limit"] is not None:
         region = region_of(loop, claim, sectors, rests, ends)
     proof = Proof(loop, sectors, copies_of(loop, corners), own["dt"], certificate["proof"], region)
-    for k in range(proof.substeps + 1):
-        demand(proof.positive(k), f"V is not positive at knot {k} (12)")
-    for k in range(proof.substeps):
-        for end in (0, 1):
-            demand(proof.falls(k, end), f"V does not fall in substep {k}, end {end} (13)")
-    demand(proof.does_not_rise(), "V rises at a sample (15)")
-    if region is not None:
-        demand(loop.limit in proof.moving, "the torque limit reads nothing")
-        demand(proof.contains(), "the level does not keep the torque in its region (17)")
-        demand(proof.starts_inside(), "the step starts above the level (18)")
+    proof.holds()
     return claim
 
 
@@ -641,8 +653,8 @@ BOX = {
     "coulomb": ["coulomb_plus", "coulomb_minus", "coulomb_motor_plus", "coulomb_motor_minus"],
 }  # fmt: skip
 
-#: What enters the flow, and there each alone (21).
-IN_THE_FLOW = ("stiffness", "inertia_load", "inertia_motor")
+#: What enters the flow, with the place of the one state whose rate it multiplies: k·twist, and the two speeds (20).
+IN_THE_FLOW = {"stiffness": 0, "inertia_load": 2, "inertia_motor": 1}
 
 #: Unit of time of the multipliers for a law in continuous time, s.
 TIME_UNIT = Fraction(1, 1024)
@@ -655,7 +667,12 @@ class ContinuousLoop(Loop):
         super().__init__(drivetrain, law, 0)
         by = {"torque_motor": self.jump.pop("torque_motor")}
         self.rates = {name: replaced(form, by) for name, form in {**self.rates, **self.jump}.items()}
-        self.jump, self.states, self.plant_curves, self.law_curves = {}, list(self.rates), list(self.curves), []
+        self.jump, self.states, self.plant_curves, self.law_curves = (
+            {},
+            list(self.rates),
+            list(self.curves),
+            [],
+        )
         for form in self.arguments.values():
             demand(set(form) <= set(self.states), "a curve reads more than states")
 
@@ -697,31 +714,34 @@ def verify_cell(certificate, numbers, cell):
     if claim["limit"] is not None:
         demand(sampled, "a torque limit with a law in continuous time")
         region = region_of(loop, claim, sectors, rests, ends)
-    flows = [loop_at(certificate, corner, cell) for corner in corners_of(cell, IN_THE_FLOW)]
-    for each in flows:
-        demand(each.jump == loop.jump and each.arguments == loop.arguments, "the law reads what the box varies")
-    proof = Proof(loop, sectors, copies, law["dt"] if sampled else TIME_UNIT, numbers, region)
-    for i, proof.loop in enumerate(flows):
-        proof.flow = f"flow_{i}"
-        for k in range(proof.substeps):
-            for end in (0, 1) if sampled else (0,):
-                demand(proof.falls(k, end), "V does not fall in a cell (13)")
-    proof.loop = loop
-    demand(all(proof.positive(k) for k in range(proof.substeps + 1)), "V is not positive in a cell (12)")
-    if not sampled:
-        demand(proof.p[0] == proof.p[1], "P changes although the law acts in continuous time")
-        return
-    demand(proof.does_not_rise(), "V rises at a sample in a cell (15)")
-    if region is not None:
-        demand(loop.limit in proof.moving, "the torque limit reads nothing")
-        demand(proof.contains() and proof.starts_inside(), "the torque may leave its region in a cell (17, 18)")
+    corners = corners_of(cell, IN_THE_FLOW)
+    demand(len(numbers) == len(corners), "not as many proofs as corners of a cell")
+    proofs = []
+    for corner, own in zip(corners, numbers):
+        each = loop_at(certificate, corner, cell)
+        demand(
+            each.jump == loop.jump and each.arguments == loop.arguments, "the law reads what the box varies"
+        )
+        proofs.append(Proof(each, sectors, copies, law["dt"] if sampled else TIME_UNIT, own, region))
+        if sampled:
+            proofs[-1].holds()
+        else:
+            proofs[-1].holds_in_continuous_time()
+    for a, b in combinations(range(len(corners)), 2):
+        differ = [name for name in corners[a] if corners[a][name] != corners[b][name]]
+        demand(proofs[a].eta == proofs[b].eta, "integrals of the plant differ within a cell")
+        for p, q in zip(proofs[a].p, proofs[b].p):
+            same = len(differ) > 1 or p[IN_THE_FLOW[differ[0]]] == q[IN_THE_FLOW[differ[0]]]
+            demand(same, "P is not multi-affine in a cell")
 
 
 def corners_of(cell, names):
     """Every combination of the smallest and largest shares of the named parameters."""
     found = [{}]
     for name in names:
-        found = [{**c, name: share} for c in found for share in sorted(set(cell.get(name, ()))) or [Fraction(1)]]
+        found = [
+            {**c, name: share} for c in found for share in sorted(set(cell.get(name, ()))) or [Fraction(1)]
+        ]
     return found
 
 
@@ -800,7 +820,7 @@ def main(paths):
         print(f"NOT PROVED: the file is no certificate ({type(error).__name__}: {error})")
         return 1
     for name, ends in claim.get("box", {}).items():
-        print("For {0} times {1!r} to {2!r},".format(name, *map(float, ends)))
+        print("For {} times {!r} to {!r},".format(name, *map(float, ends)))
     low, high = float(claim["speed_from"]), float(claim["speed_to"])
     print(f"PROVED: asymptotically stable at every load speed from {low!r} to {high!r} rad/s,")
     print("        in both directions," if claim["both_directions"] else "        in the positive direction,")
