@@ -25,8 +25,8 @@ from lostmotion.errors import InvalidInput
     ("law", "speed"),
     [
         (continuous_pi(), 0.01),
-        (continuous_observer_feedback(PAPER), 0.125),
-        (continuous_observer_feedback(PAPER, compensation=False), 0.1),
+        (continuous_observer_feedback(PAPER), 0.08),
+        (continuous_observer_feedback(PAPER, compensation=False), 0.03),
     ],
 )
 def test_the_nominal_loop_is_proved_exactly(law: ContinuousLaw, speed: float) -> None:

@@ -54,19 +54,24 @@ def sectors(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Sector, ...
 
 
 def copies(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Copies, ...]:
-    """All pairs of arguments of one rising curve without a jump, plant's and law's, for which the cross condition
-    holds."""
+    """All pairs of arguments of one rising curve, plant's and law's, for which the cross condition holds."""
     curves = (*loop.plant_curves, *loop.law_curves)
     found = []
     for j, second in enumerate(curves):
         for i, first in enumerate(curves[:j]):
-            if first == second and first.rises and first.steepest:
+            if first == second and first.rises and first.steepest != 0:
                 apart = _apart(first, i, j, corners)
                 if apart is not None:
-                    slack = min(LARGEST_SLACK, SLACK * apart)
-                    loss = (first.steepest * apart) ** 2 / (4 * slack) if apart else apart
-                    found.append(Copies(i, j, first.steepest, slack, loss))
+                    found.append(_copies(first, i, j, apart))
     return tuple(found)
+
+
+def _copies(curve: StaticCurve, i: int, j: int, apart: Fraction) -> Copies:
+    """Equations 8 and 9, with ε/room; of a jump, which has no largest slope, the product of both differences is left."""
+    steepest, jump = (Fraction(1), 1) if curve.steepest is None else (curve.steepest, 0)
+    slack = min(LARGEST_SLACK, SLACK * apart)
+    loss = (steepest * apart) ** 2 / (4 * slack) if apart else apart
+    return Copies(i, j, steepest, slack + jump, loss)
 
 
 def _apart(curve: StaticCurve, i: int, j: int, corners: Sequence[Equilibrium]) -> Fraction | None:

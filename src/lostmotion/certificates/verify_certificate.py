@@ -340,13 +340,13 @@ def sectors_of(loop, corners):
 
 
 def copies_of(loop, corners):
-    """(slope, slack, loss) of all pairs of arguments of one rising curve without a jump (8, 9)."""
+    """(slope, slack, loss) of all pairs of arguments of one rising curve (8, 9); of a jump slope and slack are 1."""
     found = {}
     for a, b in combinations(loop.curves, 2):
         curve = loop.curves[a]
-        if curve.key != loop.curves[b].key or not curve.rises or not curve.steepest:
+        if curve.key != loop.curves[b].key or not curve.rises or curve.steepest == 0:
             continue
-        slack = loss = Fraction(0)
+        slope, slack, loss = curve.steepest or Fraction(1), Fraction(0), Fraction(0)
         if any(corner[a] != corner[b] for corner in corners):
             segments = {curve.segment(corner[name]) for corner in corners for name in (a, b)}
             if len(segments) != 1 or curve.slopes[segments.pop()] != 0:
@@ -358,8 +358,8 @@ def copies_of(loop, corners):
                 for z, _ in curve.points
             )
             slack = min(Fraction(1, 4), 64 * apart)
-            loss = (curve.steepest * apart) ** 2 / (4 * slack)
-        found[a, b] = curve.steepest, slack, loss
+            loss = (slope * apart) ** 2 / (4 * slack)
+        found[a, b] = slope, slack + (curve.steepest is None), loss
     return found
 
 
