@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
 from .version import VERSION
 
+# Known to type checkers by its name. ``typing`` takes longer to import than Python to start, and an interruption of the
+# command is not told in one line before it is through here.
+TYPE_CHECKING = False
+
 if TYPE_CHECKING:
+    from typing import Any
+
     from . import (
         certificates,
         compare,
@@ -105,6 +108,8 @@ __all__ = [
 if not TYPE_CHECKING:  # a type checker sees the imports above, and that nothing else is here
 
     def __getattr__(name: str) -> Any:
+        import importlib
+
         if name in _HOME:
             value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
         elif name in _ROOMS:

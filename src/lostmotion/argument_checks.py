@@ -246,6 +246,7 @@ _CLASSES = {
     "Drivetrain": "; Drivetrain.two_mass(...) makes one",
     "FrequencyResponse": ", as frequency_response returns it",
     "FrictionFit": ", as torque_step and rigid_drive return it",
+    "RunningProof": ", as prove_running returns it",
     "Recording": "; read_recording and simulate return one",
     "Sensor": '; Sensor("speed_motor") is a perfect one',
     "Shaft": "; Shaft(stiffness) is the simplest",

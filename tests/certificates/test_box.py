@@ -91,8 +91,7 @@ def test_a_damaged_certificate_is_refused(twenty: BoxProof, name: str, reason: s
 def test_a_cell_without_a_proof_is_no_certificate(twenty: BoxProof) -> None:
     data = copy.deepcopy(twenty.certificate)
     damaged("a cell without a proof", data)
-    with pytest.raises(KeyError):
-        verdict(data)
+    assert "no certificate" in (verdict(data) or "")
 
 
 def test_an_interrupted_search_keeps_its_cells_and_goes_on() -> None:

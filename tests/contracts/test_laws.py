@@ -76,6 +76,13 @@ OBSERVERS = {
     "kalman, scheduled": kalman(
         PAPER, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
     ),
+    "kalman, injection": kalman(PAPER, dt=1e-4, injection={"speed_motor": 1.4e-3}),
+    "kalman, injection of both sensors": kalman(
+        PAPER.with_contact("dead_zone"),
+        measured=("torque_shaft", "speed_motor"),
+        dt=1e-4,
+        injection={"torque_shaft": 1.4e-4, "speed_motor": 1e-4},
+    ),
     "H infinity": h_infinity_observer(PAPER.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True),
     "shaft torque": shaft_torque(6285.896, dt=1e-3, torque_delay=4e-4),
     "disturbance observer": disturbance_observer(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, pruned
@@ -67,20 +69,25 @@ class BoxProof:
     stops_at: Mapping[str, float] | None = None
 
 
-def around(half_width: float, parameters: tuple[str, ...] = PARAMETERS[:4]) -> Cell:
-    """The box of ±half_width around the nominal value of each parameter."""
+@checks_arguments
+def around(half_width: float, parameters: Sequence[str] = PARAMETERS[:4]) -> Cell:
+    """The box of ±half_width around the nominal value of each parameter.
+
+    Raises ``InvalidInput`` for a half-width that is no share between 0 and 1, and for parameters beyond ``PARAMETERS``.
+    """
     if not 0.0 < half_width < 1.0:
-        raise InvalidInput("box", repr(half_width), "a share between 0 and 1", "0.1 is ±10 %.")
+        raise InvalidInput("half_width", repr(half_width), "a share between 0 and 1", "0.1 is ±10 %.")
     unknown = sorted(set(parameters) - set(PARAMETERS))
     if unknown:
-        raise InvalidInput("box", f"{unknown}", f"names out of {PARAMETERS}", "Check the names.")
+        raise InvalidInput("parameters", f"{unknown}", f"names out of {PARAMETERS}", "Check the names.")
     return dict.fromkeys(parameters, (1.0 - half_width, 1.0 + half_width))
 
 
+@checks_arguments
 def prove_box(
     drivetrain: Drivetrain,
     law: DiscreteSystem | ContinuousLaw,
-    box: Cell,
+    box: Mapping[str, Sequence[float]],
     *,
     speed: float = SPEED,
     fastest: float = FASTEST,
@@ -115,7 +122,9 @@ def prove_box(
     InvalidInput
         For a drivetrain or law without a Lur'e form, and for a law that reads the twist.
     """
-    continuous = isinstance(law, ContinuousLaw)
+    if not isinstance(law, DiscreteSystem | ContinuousLaw):
+        raise InvalidInput("law", repr(law), "a DiscreteSystem or a ContinuousLaw", "Connect the law first.")
+    _check(box, speed, fastest, torque_load, substeps, workers)
     if "twist" in law.inputs and box:
         raise InvalidInput(
             "certify: box", "a law that reads the twist", "speeds or the shaft torque", "Leave the box out."
@@ -125,12 +134,16 @@ def prove_box(
     else:
         loop_of = partial(lure_loop, law=law, delay=delay)
     nominal = loop_of(drivetrain)
-    claim = CellClaim(drivetrain, loop_of, (float(speed), float(fastest)), torque_load, continuous, substeps)
-    search = BoxSearch(claim, box, workers or os.cpu_count() or 1, progress or (lambda share, text: None))
+    cell: Cell = {name: (float(low), float(high)) for name, (low, high) in box.items()}
+    claim = CellClaim(
+        drivetrain, loop_of, (float(speed), float(fastest)), (float(torque_load[0]), float(torque_load[1])),
+        isinstance(law, ContinuousLaw), substeps,
+    )  # fmt: skip
+    search = BoxSearch(claim, cell, workers or os.cpu_count() or 1, progress or (lambda share, text: None))
     wanted = {
-        "box": {name: list(ends) for name, ends in box.items()},
+        "box": {name: list(ends) for name, ends in cell.items()},
         "speed_from": float(speed), "speed_to": float(fastest),
-        "torque_load": [float(torque) for torque in torque_load], "both_directions": nominal.is_odd, "limit": None,
+        "torque_load": list(claim.torque_load), "both_directions": nominal.is_odd, "limit": None,
     }  # fmt: skip
     data: dict[str, Any] = {
         "claim": None, "wanted": wanted, "drivetrain": drivetrain_data(drivetrain),
@@ -146,13 +159,43 @@ def prove_box(
         if earlier is not None and all(earlier.get(key) == data[key] for key in data if key != "cells"):
             data["cells"] = earlier["cells"]
         search.prove(data)
-        data["claim"] = wanted
+        data["claim"] = data.pop("wanted")
     except CellUnproved as error:
         reason, stops_at = str(error), error.shares
     except KeyboardInterrupt:
         reason = "interrupted"
     return BoxProof(
-        proved=data["claim"] is not None, box=box, speed=float(speed), fastest=float(fastest), torque_load=torque_load,
+        proved=data["claim"] is not None, box=cell, speed=speed, fastest=fastest, torque_load=claim.torque_load,
         step=search.claim.step, delay=delay, both_directions=nominal.is_odd, cells=proved(data["cells"]),
         share=share_proved(data["cells"]), certificate=data, reason=reason, stops_at=stops_at,
     )  # fmt: skip
+
+
+def _check(
+    box: Mapping[str, Sequence[float]],
+    speed: float,
+    fastest: float,
+    torque_load: tuple[float, float],
+    substeps: int,
+    workers: int | None,
+) -> None:
+    """Raise ``InvalidInput`` for what the annotations do not say."""
+    unknown = sorted(set(box) - set(PARAMETERS))
+    if unknown:
+        raise InvalidInput("box", f"{unknown}", f"names out of {PARAMETERS}", "Check the names.")
+    for name, ends in box.items():
+        if len(ends) != 2 or not 0.0 < ends[0] <= ends[1] < math.inf:
+            raise InvalidInput(
+                f"box[{name!r}]", repr(ends), "smallest and largest share above 0", "1 is nominal."
+            )
+    if not 0.0 < speed < fastest < math.inf:
+        raise InvalidInput(
+            "speed", f"{speed!r} to {fastest!r} rad/s", "two speeds above 0 that rise", "Swap them."
+        )
+    if not torque_load[0] <= torque_load[1] or not math.isfinite(sum(torque_load)):
+        raise InvalidInput(
+            "torque_load", repr(torque_load), "smallest and largest torque in Nm", "Swap them."
+        )
+    for name, count in (("substeps", substeps), ("workers", workers)):
+        if count is not None and count < 1:
+            raise InvalidInput(name, repr(count), "a whole number from 1 on", "Leave it out.")

@@ -112,7 +112,7 @@ def corners(cell: Cell, names: Sequence[str]) -> list[dict[str, float]]:
     return [dict(combination) for combination in product(*ends)]
 
 
-#: The state whose rate, and no other, is proportional to the parameter or to one over it, in units of torque.
+#: The state (layout) whose rate, and no other, is proportional to the parameter or to one over it, in units of torque.
 RATE_OF = {"stiffness": 0, "inertia_motor": 1, "inertia_load": 2}
 
 

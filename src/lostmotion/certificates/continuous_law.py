@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..controllers.pole_placement import DEFAULT_POLES, state_feedback
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -73,6 +74,7 @@ class ContinuousLaw:
         }  # fmt: skip
 
 
+@checks_arguments
 def continuous_pi(kp: float = 10.0, ki: float = 200.0) -> ContinuousLaw:
     """PI control of the motor speed, without a limit; defaults as those of ``controllers.pi``."""
     return ContinuousLaw(
@@ -82,6 +84,7 @@ def continuous_pi(kp: float = 10.0, ki: float = 200.0) -> ContinuousLaw:
     )  # fmt: skip
 
 
+@checks_arguments
 def continuous_observer_feedback(
     drivetrain: Drivetrain,
     *,

@@ -67,7 +67,7 @@ def copies(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Copies, ...]
 
 
 def _copies(curve: StaticCurve, i: int, j: int, apart: Fraction) -> Copies:
-    """Equations 8 and 9, with ε/room; of a jump, which has no largest slope, the product of both differences is left."""
+    """Equations 8 and 9, with ε/room; a jump has no largest slope: the product of both differences is left."""
     steepest, jump = (Fraction(1), 1) if curve.steepest is None else (curve.steepest, 0)
     slack = min(LARGEST_SLACK, SLACK * apart)
     loss = (steepest * apart) ** 2 / (4 * slack) if apart else apart

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..argument_checks import checks_arguments
 from .running import RunningProof
 
 #: What voids every proof, whatever its numbers.
@@ -16,6 +17,7 @@ CONDITIONS = (
 )
 
 
+@checks_arguments
 def headline(proof: RunningProof) -> str:
     """One sentence that is read in ten seconds."""
     if proof.speed is None:
@@ -38,6 +40,7 @@ def _load(proof: RunningProof) -> str:
     return f" and with {-high:.3g} to {-low:.3g} Nm of load torque against the motion" if high < 0.0 else ""
 
 
+@checks_arguments
 def conditions(proof: RunningProof) -> list[str]:
     """What must hold for the headline, a sentence part each."""
     low, high = proof.torque_load
@@ -50,6 +53,7 @@ def conditions(proof: RunningProof) -> list[str]:
     return [torque, f"the torque {samples}", *CONDITIONS]
 
 
+@checks_arguments
 def stability(proof: RunningProof) -> dict[str, Any]:
     """The section "Stability" of the report, as JSON can hold it."""
     return {

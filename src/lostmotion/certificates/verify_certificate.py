@@ -24,6 +24,10 @@ BITS = 96
 SHAPES = {"A": "xx", "B": "xu", "E": "xw", "F": "wx", "G": "wu", "H": "ww", "C": "yx", "D": "yu", "J": "yw"}
 
 
+#: What reading something else raises.
+NO_CERTIFICATE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+
+
 class NotProved(Exception):
     """Why a certificate proves nothing."""
 
@@ -653,10 +657,10 @@ BOX = {
     "coulomb": ["coulomb_plus", "coulomb_minus", "coulomb_motor_plus", "coulomb_motor_minus"],
 }  # fmt: skip
 
-#: What enters the flow, with the place of the one state whose rate it multiplies: k·twist, and the two speeds (20).
+#: What enters the flow, and the place (layout) of the one state whose rate it multiplies: k·twist, speeds (20).
 IN_THE_FLOW = {"stiffness": 0, "inertia_load": 2, "inertia_motor": 1}
 
-#: Unit of time of the multipliers for a law in continuous time, s.
+#: Unit of time of the multipliers for a law in continuous time, s (numerics).
 TIME_UNIT = Fraction(1, 1024)
 
 
@@ -808,15 +812,7 @@ def main(paths):
     except NotProved as reason:
         print(f"NOT PROVED: {reason}")
         return 1
-    except (
-        OSError,
-        LookupError,
-        TypeError,
-        ValueError,
-        AttributeError,
-        ArithmeticError,
-        RecursionError,
-    ) as error:
+    except (OSError, *NO_CERTIFICATE) as error:
         print(f"NOT PROVED: the file is no certificate ({type(error).__name__}: {error})")
         return 1
     for name, ends in claim.get("box", {}).items():

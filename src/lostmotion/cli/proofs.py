@@ -35,7 +35,9 @@ def certify(
     force: ForceOption = False,
 ) -> None:
     """Prove from which load speed on the loop is stable, with the whole gap, and write a certificate to check it."""
+    from ..certificates import MARGIN_COLUMNS, margin_table
     from ..commands.certify import certify_file
+    from ..display.tables import text
     from ..terminal import StageLines
 
     with interruptible(), StageLines() as lines:
@@ -48,4 +50,6 @@ def certify(
     if result["proved"]:
         typer.echo(f"  set-point there: {result['reference']:g} rad/s")
         typer.echo("  valid while " + ";\n              ".join(result["conditions"]))
+    if result["margins"]:
+        typer.echo(text([MARGIN_COLUMNS, *margin_table(result["margins"])]))
     finished([], out, ".json", "_verify.py")

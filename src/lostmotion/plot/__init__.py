@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from .control_step import control_step
+from .drawings.block_diagram import block_diagram
+from .drawings.chain import chain
+from .drawings.reduction import reduction
 from .frequency.bode import bode
 from .frequency.coherence import coherence
 from .frequency.mode_shapes import mode_shapes
@@ -25,7 +28,9 @@ from .style import source_of, words
 __all__ = [
     "backlash_locked",
     "backlash_lost_motion",
+    "block_diagram",
     "bode",
+    "chain",
     "coherence",
     "control_step",
     "estimate_errors",
@@ -38,6 +43,7 @@ __all__ = [
     "prediction_fit",
     "quantile_bands",
     "recording_overview",
+    "reduction",
     "ring_down_fit",
     "sensor_worth",
     "source_of",
