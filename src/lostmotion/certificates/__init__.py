@@ -1,6 +1,8 @@
 """Certificates: proofs that a drivetrain and its law are stable, checked in exact fractions."""
 
+from .box import BoxProof, around, prove_box
 from .certificate import verdict
+from .continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
 from .load_torque import prove_with_load
 from .observer.error_bound import ObserverError, observer_error, observer_verdict
 from .robustness.contact_margins import margins
@@ -9,14 +11,20 @@ from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
 __all__ = [
+    "BoxProof",
+    "ContinuousLaw",
     "Margins",
     "ObserverError",
     "RunningProof",
+    "around",
     "conditions",
+    "continuous_observer_feedback",
+    "continuous_pi",
     "headline",
     "margins",
     "observer_error",
     "observer_verdict",
+    "prove_box",
     "prove_running",
     "prove_with_load",
     "stability",
