@@ -1,6 +1,8 @@
 """Certificates: proofs that a drivetrain and its law are stable, checked in exact fractions."""
 
 from .box import BoxProof, around, prove_box
+from .box_simulation import simulated
+from .box_statement import box_headline, box_stability
 from .certificate import verdict
 from .continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
 from .load_torque import prove_with_load
@@ -18,6 +20,8 @@ __all__ = [
     "ObserverError",
     "RunningProof",
     "around",
+    "box_headline",
+    "box_stability",
     "conditions",
     "continuous_observer_feedback",
     "continuous_pi",
@@ -30,6 +34,7 @@ __all__ = [
     "prove_box",
     "prove_running",
     "prove_with_load",
+    "simulated",
     "stability",
     "verdict",
 ]

@@ -122,8 +122,6 @@ def prove_box(
     InvalidInput
         For a drivetrain or law without a Lur'e form, and for a law that reads the twist.
     """
-    if not isinstance(law, DiscreteSystem | ContinuousLaw):
-        raise InvalidInput("law", repr(law), "a DiscreteSystem or a ContinuousLaw", "Connect the law first.")
     _check(box, speed, fastest, torque_load, substeps, workers)
     if "twist" in law.inputs and box:
         raise InvalidInput(
