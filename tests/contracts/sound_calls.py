@@ -228,6 +228,7 @@ def _laws() -> list[Call]:
                 "ki": 2.0,
                 "torque_limit": 5.0,
                 "filter_time": 0.01,
+                "speed_filter_time": 0.01,
                 "friction_of": plant(),
             },
         ),
@@ -313,6 +314,12 @@ def _certificates() -> list[Call]:
         Call(certificates.conditions, {"proof": proof()}),
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
+        Call(certificates.margins, loop | {"law": law(), "speed": 1.0, "torque_load": 0.0}),
+        Call(
+            certificates.observer_error,
+            {"drivetrain": plant(), "measured": ("speed_motor",), "gain": np.ones((3, 1)), "faces": 3},
+        ),
+        Call(certificates.observer_verdict, {"data": {}}),
     ]
 
 

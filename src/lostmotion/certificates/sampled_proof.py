@@ -5,7 +5,8 @@
     V(ξ, τ) = ξᵀ P(τ) ξ + 2 Σ ηᵢ ∫wᵢ + 2 Σ θⱼ ∫vⱼ        P piecewise linear in the time τ since the last sample
 
 falls between samples and does not rise at a sample: docs/stability.md, section 4, whose equations are cited. The same
-lines run in floats for the solver and in fractions for the check.
+lines run in floats for the solver and in fractions for the check. Terms with a multiplier of zero are left out: the
+solver takes the coefficients of one unknown after the other.
 """
 
 from __future__ import annotations
@@ -216,9 +217,11 @@ class SampledProof(LoopMatrices):
         zeta = np.vstack([xi, *(e.value for e in of_state)])
         form = zeta.T @ unknowns[f"P{k}"] @ zeta
         for i, eta in enumerate(unknowns["eta_minus"]):
-            form = form - eta * self.sectors[i, 1] * _square(self.Z[i] @ xi)
+            if eta:
+                form = form - eta * self.sectors[i, 1] * _square(self.Z[i] @ xi)
         for theta, e in zip(unknowns["theta_minus"], of_state, strict=True):
-            form = form - theta * self.sectors[e.curve, 1] * _square(e.argument)
+            if theta:
+                form = form - theta * self.sectors[e.curve, 1] * _square(e.argument)
         return form
 
     def falls(self, unknowns: Unknowns, k: int, end: int) -> Matrix:
@@ -227,7 +230,7 @@ class SampledProof(LoopMatrices):
         form = zeta.T @ (unknowns[f"P{k + 1}"] - unknowns[f"P{k}"]) @ zeta
         form = form + _twice(unknowns[f"P{k + end}"] @ zeta, rate)
         eta = unknowns["eta_plus"] - unknowns["eta_minus"]
-        for i in range(self.sizes[1]):
+        for i in np.flatnonzero(eta):
             form = form + eta[i] * _product(evaluations[i].value, z_rate[i])
         return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.substeps)
 
@@ -237,6 +240,8 @@ class SampledProof(LoopMatrices):
         form = jumped.T @ unknowns["P0"] @ jumped - zeta.T @ unknowns[f"P{self.substeps}"] @ zeta
         p = self.sizes[1]
         for place, (j, (s, v, s_later, later)) in enumerate(ends.items()):
+            if not (unknowns["theta_plus"][place] or unknowns["theta_minus"][place]):
+                continue
             curvature = _square(later - v) / self.steepest[p + j]
             rise, fall = _product(later, s_later - s), _product(v, s_later - s)
             form = form + unknowns["theta_plus"][place] * (rise - curvature)
@@ -278,7 +283,7 @@ class SampledProof(LoopMatrices):
         """What is known of the curves times its multipliers, in one of the parts of a condition."""
         each = [unknowns[f"{where}_{kind}"].reshape(parts, -1)[part] for kind in ("sectors", "copies")]
         multipliers = np.concatenate(each)
-        if not multipliers.size:
+        if not np.any(multipliers):
             return np.asarray(0)
         return np.asarray(np.tensordot(multipliers, self.facts[where], 1))
 

@@ -49,7 +49,7 @@ def certify(
     if box is not None:
         certify_a_box(drivetrain, law, out, delay, torque_load, fastest, box, box_speed, force)
         return
-    from ..certificates import MARGIN_COLUMNS, margin_table
+    from ..certificates.robustness.contact_margins import MARGIN_COLUMNS, margin_table
     from ..commands.certify import certify_file
     from ..display.tables import text
     from ..terminal import StageLines

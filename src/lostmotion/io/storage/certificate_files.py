@@ -12,8 +12,8 @@ from ...certificates import (
     box_stability,
     stability,
     verify_certificate,
-    verify_observer,
 )
+from ...certificates.observer import verify_observer
 from ...errors import InvalidInput
 from .json_files import load_json, save_json
 from .whole_files import write_bytes
