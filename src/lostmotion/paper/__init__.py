@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from .claim import Claim
+from .reproduce import reproduce
 
-__all__ = ["Claim"]
+__all__ = ["Claim", "reproduce"]

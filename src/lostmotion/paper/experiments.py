@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from .. import signals
 from ..controllers import pi, pole_placement
 from ..drivetrain import Drivetrain
-from ..identification import FrequencyResponse, frequency_response, locked_backlash, torque_step
+from ..identification import (
+    FrequencyResponse,
+    Identification,
+    frequency_response,
+    identify,
+    locked_backlash,
+    torque_step,
+)
 from ..identification.backlash.locked_load import LockedBacklash
 from ..identification.friction.result import FrictionFit
 from ..observers import kalman
@@ -25,6 +32,11 @@ from . import published
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
+
+
+def nothing_shown(share: float, text: str) -> None:
+    """No progress shown."""
+
 
 #: Torque step of Fig. 5: Nm, from when to when, length and sample time, s (section II: some 10 to 15 Nm, 10 s, 0 to 100
 #: rad/s; a step held for all of 10 s would reach 339 rad/s with Table I, so it ends and the rig coasts: a reading).
@@ -40,6 +52,8 @@ NOISE_RMS, NOISE_BAND, NOISE_SEED, NOISE_SECONDS = 16.0, (1.0, 300.0), 1, (60.0,
 SEGMENT, KEPT = 2.0, (2.0, 250.0)
 #: Outputs whose frequency responses the paper compares (section II).
 OUTPUTS = ("angle_motor", "speed_motor", "torque_shaft")
+#: Start of the identification, times Table I (option: a nameplate that is 30 % wrong in everything).
+NAMEPLATE_OFF = 1.3
 #: Length of the speed steps, s, and seed of their noise (option).
 LENGTH, STEP_NOISE = 1.5, 2
 #: Names of the responses: the three of figures 8 and 9, and that of a shaft which only pushes.
@@ -53,6 +67,14 @@ class Run:
 
     recording: Recording
     truth: Truth
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """What was identified in one recording of the rig, and the rig's true two-mass parameters."""
+
+    found: Identification
+    truth: Mapping[str, float | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +110,7 @@ class Experiments:
     placed_step: Run
 
 
-def perform(quick: bool, progress: Progress = lambda share, text: None) -> Experiments:
+def perform(quick: bool, progress: Progress = nothing_shown) -> Experiments:
     """Do all of them on the nominal rig."""
     structure, rig = paper_powertrain(), nominal_rig()
     progress(0.0, "torque step, locked wheel")
@@ -148,6 +170,15 @@ def with_tests(reduced: Drivetrain, friction: FrictionFit, locked: LockedBacklas
     )
 
 
+def identify_rig(rig: Rig, progress: Progress = nothing_shown) -> Identified:
+    """What ``identify`` finds in one recording of motor torque and motor speed, from a wrong nameplate."""
+    recording, truth = record(rig)
+    wrong = {name: NAMEPLATE_OFF * value for name, value in published.TABLE_I.items()}
+    start = published.paper_drivetrain(**wrong).with_contact("viscoelastic")
+    found = identify(recording, start=start, progress=progress)
+    return Identified(found, truth.parameters)
+
+
 def random_responses(rig: Rig, model: Drivetrain, seconds: float) -> dict[str, dict[str, FrequencyResponse]]:
     """Frequency responses of rig and models to the same random torque."""
     dt = published.DT
@@ -191,22 +222,25 @@ def observer_2(model: Drivetrain, torque_covariance: float = published.R_2["torq
     )
 
 
-def placed_law(
+def placed_parts(
     model: Drivetrain,
     pole: float = published.POLE_PLACED,
     torque_limit: float = published.TORQUE_LIMIT,
     prefilter: bool = True,
     compensation: bool = True,
-) -> DiscreteSystem:
-    """Observer 1 with pole placement, its prefilter V and the friction compensation DC, as in Fig. 14."""
+) -> list[DiscreteSystem]:
+    """Observer 1, and pole placement with its prefilter V and the friction compensation DC, as in Fig. 14."""
     control = pole_placement(
         model, poles=(pole,) * 3, dt=published.DT, torque_limit=torque_limit,
         friction_compensation="estimated" if compensation else "none",
     )  # fmt: skip
-    if not prefilter:
-        control = _without_prefilter(control)
+    return [observer(model), control if prefilter else _without_prefilter(control)]
+
+
+def placed_law(model: Drivetrain, **options: Any) -> DiscreteSystem:
+    """The parts of ``placed_parts``, which takes the same options, as one law."""
     return connect(
-        [observer(model), control], inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",)
+        placed_parts(model, **options), inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",)
     )
 
 

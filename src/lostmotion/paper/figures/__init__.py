@@ -1,15 +1,17 @@
-"""The paper's figures that show results, in its layout, axes and units."""
+"""The paper's figures: results in its layout, axes and units, setup and structure as drawings of the objects."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from ..experiments import Experiments
-from . import frequency, identification, steps, structure
+from . import drawings, frequency, identification, steps, structure
 from .style import PaperFigure, styled
 
-#: In the order of the paper.
-FIGURES: tuple[Callable[[Experiments], PaperFigure], ...] = (
+Draw = Callable[[Experiments], PaperFigure]
+
+#: Results, one column wide: drawn and saved within ``styled``.
+FIGURES: tuple[Draw, ...] = (
     structure.mode_shapes,
     structure.reduction,
     identification.torque_step,
@@ -20,5 +22,14 @@ FIGURES: tuple[Callable[[Experiments], PaperFigure], ...] = (
     steps.observer_2_noisy,
     steps.pulse,
 )
+#: Setup and structure, in the look of ``lostmotion.plot``.
+DRAWINGS: tuple[Draw, ...] = (
+    drawings.rig,
+    drawings.linear,
+    drawings.nonlinear,
+    drawings.observer_structure,
+    drawings.with_pi,
+    drawings.with_pole_placement,
+)
 
-__all__ = ["FIGURES", "PaperFigure", "styled"]
+__all__ = ["DRAWINGS", "FIGURES", "PaperFigure", "styled"]

@@ -40,17 +40,17 @@ LABELS = {
 
 @dataclass(frozen=True, eq=False)
 class PaperFigure:
-    """A figure of the paper, drawn from the virtual rig.
+    """A figure of the paper, or of an answer to its outlook, drawn from the virtual rig.
 
     Parameters
     ----------
-    number : int
-        In the paper.
+    number : int or str
+        In the paper; a word for a figure that the paper has not.
     title, caption : str
     image : Figure
     """
 
-    number: int
+    number: int | str
     title: str
     caption: str
     image: Figure
@@ -58,7 +58,7 @@ class PaperFigure:
     @property
     def name(self) -> str:
         """Of its files, without a suffix: so that a folder lists them in order."""
-        return f"figure-{self.number:02d}"
+        return f"figure-{self.number:02d}" if isinstance(self.number, int) else f"outlook-{self.number}"
 
 
 def styled() -> AbstractContextManager[None]:

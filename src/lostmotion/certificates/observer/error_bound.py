@@ -19,16 +19,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..argument_checks import checks_arguments
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..observers import kalman_gain
-from ..observers.fixed_gain.injection import injection_of
-from ..observers.model import observer_model
+from ...argument_checks import checks_arguments
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...observers import kalman_gain
+from ...observers.fixed_gain.injection import injection_of
+from ...observers.model import observer_model
+from ..certificate import drivetrain_data, short
+from ..plant import plant_of
 from . import verify_observer
-from .certificate import drivetrain_data, short
 from .invariant_polytope import Difference, invariant_polytope
-from .plant import plant_of
 
 Array = NDArray[np.float64]
 
