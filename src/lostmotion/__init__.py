@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         observers,
         paper,
         plot,
+        realtime,
         recording,
         report,
         rig,
@@ -91,7 +92,8 @@ _HOME = {
 #: The public rooms. What the documentation uses is importable from here or from one of these.
 _ROOMS = (
     "certificates", "compare", "controllers", "curves", "drivetrain", "errors", "experiment", "export",
-    "identification", "io", "metrics", "observers", "paper", "plot", "recording", "report", "rig", "signals",
+    "identification", "io", "metrics", "observers", "paper", "plot", "realtime", "recording", "report", "rig",
+    "signals",
     "simulation", "structure", "systems",
 )  # fmt: skip
 
@@ -100,8 +102,8 @@ __all__ = [
     "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem", "Recording", "Sensor",
     "Shaft", "Stepper", "certificates", "compare", "connect", "controllers", "curves", "drivetrain", "errors",
     "experiment", "export", "identification", "identify", "io", "load_drivetrain", "load_law",
-    "load_recording", "metrics", "observers", "one_sample_delay", "paper", "plot", "read_recording", "recording",
-    "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
+    "load_recording", "metrics", "observers", "one_sample_delay", "paper", "plot", "read_recording", "realtime",
+    "recording", "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
     "signals", "simulate", "simulate_batch", "simulation", "structure", "systems",
 ]  # fmt: skip
 

@@ -227,6 +227,7 @@ def _laws() -> list[Call]:
                 "ki": 2.0,
                 "torque_limit": 5.0,
                 "filter_time": 0.01,
+                "speed_filter_time": 0.01,
                 "friction_of": plant(),
             },
         ),
@@ -284,13 +285,27 @@ def proof() -> certificates.RunningProof:
 def _certificates() -> list[Call]:
     loop = {"drivetrain": plant(), "law": controllers.pi(dt=DT, kp=400.0), "delay": 0}
     searched = {"fastest": 10.0, "substeps": 1, "step": 1.0, "speeds": [1.0, 2.0]}
+    boxed = {"box": {"stiffness": (0.9, 1.1)}, "speed": 1.0, "fastest": 10.0, "substeps": 1, "workers": 1}
     return [
         Call(certificates.prove_running, loop | searched | {"torque_load": (0.0, 0.0)}),
         Call(certificates.prove_with_load, loop | searched),
+        Call(certificates.prove_box, loop | boxed),
+        Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
+        Call(certificates.continuous_pi, {"kp": 10.0, "ki": 200.0}),
+        Call(
+            certificates.continuous_observer_feedback,
+            {"drivetrain": plant(), "measured": ["speed_motor"], "poles": [-400.0] * 3, "compensation": True},
+        ),
         Call(certificates.headline, {"proof": proof()}),
         Call(certificates.conditions, {"proof": proof()}),
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
+        Call(certificates.margins, loop | {"law": law(), "speed": 1.0, "torque_load": 0.0}),
+        Call(
+            certificates.observer_error,
+            {"drivetrain": plant(), "measured": ("speed_motor",), "gain": np.ones((3, 1)), "faces": 3},
+        ),
+        Call(certificates.observer_verdict, {"data": {}}),
     ]
 
 

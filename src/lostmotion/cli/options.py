@@ -56,3 +56,9 @@ def known_method(name: str) -> Any:
     if name not in METHODS:
         raise typer.BadParameter(f"{name!r} is none of {', '.join(METHODS)}", param_hint="--method")
     return name
+
+
+def known_code(name: str | None) -> str | None:
+    if name not in (None, "c", "python"):
+        raise typer.BadParameter(f"{name!r} is none of c, python")
+    return name

@@ -35,7 +35,7 @@ def certify(
     force: ForceOption = False,
 ) -> None:
     """Prove from which load speed on the loop is stable, with the whole gap, and write a certificate to check it."""
-    from ..certificates import MARGIN_COLUMNS, margin_table
+    from ..certificates.robustness.contact_margins import MARGIN_COLUMNS, margin_table
     from ..commands.certify import certify_file
     from ..display.tables import text
     from ..terminal import StageLines

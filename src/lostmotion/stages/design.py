@@ -178,7 +178,7 @@ def _taken(
     step: SpeedStep,
 ) -> dict[str, dict[str, Any]]:
     """What the laws were designed with, each with its unit and its source."""
-    units = {"kp": "Nm s/rad", "ki": "Nm/rad", "filter_time": "s"}
+    units = {"kp": "Nm s/rad", "ki": "Nm/rad", "filter_time": "s", "speed_filter_time": "s"}
     source = poles.source if poles.source == GIVEN else f"from the drive, limited by {poles.source}"
     given_time = GIVEN if settings.sample_time is not None else "the recording's"
     return {

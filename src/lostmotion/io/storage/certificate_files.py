@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...certificates import ObserverError, RunningProof, stability, verify_certificate, verify_observer
+from ...certificates import ObserverError, RunningProof, stability, verify_certificate
+from ...certificates.observer import verify_observer
 from .json_files import save_json
 from .whole_files import write_bytes
 
