@@ -11,8 +11,8 @@ from table_i import TABLE_I
 
 import lostmotion as lm
 from lostmotion.certificates import margins
-from lostmotion.certificates.robustness.contact_margins import margin_data, margin_table
 from lostmotion.certificates.robustness.contact_loops import contact_loops
+from lostmotion.certificates.robustness.contact_margins import margin_data, margin_table
 from lostmotion.certificates.robustness.loop_margins import loop_margins
 from lostmotion.certificates.robustness.open_loop import OpenLoop
 from lostmotion.errors import InvalidInput
