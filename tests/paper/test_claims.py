@@ -13,7 +13,16 @@ import lostmotion as lm
 from lostmotion.paper import experiments as paper
 from lostmotion.paper import published
 from lostmotion.paper.claim import Claim
-from lostmotion.paper.claims import GROUPS, control, frequency, friction_backlash, gains, modes, observers
+from lostmotion.paper.claims import (
+    GROUPS,
+    control,
+    frequency,
+    friction_backlash,
+    gains,
+    modes,
+    observers,
+    realtime,
+)
 from lostmotion.paper.experiments import LINEAR, NONLINEAR, PUSHING, RIG, Experiments
 from lostmotion.structure import Disc, ShaftSegment, assemble
 from lostmotion.structure.powertrain import PARTS
@@ -198,6 +207,9 @@ BROKEN: dict[str, Callable[[Experiments], Claim]] = {
         "DC",
         control.steady_error(e.rig, paper.placed_law(e.model)),
         control.steady_error(rig(friction=0.01), paper.placed_law(frictionless(e), compensation=False)),
+    ),
+    "observer and controller run beside the rig": lambda e: realtime.lock_step(
+        paper.speed_step(e.rig, paper.placed_law(e.model, pole=-401.0)).recording, e.placed_step.recording
     ),
 }
 
