@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -181,7 +183,9 @@ BROKEN: dict[str, Callable[[Experiments], Claim]] = {
     "a larger torque entry of R₂ improves Observer 2": lambda e: observers.larger_entry(
         observers.torque_entries(e.rig, e.model, noise=0.1)
     ),
-    "PI on the load speed fails": lambda e: control.load_side_pi({1.0: as_it_is(e)[0].step}),
+    "PI on the load speed fails": lambda e: control.load_side_pi(
+        {1.0: as_it_is(e)[0].step}, as_it_is(e)[0].step
+    ),
     "PI overshoots": lambda e: control.pi_overshoots(responded(e.rig, paper.pi_law(ki=1.0))),
     "pole placement overshoots much less": lambda e: control.less_overshoot(
         as_it_is(e)[0], responded(rig(load=0.3), paper.placed_law(e.model))
@@ -237,3 +241,11 @@ def test_a_claim_can_be_read_alone(claims: dict[str, Claim]) -> None:
         assert claim.says.endswith(".") and claim.sentence.endswith("."), claim.name
         assert claim.where and claim.quantity and claim.tolerance
         assert claim.value and all(np.isfinite(v) for v in claim.value), claim.name
+
+
+def test_the_page_of_the_docs_lists_every_claim_with_its_verdict(claims: dict[str, Claim]) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "paper.md").read_text()
+    section = page.partition("## Claims")[2].partition("## ")[0]
+    rows = dict(re.findall(r"^\| (.+?) \| (holds|partly|does not hold) \|", section, re.MULTILINE))
+    assert rows == {name: claim.verdict for name, claim in claims.items()}
+    assert f"**{sum(c.verdict == 'holds' for c in claims.values())} of {len(claims)} claims" in page

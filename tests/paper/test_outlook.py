@@ -24,7 +24,7 @@ def identified(experiments: Experiments) -> Identified:
 @pytest.fixture(scope="module")
 def answered(experiments: Experiments, identified: Identified) -> list[Answer]:
     with styled():
-        return list(answers(experiments, identified))
+        return list(answers(experiments, identified, quick=True))
 
 
 def numbers(answered: list[Answer], page: str) -> dict[str, float | None]:

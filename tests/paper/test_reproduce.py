@@ -32,7 +32,7 @@ def short(experiments: Experiments, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "DRAWINGS", ())
     monkeypatch.setattr(module, "table_1", lambda e, identified: [])
     answer = Answer("Why <so>?", "Because φ_e is not φ_w.", "stability.md", {"one": 1.0})
-    monkeypatch.setattr(module, "answers", lambda e, identified: [answer])
+    monkeypatch.setattr(module, "answers", lambda e, identified, quick: [answer])
 
 
 def test_a_page_a_json_and_the_figures(short: None, tmp_path: Path) -> None:
