@@ -76,7 +76,7 @@ class SampledLoop:
             law = replace(law, initial_state=start.values[len(self.turning) :])
         if dt is not None:
             law = replace(law, dt=dt)
-        given = {"torque_load": np.full(samples, self.torque_load)} if self.torque_load else {}
+        given: Any = {"torque_load": np.full(samples, self.torque_load)} if self.torque_load else {}
         return simulate(
             self.drivetrain, law=law, dt=law.dt, state=state, speed_reference=np.full(samples, self.reference), **given
         )  # fmt: skip
