@@ -4,7 +4,13 @@ from .box.box_proof import BoxProof, around, prove_box
 from .box.box_simulation import simulated
 from .box.box_statement import box_headline, box_stability
 from .certificate import verdict
-from .continuous.continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
+from .continuous.continuous_law import (
+    ContinuousLaw,
+    continuous_observer_feedback,
+    continuous_pi,
+    continuous_state_feedback,
+)
+from .gap_share import largest_share
 from .load_torque import prove_with_load
 from .observer.error_bound import ObserverError, observer_error, observer_verdict
 from .robustness.contact_margins import margins
@@ -24,7 +30,9 @@ __all__ = [
     "conditions",
     "continuous_observer_feedback",
     "continuous_pi",
+    "continuous_state_feedback",
     "headline",
+    "largest_share",
     "margins",
     "observer_error",
     "observer_verdict",
