@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -15,7 +16,10 @@ from .reproduction import Reproduction
 
 if TYPE_CHECKING:
     import jinja2
+    from markupsafe import Markup
 
+#: A symbol with its index.
+SYMBOL = re.compile(r"\b(\w)_(\w+)")
 #: Class of the page's style for each verdict.
 STATES = {"holds": "good", "partly": "warn", "does not hold": "bad"}
 
@@ -57,5 +61,12 @@ def _template() -> jinja2.Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["digits"] = digits
+    environment.filters |= {"digits": digits, "symbols": _symbols}
     return environment.get_template("paper.html.j2")
+
+
+def _symbols(text: str) -> Markup:
+    """One letter with an underscore is a symbol with an index: φ_e, M_c, β_max."""
+    from markupsafe import Markup, escape
+
+    return Markup(SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(text))))

@@ -190,7 +190,7 @@ def load_side_pi(by_share: Mapping[float, StepMetrics]) -> Claim:
     """PI on the speed behind the elastic shaft does not settle, with the paper's gains and with lower ones."""
     settled = [share for share, step in by_share.items() if step.settling_time is not None]
     best = max(settled, default=None)
-    rest = "none of the lower gains either" if best is None else f"with {best:g} of its gains it does"
+    rest = "nor with any of the lower gains" if best is None else f"but with {best:g} of them it does"
     return Claim(
         name="PI on the load speed fails",
         says="It is not reasonable to feed back the wheel hub's speed with a PI controller: the system is not "

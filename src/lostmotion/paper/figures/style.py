@@ -60,6 +60,11 @@ class PaperFigure:
         """Of its files, without a suffix: so that a folder lists them in order."""
         return f"figure-{self.number:02d}" if isinstance(self.number, int) else f"outlook-{self.number}"
 
+    @property
+    def wide(self) -> bool:
+        """Whether it needs more than one column."""
+        return bool(self.image.get_size_inches()[0] > 1.5 * COLUMN)
+
 
 def styled() -> AbstractContextManager[None]:
     """Around drawing and saving: the settings end with the block."""
