@@ -51,7 +51,7 @@ def identify(
     load_torque: bool = False,
     contact: str = "viscoelastic",
     joint_piece: bool = True,
-    second_estimator: bool = False,
+    second_estimator: bool = True,
     speed_from_counts: bool | None = None,
     progress: Progress | None = None,
 ) -> Identification:

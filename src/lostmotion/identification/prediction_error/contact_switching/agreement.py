@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,19 +16,23 @@ from ..gain_schedule import Stage
 from ..identifiability import Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
-from .candidates import POLES, Estimate, estimate
+from .candidates import CORE, EXPLAINED, POLES, Estimate, Search
 from .filter import INDEX, ContactFilter
+from .fitted import intervals, within_intervals
+from .likelihood import Candidate, polish
+from .likelihood_ratio import alike, clearly_better
+from .starts import told_vector
 
 Array = NDArray[np.float64]
 
 
-#: What both estimators have to agree on.
-CORE = ("inertia_motor", "inertia_load", "stiffness", "backlash")
-#: Without a model that explains the recording, a value is kept if both estimators agree on it within this, in the
-#: logarithm, or within its interval (calibrated on development drives: right values agree within a tenth).
-APART = 0.2
-#: And none is, where innovations are more than so many times the sensor's noise (calibrated on the virtual rigs, whose
-#: four inertias make them twice as large: whatever makes them three times as large is not known well enough)
+#: Cost below which the fit leaves nothing but the sensor's noise (numerics: innovations a tenth larger).
+NOISE_ALONE = 0.1
+#: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
+#: innovations (calibrated on development drives 0 to 30: where it is less, another fit may predict as well).
+TORSION = 0.25
+#: Nothing is told where innovations are more than so many times the sensor's noise (calibrated on the virtual rigs,
+#: whose four inertias make them twice as large: whatever makes them three times as large is not known well enough).
 UNEXPLAINED = 3.0
 
 
@@ -37,53 +41,79 @@ def confirmed(
 ) -> tuple[Predictor, Stage, Told, list[Problem]]:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
-    Its cost is a likelihood, so it knows whether a model explains the recording down to the sensor's noise. Where none
-    does, only that of the fit stays on which both agree.
+    Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
+    Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does
+    and finds something else, its own values are told if it explains the recording, else none.
     """
+    same = predictor, stage, told, list[Problem]()
     try:
         flt = ContactFilter.of(predictor, POLES * start.pole_frequency)
     except InvalidInput:
-        return predictor, stage, told, []
-
-    def agrees(theta: Array) -> bool:
-        away = np.abs(theta - told.theta)[stage.free]
-        return bool(stage.free) and bool(np.all(away <= told.half))
-
-    fitted = predictor.drivetrain(told.theta)
-    found = estimate(flt, start, fitted, fixed, predictor.joint_piece, agrees)
-    if found.rigid:
-        keep = np.zeros(len(stage.free), dtype=bool)
-        return predictor, *_kept(predictor, stage, told, start, keep), [problem.rigid()]
-    if found.explained:
-        return (
-            (predictor, stage, told, [])
-            if agrees(found.theta)
-            else (*_taken(predictor, stage, start, found), [])
-        )
+        return same
+    if not stage.free:
+        return same
+    search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece)
     excess = _excess(predictor, stage, flt)
-    if excess > UNEXPLAINED:
-        keep, problems = np.zeros(len(stage.free), dtype=bool), [problem.unexplained(excess, UNEXPLAINED)]
-    else:
-        keep = np.abs(found.theta - told.theta)[stage.free] <= np.maximum(told.half, APART)
-        # Friction, damping and lag absorb what the model lacks, differently in each: the others vouch for them.
-        core = np.array([NAMES[i] in CORE for i in stage.free], dtype=bool)
-        keep[~core] = np.all(keep[core])
-        lost = [NAMES[i] for i, kept in zip(stage.free, keep, strict=True) if not kept]
-        problems = [problem.disagreement(lost, APART)] if lost else []
-    return predictor, *_kept(predictor, stage, told, start, keep), problems
+    if _stands(search.glimpse(), predictor, stage, told, excess):
+        return same
+    fit = within_intervals(search.part, predictor, stage, told, search.box, fixed)
+    rivals = search.rivals(fit)
+    fit = min(fit, search.with_all_structures(fit, intervals(stage, told, search.box)), key=_cost)
+    best, rigid = min(fit, *rivals, key=_cost), search.rigid()
+    nothing = predictor, *_without(predictor, stage, told, start, np.ones(len(stage.free), dtype=bool))
+    if not clearly_better(best, polish(rigid, rigid.flt, search.box)):
+        return *nothing, [problem.rigid()]
+    better, core = [one for one in rivals if clearly_better(one, fit)], np.isin(stage.free, CORE)
+    if better and np.any(_outside(better, stage, told) & core):
+        estimate = search.estimate(rivals)
+        if estimate is None:
+            return *nothing, [problem.contradicted()]
+        return *_taken(predictor, stage, start, estimate), []
+    explained = abs(best.cost) < EXPLAINED
+    if not explained and excess > UNEXPLAINED:
+        return *nothing, [problem.unexplained(excess, UNEXPLAINED)]
+    # Where the recording is explained, whatever predicts alike may be right as well.
+    lost = _outside([*better, *(one for one in rivals if explained and alike(one, best))], stage, told)
+    # Inertias, stiffness and backlash hang together, and friction, damping and lag on them.
+    lost |= bool(np.any(lost & core))
+    if not np.any(lost):
+        return same
+    names = [NAMES[i] for i, gone in zip(stage.free, lost, strict=True) if gone]
+    return predictor, *_without(predictor, stage, told, start, lost), [problem.others_as_well(names)]
 
 
-def _kept(
-    predictor: Predictor, stage: Stage, told: Told, start: Drivetrain, keep: NDArray[np.bool_]
+def _stands(search: Search, predictor: Predictor, stage: Stage, told: Told, excess: float) -> bool:
+    """Whether torsion is well above the noise, and only noise is left or a descent from the fit leads nowhere."""
+    fit = within_intervals(search.part, predictor, stage, told, search.box, search.fixed, NOISE_ALONE)
+    if abs(fit.cost) >= EXPLAINED and excess > UNEXPLAINED:
+        return False
+    if search.rigid().cost < fit.cost + TORSION:
+        return False
+    if abs(fit.cost) < NOISE_ALONE:
+        return True
+    near = search.descent("fitted")
+    return not clearly_better(polish(near, near.flt, search.box), fit)
+
+
+def _cost(one: Candidate) -> float:
+    return one.cost
+
+
+def _outside(found: Sequence[Candidate], stage: Stage, told: Told) -> NDArray[np.bool_]:
+    """Which of the told values some candidate has outside the fit's interval."""
+    away = [np.abs(told_vector(one) - told.theta)[stage.free] > told.half for one in found]
+    return np.asarray(np.any(away, axis=0) if away else np.zeros(len(stage.free), dtype=bool))
+
+
+def _without(
+    predictor: Predictor, stage: Stage, told: Told, start: Drivetrain, lost: NDArray[np.bool_]
 ) -> tuple[Stage, Told]:
-    """The fit without the free values that are not kept, which get the nameplate's."""
-    lost = [i for i, kept in zip(stage.free, keep, strict=True) if not kept]
-    if not lost:
-        return stage, told
+    """The fit without the free values that are lost, which get the nameplate's."""
+    places, keep = [i for i, gone in zip(stage.free, lost, strict=True) if gone], ~lost
     theta = told.theta.copy()
-    theta[lost] = to_theta([getattr(start, name) for name in NAMES], predictor.dt)[lost]
-    free = [i for i in stage.free if i not in lost]
-    stage = _at(predictor, replace(stage, free=free, unexcited=(*stage.unexcited, *lost)), theta)
+    theta[places] = to_theta([getattr(start, name) for name in NAMES], predictor.dt)[places]
+    free = [i for i in stage.free if i not in places]
+    stage = _at(predictor, replace(stage, free=free, unexcited=(*stage.unexcited, *places)), theta)
     return stage, Told(theta, told.covariance[np.ix_(keep, keep)], told.half[keep])
 
 
