@@ -85,9 +85,9 @@ def others_as_well(names: Sequence[str]) -> Problem:
     return Problem(
         "warning",
         ", ".join(names),
-        "other values that predict as well",
+        "other values that predict as well or better",
         "one set of values",
-        "These values are not identified. Record more reversals of the torque, or measure the load's speed as well.",
+        "The intervals contain both, or the value is not identified. Record more reversals, or measure more.",
     )
 
 

@@ -13,10 +13,10 @@ from ....errors import InvalidInput, Problem
 from ...statistics.levenberg_marquardt import sum_of_squares
 from .. import problems as problem
 from ..gain_schedule import Stage
-from ..identifiability import Told
+from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
-from .candidates import CORE, EXPLAINED, POLES, Estimate, Search
+from .candidates import CORE, EXPLAINED, NOISE_ALONE, POLES, Estimate, Search
 from .filter import INDEX, ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, polish
@@ -26,14 +26,15 @@ from .starts import told_vector
 Array = NDArray[np.float64]
 
 
-#: Cost below which the fit leaves nothing but the sensor's noise (numerics: innovations a tenth larger).
-NOISE_ALONE = 0.1
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
 #: innovations (calibrated on development drives 0 to 30: where it is less, another fit may predict as well).
 TORSION = 0.25
 #: Nothing is told where innovations are more than so many times the sensor's noise (calibrated on the virtual rigs,
 #: whose four inertias make them twice as large: whatever makes them three times as large is not known well enough).
 UNEXPLAINED = 3.0
+#: Nor where inertias, stiffness or backlash of candidates that predict better or alike are further away than this, in
+#: the logarithm (calibrated on development drives: right values agree within a tenth).
+APART = 0.2
 
 
 def confirmed(
@@ -43,7 +44,8 @@ def confirmed(
 
     Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
     Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does
-    and finds something else, its own values are told if it explains the recording, else none.
+    and finds something else, its own values are told if it explains the recording. If nothing does, the difference is
+    part of the intervals, and too large a one leaves nothing.
     """
     same = predictor, stage, told, list[Problem]()
     try:
@@ -64,26 +66,29 @@ def confirmed(
     if not clearly_better(best, polish(rigid, rigid.flt, search.box)):
         return *nothing, [problem.rigid()]
     better, core = [one for one in rivals if clearly_better(one, fit)], np.isin(stage.free, CORE)
-    if better and np.any(_outside(better, stage, told) & core):
-        estimate = search.estimate(rivals)
-        if estimate is None:
-            return *nothing, [problem.contradicted()]
-        return *_taken(predictor, stage, start, estimate), []
     explained = abs(best.cost) < EXPLAINED
+    # Where the recording is explained, whatever predicts alike may be right as well.
+    others = [*better, *(one for one in rivals if explained and alike(one, best))]
+    shift = _shift(others, stage, told)
+    if better and np.any((shift > told.half) & core):
+        estimate = search.estimate(rivals)
+        if estimate is not None:
+            return *_taken(predictor, stage, start, estimate), []
     if not explained and excess > UNEXPLAINED:
         return *nothing, [problem.unexplained(excess, UNEXPLAINED)]
-    # Where the recording is explained, whatever predicts alike may be right as well.
-    lost = _outside([*better, *(one for one in rivals if explained and alike(one, best))], stage, told)
-    # Inertias, stiffness and backlash hang together, and friction, damping and lag on them.
-    lost |= bool(np.any(lost & core))
-    if not np.any(lost):
+    if not np.any(shift > told.half):
         return same
-    names = [NAMES[i] for i, gone in zip(stage.free, lost, strict=True) if gone]
+    half = np.where(shift > told.half, np.hypot(told.half, shift), told.half)
+    if np.any((half > APART) & (half > told.half) & core):
+        return *nothing, [problem.contradicted()]
+    lost = half > np.log(NOT_EXCITED)
+    names = [NAMES[i] for i, wider in zip(stage.free, half > told.half, strict=True) if wider]
+    told = replace(told, half=half)
     return predictor, *_without(predictor, stage, told, start, lost), [problem.others_as_well(names)]
 
 
 def _stands(search: Search, predictor: Predictor, stage: Stage, told: Told, excess: float) -> bool:
-    """Whether torsion is well above the noise, and only noise is left or a descent from the fit leads nowhere."""
+    """Whether torsion is well above the noise, and only noise is left or nothing near the fit is better."""
     fit = within_intervals(search.part, predictor, stage, told, search.box, search.fixed, NOISE_ALONE)
     if abs(fit.cost) >= EXPLAINED and excess > UNEXPLAINED:
         return False
@@ -91,18 +96,17 @@ def _stands(search: Search, predictor: Predictor, stage: Stage, told: Told, exce
         return False
     if abs(fit.cost) < NOISE_ALONE:
         return True
-    near = search.descent("fitted")
-    return not clearly_better(polish(near, near.flt, search.box), fit)
+    return not any(clearly_better(one, fit) for one in search.near(fit))
 
 
 def _cost(one: Candidate) -> float:
     return one.cost
 
 
-def _outside(found: Sequence[Candidate], stage: Stage, told: Told) -> NDArray[np.bool_]:
-    """Which of the told values some candidate has outside the fit's interval."""
-    away = [np.abs(told_vector(one) - told.theta)[stage.free] > told.half for one in found]
-    return np.asarray(np.any(away, axis=0) if away else np.zeros(len(stage.free), dtype=bool))
+def _shift(found: Sequence[Candidate], stage: Stage, told: Told) -> Array:
+    """How far the candidates are from each told value at most, in the logarithm."""
+    away = [np.abs(told_vector(one) - told.theta)[stage.free] for one in found]
+    return np.asarray(np.max(away, axis=0) if away else np.zeros(len(stage.free)))
 
 
 def _without(

@@ -37,6 +37,9 @@ SAME = 0.01
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
+#: Cost below which nothing but the sensor's noise is left (numerics: innovations a tenth larger). Innovations smaller
+#: by as much show that the noise itself is not known.
+NOISE_ALONE = 0.1
 #: What the model leaves unexplained is no noise, and shifts the values: half widths grow by this times the cost
 #: (calibrated on development drives 8, 18 and 24, see docs/benchmarks/zoo.md).
 INFLATION = 10.0
@@ -126,26 +129,33 @@ class Search:
         theta, run = minimise(self.part, theta, free, box, FREED_STEPS)
         return polish(replace(fit, theta=theta, cost=run.cost, free=free), self.part, box)
 
-    def rivals(self, fit: Candidate | None) -> list[Candidate]:
+    def near(self, fit: Candidate) -> list[Candidate]:
+        """What lies next to the fit: a descent from it, and with a third inertia if it has none."""
+        found = self.descent("fitted")
+        third = [] if self.piece else [_with_piece(fit, None, self.box)]
+        return [polish(found, found.flt, self.box), *third]
+
+    def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
         found = [self.descent(name) for name in self.begun]
         found += [
             polish(one, one.flt, self.box)
             for one in _apart(sorted(found, key=lambda one: one.cost))[:POLISHED]
         ]
-        if fit is not None:
-            found.append(
-                self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
-            )
+        if not self.piece:
+            found.append(_with_piece(fit, None, self.box))
+        found.append(
+            self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
+        )
         return found
 
     def estimate(self, found: Sequence[Candidate]) -> Estimate | None:
         """What the best of the candidates tell; None where it does not explain the recording or is not found again."""
         others = plausible(found)
-        if not abs(others[0].cost) < 2.0 * EXPLAINED:
+        if not others[0].cost < 2.0 * EXPLAINED:
             return None
         finished = _finished(others, self.flt.liveliest(ROWS), self.piece, self.box)
-        if not abs(finished[0].cost) < EXPLAINED:
+        if not -NOISE_ALONE < finished[0].cost < EXPLAINED:
             return None
         estimate = _told(finished[0], [*plausible(finished), *others], self.box, self.fixed)
         return estimate if self._found_again(estimate, others) else None
@@ -197,9 +207,15 @@ def _apart(found: Sequence[Candidate]) -> list[Candidate]:
     """The candidates without those that are a better one again."""
     kept: list[Candidate] = []
     for one in found:
-        if all(np.max(np.abs(told_vector(one) - told_vector(other))[:5]) > SAME for other in kept):
+        if all(_difference(one, other) > SAME for other in kept):
             kept.append(one)
     return kept
+
+
+def _difference(one: Candidate, other: Candidate) -> float:
+    """Largest of inertias, stiffness, damping and backlash; what neither has is no difference."""
+    a, b = told_vector(one)[:5], told_vector(other)[:5]
+    return float(np.max(np.abs(np.where(a == b, 0.0, a - b))))
 
 
 def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
@@ -212,7 +228,7 @@ def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collect
     spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
     theta = told_vector(best)
     apart = np.max([np.abs(told_vector(one) - theta) for one in others], axis=0)
-    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * max(best.cost, 0.0))
+    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * abs(best.cost))
     for i, name in enumerate(TOLD):
         place = INDEX[name]
         held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
