@@ -57,7 +57,7 @@ def confirmed(
         return fit.replaced_by(found)
     if not explained and (excess := fit.excess(flt)) > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
-    return fit.with_room_for(others)
+    return fit.with_room_for(others, explained)
 
 
 def _stands(search: Search, fit: Fit) -> bool:

@@ -61,8 +61,12 @@ class Fit:
         """Which of the told values are inertias, stiffness and backlash."""
         return np.isin(self.stage.free, CORE)
 
-    def with_room_for(self, found: Sequence[Candidate]) -> Outcome:
-        """With intervals that contain the candidates' values as well; nothing if they are too far apart."""
+    def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
+        """With intervals that contain the candidates' values as well; nothing if they are too far apart.
+
+        Where no candidate explains the recording, friction, damping and lag make up for what the model lacks: they are
+        not told.
+        """
         shift = self.shift(found)
         half = np.hypot(self.told.half, shift)
         wider = shift > 0.0
@@ -70,9 +74,10 @@ class Fit:
             return self.stays()
         if np.any(half[wider & self.core] > APART):
             return self.nothing(problem.contradicted())
-        names = [NAMES[i] for i, more in zip(self.stage.free, wider, strict=True) if more]
+        lost = (half > np.log(NOT_EXCITED)) | (~self.core & (not explained))
+        names = [NAMES[i] for i, doubtful in zip(self.stage.free, wider | lost, strict=True) if doubtful]
         doubt = problem.others_as_well(names)
-        return replace(self, told=replace(self.told, half=half))._without(half > np.log(NOT_EXCITED), doubt)
+        return replace(self, told=replace(self.told, half=half))._without(lost, doubt)
 
     def nothing(self, reason: Problem) -> Outcome:
         """No value."""
