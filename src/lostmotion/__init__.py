@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
 from .version import VERSION
+
+# Known to type checkers by its name. ``typing`` takes longer to import than Python to start, and an interruption of the
+# command is not told in one line before it is through here.
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
     from . import (
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
         io,
         metrics,
         observers,
+        paper,
         plot,
+        realtime,
         recording,
         report,
         rig,
@@ -87,8 +90,9 @@ _HOME = {
 #: The public rooms. What the documentation uses is importable from here or from one of these.
 _ROOMS = (
     "certificates", "compare", "controllers", "curves", "drivetrain", "errors", "experiment", "export",
-    "identification", "io", "metrics", "observers", "plot", "recording", "report", "rig", "signals", "simulation",
-    "structure", "systems",
+    "identification", "io", "metrics", "observers", "paper", "plot", "realtime", "recording", "report", "rig",
+    "signals",
+    "simulation", "structure", "systems",
 )  # fmt: skip
 
 __all__ = [
@@ -96,15 +100,17 @@ __all__ = [
     "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem", "Recording", "Sensor",
     "Shaft", "Stepper", "certificates", "compare", "connect", "controllers", "curves", "drivetrain", "errors",
     "experiment", "export", "identification", "identify", "io", "load_drivetrain", "load_law",
-    "load_recording", "metrics", "observers", "one_sample_delay", "plot", "read_recording", "recording",
-    "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
+    "load_recording", "metrics", "observers", "one_sample_delay", "paper", "plot", "read_recording", "realtime",
+    "recording", "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
     "signals", "simulate", "simulate_batch", "simulation", "structure", "systems",
 ]  # fmt: skip
 
 
 if not TYPE_CHECKING:  # a type checker sees the imports above, and that nothing else is here
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> object:
+        import importlib
+
         if name in _HOME:
             value = getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
         elif name in _ROOMS:

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: the command ends at once while it has begun nothing, else it puts away what it has begun."""
+"""Ctrl-C and SIGTERM in a command that has begun something: it puts it away. Before, ``__main__`` ends it at once."""
 
 from __future__ import annotations
 
@@ -27,23 +27,6 @@ def _of_a_worker() -> None:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_of_a_worker)
-
-
-def exit_at_once() -> None:
-    """From now on Ctrl-C ends the process without a word of Python's: for what only imports and reads.
-
-    An exception would have to find its way through other packages' imports, some of which swallow any.
-    """
-    if (
-        signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    ):  # not where the shell lets it be ignored
-        signal.signal(signal.SIGINT, _exit)
-
-
-def _exit(number: int, frame: FrameType | None) -> None:
-    with contextlib.suppress(OSError):
-        os.write(2, b"Interrupted; nothing was written.\n")
-    os._exit(INTERRUPTED)
 
 
 @contextlib.contextmanager

@@ -8,19 +8,18 @@ and shows which step of how many. Parts run at the same time, a process each::
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 
 import numpy as np
 
+from .child_process import end_python, start_python
 from .drivetrain import Actuator, Drivetrain
 from .kernels.compiled import is_compiled, mark_compiled
 from .kernels.estimators import MODULES
@@ -127,7 +126,8 @@ def compile_missing(parts: Sequence[str], progress: Callable[[int, int], None]) 
     done, running = 0, len(missing)
     with ExitStack() as stack:
         for part in missing:
-            child = stack.enter_context(_child(part))
+            child = start_python(__name__, compile_part.__name__, part, stdin=subprocess.DEVNULL)
+            stack.callback(end_python, child)
             Thread(target=_read_lines, args=(child, finished), daemon=True).start()
         while running:
             progress(done, count)
@@ -137,28 +137,12 @@ def compile_missing(parts: Sequence[str], progress: Callable[[int, int], None]) 
                 done += 1
 
 
-def _read_lines(child: subprocess.Popen[str], finished: SimpleQueue[str | None]) -> None:
+def _read_lines(child: subprocess.Popen[bytes], finished: SimpleQueue[str | None]) -> None:
     """Each line of a child's output, then None."""
     assert child.stdout is not None
     for line in child.stdout:
-        finished.put(line.strip())
+        finished.put(line.decode().strip())
     finished.put(None)
-
-
-@contextmanager
-def _child(part: str) -> Iterator[subprocess.Popen[str]]:
-    """A process that compiles one part, ended with the block."""
-    command = [sys.executable, "-m", __name__, part]
-    path = os.pathsep.join([str(Path(__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
-    child = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL, text=True,
-        env={**os.environ, "PYTHONPATH": path},
-    )  # fmt: skip
-    try:
-        yield child
-    finally:
-        child.kill()
-        child.wait()
 
 
 if __name__ == "__main__":

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from threading import Event
 from typing import Any, Protocol
 
 from . import __version__
@@ -20,7 +18,7 @@ from .stages.design import Design, design
 from .stages.figures import figures
 from .stages.material import Material, from_configuration, from_rig
 from .stages.parameters import Found, find_parameters
-from .stages.proof import prove
+from .stages.proof import prover
 from .stages.validation import Validation, validate
 
 
@@ -70,26 +68,25 @@ def run(
         If the output folder cannot be used.
     """
     timing: dict[str, float] = {}
-    with output_folder(out, force=force) as folder:
+    with output_folder(out, force=force) as folder, prover() as proof:
         with _stage("read", timing, progress):
             material, truth = _read(configuration, seed)
         with _stage("identify", timing, progress):
             found = find_parameters(material, lambda fraction, text: progress("identify", fraction, text))
         with _stage("design", timing, progress):
             laws = design(material, found)
-        # The solver of the proof runs without the interpreter's lock.
-        with _meanwhile(lambda stop: prove(laws, found.drivetrain, folder, stop)) as proof:
-            with _stage("validate", timing, progress):
-                validation = validate(material, found, laws)
-            with _stage("export", timing, progress):
-                code, code_problems = write_code(laws, folder, found.drivetrain)
-            with _stage("draw", timing, progress):
-                true_parameters = None if truth is None else truth.parameters
-                drawn = figures(material, found, laws, validation, true_parameters)
-                for figure in drawn:
-                    figure.draw()
-            with _stage("prove", timing, progress):
-                stability = proof.result()
+        proof.begin(laws, found.drivetrain, folder)
+        with _stage("validate", timing, progress):
+            validation = validate(material, found, laws)
+        with _stage("export", timing, progress):
+            code, code_problems = write_code(laws, folder, found.drivetrain)
+        with _stage("draw", timing, progress):
+            true_parameters = None if truth is None else truth.parameters
+            drawn = figures(material, found, laws, validation, true_parameters)
+            for figure in drawn:
+                figure.draw()
+        with _stage("prove", timing, progress):
+            stability = proof.result()
         results = _results(material, found, laws, validation, code)
         results["stability"] = stability
         results["problems"] += [p.as_dict() for p in code_problems]
@@ -106,17 +103,6 @@ def run(
             )
         save_json(folder / "results.json", "results", results)
     return results
-
-
-@contextmanager
-def _meanwhile(work: Callable[[Event], Any]) -> Iterator[Future[Any]]:
-    """Work in a thread beside the block. What ends the block early sets its event, at which it stops."""
-    stop = Event()
-    with ThreadPoolExecutor(1) as pool:
-        try:
-            yield pool.submit(work, stop)
-        finally:
-            stop.set()
 
 
 @contextmanager

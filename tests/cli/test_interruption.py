@@ -55,6 +55,17 @@ def test_ctrl_c_during_the_imports_is_one_line(tmp_path: Path, command: tuple[st
     assert list(tmp_path.iterdir()) == []
 
 
+def test_little_is_imported_before_an_interruption_is_one_line() -> None:
+    """What comes before the command's first line is the time in which Python answers with a traceback of its own."""
+    command = (
+        "import sys; before = set(sys.modules); import lostmotion.__main__; print(*set(sys.modules) - before)"
+    )
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
+    own = {name for name in done.stdout.split() if name.startswith("lostmotion")}
+    assert own == {"lostmotion", "lostmotion.version", "lostmotion.__main__"}
+    assert not {"typing", "re", "contextlib", "importlib.util", "threading"} & set(done.stdout.split())
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 def test_what_was_begun_is_put_away(tmp_path: Path, number: signal.Signals) -> None:
     with started("run", "--out", "out", cwd=tmp_path) as process:

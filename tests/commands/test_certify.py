@@ -36,6 +36,10 @@ def test_the_law_beside_the_drivetrain_is_proved_and_verified(drivetrain: Path) 
     result = certify_file(drivetrain, drivetrain.with_name("certificate"), delay=1)
     assert result["proved"] and result["speed_from"] <= 0.02
     assert "the torque acts one sample later" in result["conditions"]
+    assert {state: each["stable"] for state, each in result["margins"].items()} == {
+        "running, gap closed": True, "running, gap open": True, "load held, gap closed": True,
+        "load held, gap open": True,
+    }  # fmt: skip
     code, said = verified(drivetrain.parent, "certificate.json", "law.json")
     assert code == 0 and said.startswith("PROVED")
 

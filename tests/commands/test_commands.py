@@ -13,7 +13,7 @@ from lostmotion.commands.excite import excitation_file
 from lostmotion.commands.frf import frequency_response_file
 from lostmotion.commands.identify import identify_file
 from lostmotion.commands.outputs import check_writable, outputs, save_picture
-from lostmotion.commands.recordings import material_of, recording_of
+from lostmotion.commands.recordings import material_of, read_drive, recording_of
 from lostmotion.commands.simulate import simulate_file
 from lostmotion.commands.simulate_variants import chunk_folder, simulate_variants
 from lostmotion.io import load_json
@@ -40,7 +40,9 @@ def test_frf_of_the_rig_lies_below_the_linear_zero_and_pole(tmp_path: Path) -> N
     assert 10.0 < values["zero"] < 37.0
     assert values["zero"] < values["pole"] < 99.0
     assert is_picture(tmp_path / "frf.png")
-    assert max(load_json(tmp_path / "frf.json", "frequency_response")["response"]["frequency_hz"]) <= 200.0
+    written = load_json(tmp_path / "frf.json", "frequency_response")
+    assert max(written["response"]["frequency_hz"]) <= 200.0
+    assert "those of the gap as it moved here" in written["note"]
 
 
 def test_excite_then_simulate_what_it_wrote(tmp_path: Path) -> None:
@@ -201,7 +203,8 @@ def test_the_place_is_checked_before_anything_is_computed(
     monkeypatch.setattr(identify, "material_of", computed)
     monkeypatch.setattr(frf, "recording_of", computed)
     monkeypatch.setattr(excite, "design_excitation", computed)
-    monkeypatch.setattr(simulate, "drivetrain_of", computed)
+    monkeypatch.setattr(simulate, "simulate", computed)
+    plant = plant_file(tmp_path)
     for name in ("x.json", "x.png", "x.csv"):
         (tmp_path / name).mkdir()
     limits = {"kind": "step", "duration": 1.0, "dt": 1e-3, "torque_limit": 1.0, "speed_limit": 1.0}
@@ -209,7 +212,7 @@ def test_the_place_is_checked_before_anything_is_computed(
         lambda: identify_file(None, tmp_path / "x"),
         lambda: frequency_response_file(None, tmp_path / "x"),
         lambda: excitation_file(None, tmp_path / "x", **limits),
-        lambda: simulate_file(tmp_path / "plant.toml", tmp_path / "x.csv"),
+        lambda: simulate_file(plant, tmp_path / "x.csv"),
     ):
         with pytest.raises(lm.InvalidInput, match="name of a file"):
             command()
@@ -230,7 +233,8 @@ def test_a_toml_of_the_main_job_can_be_simulated(tmp_path: Path) -> None:
 
 def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
     """The template names the measurement excitation.csv, and a command may be told the same name."""
-    (tmp_path / "rig.toml").write_text(TOML)
+    whole = TOML.replace("[[recording]]", "inertia_load = 0.1\nstiffness = 5000\n[[recording]]")
+    (tmp_path / "rig.toml").write_text(whole)
     (tmp_path / "short.csv").write_text("measured")
     more = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": 5.0, "speed_limit": 5.0}
     with pytest.raises(lm.InvalidInput, match=r"short\.csv.*reads"):
@@ -238,6 +242,25 @@ def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
     with pytest.raises(lm.InvalidInput, match=r"short\.csv.*reads"):
         simulate_file(tmp_path / "rig.toml", tmp_path / "short.csv", duration=0.2)
     assert (tmp_path / "short.csv").read_text() == "measured"
+
+
+def test_a_drive_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is protected, the drivetrain and its limit are of one version of the file."""
+    from lostmotion.io.storage import toml_files
+
+    more = "inertia_load = 0.1\nstiffness = 5000\n[law]\ntorque_limit = 3.0\n[[recording]]"
+    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more))
+    (tmp_path / "short.csv").write_text("measured")
+    read = []
+    whole = toml_files.read_bytes
+    monkeypatch.setattr(
+        toml_files, "read_bytes", lambda path, **more: read.append(path) or whole(path, **more)
+    )
+    drive = read_drive(tmp_path / "rig.toml")
+    assert drive.reads == (tmp_path / "rig.toml", tmp_path / "short.csv")
+    wanted = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}
+    assert excitation_file(tmp_path / "rig.toml", tmp_path / "x", **wanted)["limits"]["torque"] == 3.0
+    assert read == [tmp_path / "rig.toml"] * 2
 
 
 def test_the_torque_limit_of_the_toml_holds(tmp_path: Path) -> None:

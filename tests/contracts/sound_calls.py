@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +12,18 @@ import numpy as np
 from table_i import PAPER
 
 import lostmotion as lm
-from lostmotion import controllers, identification, metrics, observers, plot, rig, signals, structure, systems
+from lostmotion import (
+    certificates,
+    controllers,
+    identification,
+    metrics,
+    observers,
+    plot,
+    rig,
+    signals,
+    structure,
+    systems,
+)
 from lostmotion import io as files
 from lostmotion.curves import dead_zone, saturation
 from lostmotion.events import NO_EVENTS
@@ -216,6 +228,7 @@ def _laws() -> list[Call]:
                 "ki": 2.0,
                 "torque_limit": 5.0,
                 "filter_time": 0.01,
+                "speed_filter_time": 0.01,
                 "friction_of": plant(),
             },
         ),
@@ -240,7 +253,74 @@ def _laws() -> list[Call]:
         ),
         Call(observers.speed_of_counts, {"dt": DT, "counts": 4096}),
     ]
-    return made
+    return [*made, *_further_laws(own, wished)]
+
+
+def _further_laws(own: dict[str, Any], wished: dict[str, Any]) -> list[Call]:
+    oscillates = wished | {"largest_oscillation": 2.0}
+    slides = own | {"switching_torque": 1.0, "torque_limit": 5.0, "poles": (-40.0, -40.0), "rate": 100.0}
+    course = {"largest_acceleration": 100.0, "largest_jerk": 1e4}
+    along = {name: oscillates[name] for name in ("largest_error", "largest_torque", "largest_oscillation")}
+    robust = own | oscillates | {"load_torque": 1.0, "margin": 1.5}
+    filtered = {"signal": "a", "output": "b", "frequency": 100.0, "dt": DT, "width": 0.7, "depth": 0.1}
+    return [
+        Call(controllers.active_damping, own | {"damping_ratio": 0.5, "torque_limit": 5.0}),
+        Call(controllers.notch, filtered),
+        Call(controllers.sliding_mode, slides),
+        Call(controllers.super_twisting, slides | {"integral_rate": 10.0}),
+        Call(controllers.predictive, own | oscillates | {"torque_limit": 5.0, "moves": 2, "passes": 2}),
+        Call(controllers.speed_course, course | {"dt": DT}),
+        Call(controllers.flatness, own | course | along | {"torque_limit": 5.0}),
+        Call(controllers.robust_feedback, robust),
+        Call(controllers.h_infinity, robust | {"torque_limit": 5.0}),
+        Call(controllers.quadratic_poles, {"drivetrain": plant(), "torque_per_error": 1.0}),
+    ]
+
+
+@functools.cache
+def proof() -> certificates.RunningProof:
+    """Of a loop that is not stable: found out at once."""
+    return certificates.prove_running(plant(), controllers.pi(dt=DT, kp=400.0))
+
+
+@functools.cache
+def box() -> certificates.BoxProof:
+    """Of the same loop."""
+    return certificates.prove_box(plant(), controllers.pi(dt=DT, kp=400.0), {"stiffness": (0.9, 1.1)})
+
+
+def _certificates() -> list[Call]:
+    law = controllers.pi(dt=DT, kp=400.0)
+    loop = {"drivetrain": plant(), "law": law, "delay": 0}
+    searched = {"fastest": 10.0, "substeps": 1, "step": 1.0, "speeds": [1.0, 2.0]}
+    boxed = {"box": {"stiffness": (0.9, 1.1)}, "speed": 1.0, "fastest": 10.0, "substeps": 1, "workers": 1}
+    return [
+        Call(certificates.prove_running, loop | searched | {"torque_load": (0.0, 0.0)}),
+        Call(certificates.prove_with_load, loop | searched),
+        Call(certificates.prove_box, loop | boxed),
+        Call(certificates.box_headline, {"proof": box()}),
+        Call(certificates.box_stability, {"proof": box()}),
+        Call(
+            certificates.simulated,
+            {"drivetrain": plant(), "law": law, "proof": replace(box(), stops_at=None), "seed": 1},
+        ),
+        Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
+        Call(certificates.continuous_pi, {"kp": 10.0, "ki": 200.0}),
+        Call(
+            certificates.continuous_observer_feedback,
+            {"drivetrain": plant(), "measured": ["speed_motor"], "poles": [-400.0] * 3, "compensation": True},
+        ),
+        Call(certificates.headline, {"proof": proof()}),
+        Call(certificates.conditions, {"proof": proof()}),
+        Call(certificates.stability, {"proof": proof()}),
+        Call(certificates.verdict, {"data": {}}),
+        Call(certificates.margins, loop | {"law": law(), "speed": 1.0, "torque_load": 0.0}),
+        Call(
+            certificates.observer_error,
+            {"drivetrain": plant(), "measured": ("speed_motor",), "gain": np.ones((3, 1)), "faces": 3},
+        ),
+        Call(certificates.observer_verdict, {"data": {}}),
+    ]
 
 
 def _identification() -> list[Call]:
@@ -484,6 +564,7 @@ def sound_calls(folder: Path) -> list[Call]:
         _recordings(),
         _systems(),
         _laws(),
+        _certificates(),
         _identification(),
         _structure(),
     )

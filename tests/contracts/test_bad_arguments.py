@@ -38,9 +38,10 @@ WRONG: dict[str, Any] = {
 NEVER = ("another class", "bytes")
 TAKES_ANYTHING = {"simulate_batch.torque_motor", "InputCheck.input"}
 
-#: Public rooms all of whose functions are checked here; of the controllers some are; the observers have their own test,
-#: ``test_observer_arguments``.
-ROOMS = ("", "identification", "io", "rig", "signals", "simulation", "structure", "systems")
+#: Public rooms all of whose functions are checked here; the observers have their own test, ``test_observer_arguments``.
+ROOMS = (
+    "", "certificates", "controllers", "identification", "io", "rig", "signals", "simulation", "structure", "systems",
+)  # fmt: skip
 #: Functions that are shown elsewhere, or take what others have made.
 ELSEWHERE = {
     "cramer_rao": "takes a Drive",
@@ -55,6 +56,8 @@ ELSEWHERE = {
     "two_mass_fit": "takes a FrequencyResponse",
     "read_trajectories": "takes the folder of a batch",
     "steady_state": "takes a DesignModel",
+    "margin_data": "takes what margins gives",
+    "margin_table": "takes what margin_data gives",
 }
 
 

@@ -76,6 +76,13 @@ OBSERVERS = {
     "kalman, scheduled": kalman(
         PAPER, measured=("torque_shaft", "speed_motor"), dt=1e-4, contact_scheduling=True, load_torque=True
     ),
+    "kalman, injection": kalman(PAPER, dt=1e-4, injection={"speed_motor": 1.4e-3}),
+    "kalman, injection of both sensors": kalman(
+        PAPER.with_contact("dead_zone"),
+        measured=("torque_shaft", "speed_motor"),
+        dt=1e-4,
+        injection={"torque_shaft": 1.4e-4, "speed_motor": 1e-4},
+    ),
     "H infinity": h_infinity_observer(PAPER.with_parameters(lag=3e-4), dt=1e-4, speed_from_counts=True),
     "shaft torque": shaft_torque(6285.896, dt=1e-3, torque_delay=4e-4),
     "disturbance observer": disturbance_observer(
@@ -89,6 +96,7 @@ CONTROLLERS = {
     "pi": pi(dt=1e-4),
     "pi with limit": pi(dt=1e-4, torque_limit=20.0),
     "pi with filter and friction": pi(dt=1e-4, filter_time=0.02, friction_of=ONE_SIDED),
+    "pi with filtered speed": pi(dt=1e-4, torque_limit=20.0, speed_filter_time=5e-3),
     "pi with all": pi(dt=1e-4, torque_limit=20.0, filter_time=0.02, friction_of=ONE_SIDED),
     "pole placement": pole_placement(PAPER, dt=1e-4),
     "pole placement with limit": pole_placement(PAPER, dt=1e-4, torque_limit=73.5),

@@ -82,6 +82,15 @@ def test_another_cache_takes_what_was_installed(toy, tmp_path, variable, before)
     assert run(toy, before, **elsewhere) == [10, 0, 0]
 
 
+def test_who_watches_is_told_that_kernels_are_compiled_and_only_then(toy):
+    watched = "import sys\nsys.modules['ipykernel'] = sys\nsys.stderr = sys.stdout\n" + CODE
+    said = [
+        subprocess.run([sys.executable, "-c", watched], cwd=toy.parent, capture_output=True, text=True).stdout
+        for _ in range(2)
+    ]
+    assert [text.count("compiles its kernels") for text in said] == [1, 0]
+
+
 def test_every_kernel_takes_njit_from_here():
     folder = Path(lostmotion.kernels.__file__).parent
     for file in folder.rglob("*.py"):

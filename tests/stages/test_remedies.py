@@ -67,6 +67,10 @@ def told(found: Found, words: str) -> Problem:
     return problem
 
 
+def about(found: Found, words: str) -> list[Problem]:
+    return [p for p in found.problems if words in p.remedy]
+
+
 def coulomb_error(found: Found) -> float:
     return abs(found.table["coulomb"]["value"] / KNOWN["coulomb"] - 1.0)
 
@@ -114,9 +118,9 @@ def test_a_torque_of_the_wrong_sign() -> None:
 def test_counts_that_are_too_coarse() -> None:
     """Faster motion with more torque."""
     coarse = find_parameters(material(recorded(step=60.0), START))
-    assert "faster motion with more torque" in told(coarse, "nothing is identified").remedy
+    assert "faster motion with more torque" in told(coarse, "Nothing is identified").remedy
     helped = find_parameters(material(recorded(step=60.0, size=6.0), START))
-    assert not [p for p in helped.problems if "nothing is identified" in p.remedy]
+    assert not [p for p in helped.problems if "Nothing is identified" in p.remedy]
 
 
 @pytest.mark.parametrize("name", ["inertia_motor", "inertia_load", "stiffness", "backlash"])
@@ -133,6 +137,90 @@ def test_start_values_that_are_not_given() -> None:
     missing = find_parameters(material(recording, {"stiffness": 5000.0}))
     assert missing.skipped == "no start value for inertia_motor, inertia_load: add it to [nameplate]"
     assert not find_parameters(material(recording, START)).skipped
+
+
+@pytest.mark.parametrize(("name", "factor"), [("inertia_load", 4.0), ("backlash", 4.0), ("stiffness", 0.2)])
+def test_a_nameplate_that_is_far_off(name: str, factor: float) -> None:
+    """The value under [nameplate]."""
+    recording = recorded(1.0)
+    without = find_parameters(material(recording, START | {name: factor * START[name]}))
+    problem = told(without, "Check the value under [nameplate]")
+    assert problem.where == name
+    assert not about(find_parameters(material(recording, START)), "Check the value under [nameplate]")
+
+
+def test_a_torque_in_another_unit() -> None:
+    """``scale`` and ``unit`` in the channel of the torque: here it was recorded as a tenth of what it is."""
+    recording = recorded(1.0)
+    tenth = lm.Recording(
+        recording.time,
+        {"torque_motor": 0.1 * recording["torque_motor"], "speed_motor": recording["speed_motor"]},
+    )
+    without = find_parameters(material(tenth, START))
+    assert about(without, "scale and unit in the channel")
+    assert not about(find_parameters(material(recording, START)), "scale and unit in the channel")
+
+
+def test_a_nameplate_so_far_off_that_the_fit_does_not_converge() -> None:
+    """The values under [nameplate]."""
+    recording = recorded(1.0)
+    without = find_parameters(material(recording, START | {"backlash": 10.0 * START["backlash"]}))
+    assert [p for p in without.problems if p.got == "a fit that was still moving"]
+    assert "Check the values under [nameplate]" in told(without, "Check the values").remedy
+    helped = find_parameters(material(recording, START))
+    assert not about(helped, "Check the values") and coulomb_error(helped) < 0.02
+
+
+def test_a_fit_that_does_not_converge_for_the_sign_of_the_torque() -> None:
+    """``sign`` in the torque's channel."""
+    without = find_parameters(material(recorded(2.0, sign=-1.0), START))
+    assert "the sign of the torque (sign in its channel)" in told(without, "Check the values").remedy
+    assert not about(find_parameters(material(recorded(2.0), START)), "sign")
+
+
+def test_a_nameplate_with_which_nothing_is_identified() -> None:
+    """The values under [nameplate], before a finer encoder is bought."""
+    recording = recorded(1.0)
+    without = find_parameters(material(recording, START | {"stiffness": 10.0 * START["stiffness"]}))
+    assert "Check the values under [nameplate]" in told(without, "Nothing is identified").remedy
+    assert without.table["backlash"]["value"] is None
+    helped = find_parameters(material(recording, START))
+    assert helped.table["backlash"]["source"] == "identified" and not about(helped, "Nothing is identified")
+
+
+#: A nameplate with which a recording of little torque at one speed has two minima.
+WRONG = START | {"stiffness": 10_000.0, "backlash": 0.03}
+
+
+def test_a_second_minimum_and_a_value_that_the_nameplate_knows() -> None:
+    """``fixed = [...]`` under [identify]."""
+    recording = recorded(1.2, levels=(20.0,), size=0.3)
+    without = find_parameters(material(recording, WRONG))
+    assert about(without, "fixed = [...] under [identify], or record more reversals")
+    knows = WRONG | {"backlash": KNOWN["backlash"]}
+    helped = find_parameters(material(recording, knows, fixed=("backlash",)))
+    assert not [p for p in helped.problems if "second minimum" in p.got]
+    for name in ("inertia_motor", "inertia_load", "stiffness"):
+        assert helped.table[name]["value"] == pytest.approx(KNOWN[name], rel=0.02)
+
+
+def test_a_second_minimum_and_more_reversals() -> None:
+    helped = find_parameters(material(recorded(1.2), WRONG))
+    assert not [p for p in helped.problems if "second minimum" in p.got]
+    assert helped.table["backlash"]["value"] == pytest.approx(KNOWN["backlash"], rel=0.02)
+
+
+def test_too_few_samples_in_a_period() -> None:
+    """A higher rate: the mode of 99 Hz has ten samples at 1 ms."""
+    fast = recorded(5.0)
+    slow = lm.Recording(fast.time[::5], {name: values[::5] for name, values in fast.signals.items()})
+    assert about(find_parameters(material(slow, START)), "Record at a higher rate")
+    assert not about(find_parameters(material(fast, START)), "Record at a higher rate")
+
+
+def test_too_short_a_recording() -> None:
+    assert "Record longer" in find_parameters(material(recorded(0.3), START)).skipped
+    assert not find_parameters(material(recorded(1.0), START)).skipped
 
 
 def test_no_sample_time() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..systems import DiscreteSystem, pruned
 from . import verify_certificate
@@ -86,10 +87,13 @@ def certificate(
     }
 
 
+@checks_arguments
 def verdict(data: Mapping[str, Any]) -> str | None:
     """None if the certificate is proved in exact fractions, else why not; the verifier's own word."""
     try:
         verify_certificate.verify(verify_certificate.parsed(json.dumps(data)))
     except verify_certificate.NotProved as reason:
         return str(reason)
+    except verify_certificate.NO_CERTIFICATE as error:
+        return f"no certificate ({type(error).__name__}: {error})"
     return None

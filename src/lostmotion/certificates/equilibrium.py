@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import islice, product
 
 import numpy as np
@@ -60,7 +61,7 @@ def _from_guess(
 ) -> Equilibrium | None:
     """The rest that the segments lead to, if they lead to one."""
     for _ in range(ROUNDS):
-        found = _at_segments(loop, curves, segments, speed, torque_load)
+        found = _at_segments(loop, segments, speed, torque_load)
         if found is None:
             return None
         state, arguments, reference = found
@@ -74,20 +75,33 @@ def _from_guess(
 
 
 def _at_segments(
-    loop: LureLoop,
-    curves: Sequence[StaticCurve],
-    segments: Sequence[int],
-    speed: Fraction,
-    torque_load: Fraction,
+    loop: LureLoop, segments: Sequence[int], speed: Fraction, torque_load: Fraction
 ) -> tuple[Matrix, list[Fraction], Fraction] | None:
     """State, curve arguments and reference, with every curve continued along one of its segments."""
+    solved = _affine(loop, tuple(segments))
+    if solved is None:
+        return None
+    rest, arguments = solved
+    given = rational([1, speed, torque_load])
+    found = rest @ given
+    return found[: len(loop.states)], list(arguments @ given), found[-1]
+
+
+@lru_cache(maxsize=64)
+def _affine(loop: LureLoop, segments: tuple[int, ...]) -> tuple[Matrix, Matrix] | None:
+    """The rest, (n + p + q + 1, 3), and the curves' arguments, (p + q, 3), over 1, speed and load torque.
+
+    On its segments the loop is linear, so its rest is affine: one system is solved for all speeds (equations 4 and 6).
+    """
     n, p, q = len(loop.states), len(loop.plant_curves), len(loop.law_curves)
+    curves = (*loop.plant_curves, *loop.law_curves)
     # Columns: ξ, w, v, reference.
     size = n + p + q + 1
-    rows, right = zeros(size, size), zeros(size, 1)
+    rows, right = zeros(size, size), zeros(size, 3)
     plant = loop.plant_size
     rows[:plant, :n], rows[:plant, n : n + p] = loop.A[:plant], loop.E[:plant]
-    right[:plant, 0] = -loop.L[:plant, 0] * torque_load
+    rows[:plant, -1:] = loop.R[:plant]
+    right[:plant, 2] = -loop.L[:plant, 0]
     jump = np.hstack([loop.S, loop.S_w, loop.S_v, loop.R])[plant:]
     rows[plant:n] = jump
     rows[plant:n, :n] -= rational(np.eye(n))[plant:]
@@ -102,9 +116,6 @@ def _at_segments(
         rows[n + i, n + i] += 1
         right[n + i, 0] = value
     rows[-1, loop.states.index("speed_load")] = Fraction(1)
-    right[-1, 0] = speed
+    right[-1, 1] = Fraction(1)
     solution = solve(rows, right)
-    if solution is None:
-        return None
-    found = solution[:, 0]
-    return found[:n], list(arguments @ found), found[-1]
+    return None if solution is None else (solution, arguments @ solution)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..systems import DiscreteSystem
 from .running import RunningProof, prove_running
@@ -14,6 +15,7 @@ from .running import RunningProof, prove_running
 SMALLEST, LARGEST = 0.35, 0.5
 
 
+@checks_arguments
 def prove_with_load(drivetrain: Drivetrain, law: DiscreteSystem, **options: Any) -> RunningProof:
     """The proof without load torque; where there is none, with a constant one that resists the motion.
 

@@ -51,7 +51,8 @@ class LureLoop(LoopMatrices):
     """The closed loop; symbols as in the module's equations, sizes n states, p plant curves, q law curves.
 
     ``dt`` in s. ``plant_size``: number of plant states, which come first; the held torque follows. ``limit``: the law
-    curve that limits the torque, if one does.
+    curve that limits the torque, if one does. With a law in continuous time (``continuous_loop``) all states and curves
+    are in the flow, and so is R.
     """
 
     dt: Fraction
@@ -93,8 +94,7 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
         raise InvalidInput("certify: delay", repr(delay), "a whole number of samples", "Use 0 for none.")
     plant, law = plant_of(drivetrain), _limited_law(drivetrain, law)
     limit = _own_limit(law)
-    for i in range(delay):
-        law = _followed_by(law, one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}"))
+    law = delayed(law, delay)
     n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)
     size = n + 1 + k
     inputs = zeros(len(law.inputs), n + p)
@@ -141,6 +141,13 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
         plant_curves=plant.curves, law_curves=tuple(curve for _, _, curve in parts),
         names=(*plant.names, *(f"law: curve {j}" for j in range(q))), limit=limit,
     )  # fmt: skip
+
+
+def delayed(law: DiscreteSystem, delay: int) -> DiscreteSystem:
+    """The law whose torque_motor comes so many samples later."""
+    for i in range(delay):
+        law = _followed_by(law, one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}"))
+    return law
 
 
 def _limited_law(drivetrain: Drivetrain, law: DiscreteSystem) -> DiscreteSystem:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem
@@ -87,6 +88,7 @@ class RunningProof:
     reason: str
 
 
+@checks_arguments
 def prove_running(
     drivetrain: Drivetrain,
     law: DiscreteSystem,
@@ -128,6 +130,10 @@ def prove_running(
         raise InvalidInput(
             "torque_load", repr(torque_load), "smallest and largest torque in Nm", "Swap them."
         )
+    if substeps < 1:
+        raise InvalidInput("substeps", repr(substeps), "a whole number from 1 on", "1 is usual.")
+    if not speeds or list(speeds) != sorted(set(speeds)) or not speeds[0] > 0.0:
+        raise InvalidInput("speeds", repr(tuple(speeds)), "positive speeds that rise, rad/s", "Sort them.")
     if not speeds[0] < fastest < math.inf:
         raise InvalidInput("fastest", repr(fastest), f"more than {speeds[0]} rad/s", "Raise it.")
     if not 0.0 < step < math.inf:
@@ -257,7 +263,7 @@ class _Search:
         bounds = sectors(self.loop, known)
         if bounds is None:
             raise Unproved("a curve changes its segment between the smallest and the largest speed")
-        pairs = copies(self.loop, known, bounds)
+        pairs = copies(self.loop, known)
         region = None
         if goal.step is not None:
             region, bounds = limit_region(self.loop, known, bounds, Fraction(goal.step), Fraction(goal.share))

@@ -5,7 +5,8 @@
     V(ξ, τ) = ξᵀ P(τ) ξ + 2 Σ ηᵢ ∫wᵢ + 2 Σ θⱼ ∫vⱼ        P piecewise linear in the time τ since the last sample
 
 falls between samples and does not rise at a sample: docs/stability.md, section 4, whose equations are cited. The same
-lines run in floats for the solver and in fractions for the check.
+lines run in floats for the solver and in fractions for the check. Terms with a multiplier of zero are left out: the
+solver takes the coefficients of one unknown after the other.
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ class SampledProof(LoopMatrices):
             for f in fields(self)
             if isinstance(value := getattr(self, f.name), np.ndarray)
         }
-        copies = tuple(Copies(c.first, c.second, float(c.steepest), float(c.mismatch)) for c in self.copies)
+        copies = tuple(Copies(c.first, c.second, *map(float, c[2:])) for c in self.copies)
         return replace(self, **arrays, copies=copies)
 
     @property
@@ -216,9 +217,11 @@ class SampledProof(LoopMatrices):
         zeta = np.vstack([xi, *(e.value for e in of_state)])
         form = zeta.T @ unknowns[f"P{k}"] @ zeta
         for i, eta in enumerate(unknowns["eta_minus"]):
-            form = form - eta * self.sectors[i, 1] * _square(self.Z[i] @ xi)
+            if eta:
+                form = form - eta * self.sectors[i, 1] * _square(self.Z[i] @ xi)
         for theta, e in zip(unknowns["theta_minus"], of_state, strict=True):
-            form = form - theta * self.sectors[e.curve, 1] * _square(e.argument)
+            if theta:
+                form = form - theta * self.sectors[e.curve, 1] * _square(e.argument)
         return form
 
     def falls(self, unknowns: Unknowns, k: int, end: int) -> Matrix:
@@ -227,7 +230,7 @@ class SampledProof(LoopMatrices):
         form = zeta.T @ (unknowns[f"P{k + 1}"] - unknowns[f"P{k}"]) @ zeta
         form = form + _twice(unknowns[f"P{k + end}"] @ zeta, rate)
         eta = unknowns["eta_plus"] - unknowns["eta_minus"]
-        for i in range(self.sizes[1]):
+        for i in np.flatnonzero(eta):
             form = form + eta[i] * _product(evaluations[i].value, z_rate[i])
         return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.substeps)
 
@@ -237,20 +240,22 @@ class SampledProof(LoopMatrices):
         form = jumped.T @ unknowns["P0"] @ jumped - zeta.T @ unknowns[f"P{self.substeps}"] @ zeta
         p = self.sizes[1]
         for place, (j, (s, v, s_later, later)) in enumerate(ends.items()):
+            if not (unknowns["theta_plus"][place] or unknowns["theta_minus"][place]):
+                continue
             curvature = _square(later - v) / self.steepest[p + j]
             rise, fall = _product(later, s_later - s), _product(v, s_later - s)
             form = form + unknowns["theta_plus"][place] * (rise - curvature)
             form = form - unknowns["theta_minus"][place] * (fall + curvature)
         return -form - self._known(unknowns, "jump", 0, 1)
 
-    def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any]]:
-        """Pairs of evaluations of one curve, or of copies of it, with slope and mismatch."""
-        known = {(c.first, c.second): (c.steepest, c.mismatch) for c in self.copies}
-        found: list[tuple[Evaluation, Evaluation, Any, Any]] = []
+    def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any, Any]]:
+        """Pairs of evaluations of one curve, or of copies of it, with slope, slack and loss."""
+        known = {(c.first, c.second): c[2:] for c in self.copies}
+        found: list[tuple[Evaluation, Evaluation, Any, Any, Any]] = []
         for a, b in combinations(evaluations, 2):
             places = min(a.curve, b.curve), max(a.curve, b.curve)
             if a.curve == b.curve:
-                found.append((a, b, self.steepest[a.curve], 0))
+                found.append((a, b, self.steepest[a.curve], 0, 0))
             elif places in known:
                 found.append((a, b, *known[places]))
         return found
@@ -267,18 +272,18 @@ class SampledProof(LoopMatrices):
         for e in evaluations:
             low, high = self.sectors[e.curve]
             forms.append(_product(e.value - low * e.argument, high * e.argument - e.value))
-        for a, b, steepest, mismatch in self.pairs(evaluations):
+        for a, b, steepest, slack, loss in self.pairs(evaluations):
             rise, apart = a.value - b.value, a.argument - b.argument
-            forms.append(_product(rise, steepest * apart - rise))
-            if mismatch:
-                forms[-1] = forms[-1] + 2 * mismatch * (_square(a.argument) + _square(b.argument))
+            forms.append(_product(rise, steepest * apart - (1 - slack) * rise))
+            if loss:
+                forms[-1] = forms[-1] + 2 * loss * (_square(a.argument) + _square(b.argument))
         return np.array(forms)
 
     def _known(self, unknowns: Unknowns, where: str, part: int, parts: int) -> Matrix:
         """What is known of the curves times its multipliers, in one of the parts of a condition."""
         each = [unknowns[f"{where}_{kind}"].reshape(parts, -1)[part] for kind in ("sectors", "copies")]
         multipliers = np.concatenate(each)
-        if not multipliers.size:
+        if not np.any(multipliers):
             return np.asarray(0)
         return np.asarray(np.tensordot(multipliers, self.facts[where], 1))
 
@@ -324,7 +329,7 @@ def sampled_proof(
         if integrated and not (region and moving[j] == loop.limit):
             of_state.append(j)
     known = tuple(
-        Copies(kept[c.first], kept[c.second], c.steepest, c.mismatch)
+        c._replace(first=kept[c.first], second=kept[c.second])
         for c in copies
         if c.first in kept and c.second in kept
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -119,5 +120,12 @@ def _diagonal(layout: Layout) -> Array:
 def _packed(matrix: Matrix) -> Array:
     """The upper triangle column by column, off the diagonal times √2 (Clarabel's PSDTriangleConeT)."""
     given = np.asarray(matrix, dtype=float)
-    rows, columns = np.tril_indices(given.shape[0])
-    return np.asarray(np.where(rows == columns, 1.0, np.sqrt(2.0)) * given[columns, rows])
+    rows, columns, weights = _triangle(given.shape[0])
+    return np.asarray(weights * given[columns, rows])
+
+
+@cache
+def _triangle(size: int) -> tuple[Any, Any, Array]:
+    """Rows, columns and weights of ``_packed``."""
+    rows, columns = np.tril_indices(size)
+    return rows, columns, np.where(rows == columns, 1.0, np.sqrt(2.0))

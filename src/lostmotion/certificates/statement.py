@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..argument_checks import checks_arguments
 from .running import RunningProof
 
-#: What voids every proof, whatever its numbers.
+#: What voids every proof, whatever its numbers; the second stands for no box.
+CONSTANT = "the set-point and the load torque are constant"
+NO_TOLERANCE = "the drivetrain has exactly the values of the certificate: no tolerance of them is proved"
 CONDITIONS = (
-    "the set-point and the load torque are constant",
-    "the drivetrain has exactly the values of the certificate: no tolerance of them is proved",
     "friction is Coulomb and viscous: no Stribeck curve, no breakaway level above it",
     "the law reads every signal as it is at its sample: no mean over the sample, no noise, no offset",
     "no input check of the law has fired, and every sample is taken in time",
 )
 
 
+@checks_arguments
 def headline(proof: RunningProof) -> str:
     """One sentence that is read in ten seconds."""
     if proof.speed is None:
@@ -38,18 +40,25 @@ def _load(proof: RunningProof) -> str:
     return f" and with {-high:.3g} to {-low:.3g} Nm of load torque against the motion" if high < 0.0 else ""
 
 
+@checks_arguments
 def conditions(proof: RunningProof) -> list[str]:
     """What must hold for the headline, a sentence part each."""
-    low, high = proof.torque_load
+    return [*acting(proof.torque_load, proof.delay), CONSTANT, NO_TOLERANCE, *CONDITIONS]
+
+
+def acting(torque_load: tuple[float, float], delay: int) -> list[str]:
+    """What acts on the loop, and when."""
+    low, high = torque_load
     torque = "there is no load torque but friction"
     if low or high:
         torque = f"the load torque is constant between {low:.3g} and {high:.3g} Nm, positive in the direction of motion"
     samples = {0: "acts at its own sample", 1: "acts one sample later"}.get(
-        proof.delay, f"acts {proof.delay} samples later"
+        delay, f"acts {delay} samples later"
     )
-    return [torque, f"the torque {samples}", *CONDITIONS]
+    return [torque, f"the torque {samples}"]
 
 
+@checks_arguments
 def stability(proof: RunningProof) -> dict[str, Any]:
     """The section "Stability" of the report, as JSON can hold it."""
     return {

@@ -7,16 +7,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..certificates import prove_running, prove_with_load, stability
+from ..certificates import RunningProof, margins, prove_running, prove_with_load, stability
+from ..certificates.robustness.contact_margins import SPEED, margin_data
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..io import load_law, read_configuration
+from ..io import load_law
 from ..io.storage.certificate_files import save_certificate
-from ..io.storage.whole_files import read_bytes
 from ..stages.target_law import default_poles, target_law
 from ..systems import DiscreteSystem
 from .outputs import outputs
-from .recordings import drivetrain_of
+from .recordings import DriveFile, read_drive
 
 #: Sample time of a law that is designed for a TOML without one, s (option).
 SAMPLE_TIME = 1e-4
@@ -42,28 +42,39 @@ def certify_file(
     torque_load : (float, float), Nm, optional
         See ``prove_running``; default: none, or if nothing is proved then, one that resists the motion.
     """
-    law = law_beside(drivetrain, law)
-    with outputs(out, ".json", "_verify.py", sources=(drivetrain, law), force=force) as (file, script):
-        plant = drivetrain_of(drivetrain)
-        system = law_of(drivetrain, plant, law)
+    drive = read_drive(drivetrain)
+    plant, law = drive.drivetrain, law_beside(drive, law)
+    read = drive.reads if law is None else (*drive.reads, law)
+    with outputs(out, ".json", "_verify.py", sources=read, force=force) as (file, script):
+        system = law_of(drive, law)
         options: dict[str, Any] = {"delay": delay, "fastest": fastest, "progress": progress}
         if torque_load is None:
             proof = prove_with_load(plant, system, **options)
         else:
             proof = prove_running(plant, system, torque_load=torque_load, **options)
         save_certificate(proof, file, script)
-    return stability(proof)
+        return {**stability(proof), "margins": margins_of(plant, system, proof)}
 
 
-def law_beside(drivetrain: Path, law: Path | None) -> Path | None:
+def margins_of(plant: Drivetrain, law: DiscreteSystem, proof: RunningProof) -> dict[str, dict[str, Any]]:
+    """Margins at the load and at a speed of the proof; none where the loop does not rest there."""
+    load = proof.torque_load[0]
+    speed = max(proof.speed or 0.0, SPEED)
+    try:
+        return margin_data(margins(plant, law, delay=proof.delay, speed=speed, torque_load=load))
+    except InvalidInput:
+        return {}
+
+
+def law_beside(drive: DriveFile, law: Path | None) -> Path | None:
     """The law that is given, or the law.json of the same run."""
-    beside = drivetrain.with_name("law.json")
-    if law is None and beside.is_file() and b"[nameplate]" not in read_bytes(drivetrain):
+    beside = drive.path.with_name("law.json")
+    if law is None and beside.is_file() and drive.configuration is None:
         return beside
     return law
 
 
-def law_of(drivetrain: Path, plant: Drivetrain, law: Path | None) -> DiscreteSystem:
+def law_of(drive: DriveFile, law: Path | None) -> DiscreteSystem:
     """The law of a file, or the one that the main job would design for a TOML's nameplate."""
     if law is not None:
         loaded = load_law(law)
@@ -73,9 +84,9 @@ def law_of(drivetrain: Path, plant: Drivetrain, law: Path | None) -> DiscreteSys
             str(law), f"a {loaded.estimator} filter", "a law of matrices and curves (DiscreteSystem)",
             "Certify one of the fixed-gain observers with its controller.",
         )  # fmt: skip
-    if b"[nameplate]" not in read_bytes(drivetrain):
-        raise InvalidInput(str(drivetrain), "no law.json beside it", "a law", "Give it with --law.")
-    settings = read_configuration(drivetrain).law
+    if drive.configuration is None:
+        raise InvalidInput(str(drive.path), "no law.json beside it", "a law", "Give it with --law.")
+    plant, settings = drive.drivetrain, drive.configuration.law
     dt = settings.sample_time or SAMPLE_TIME
     poles = settings.poles or default_poles(plant, dt, False).values
     limit = math.inf if settings.torque_limit is None else settings.torque_limit

@@ -9,16 +9,14 @@ from typing import Any
 import numpy as np
 
 from .. import plot
-from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..experiment.design import design_excitation
-from ..io import read_configuration, save_json
-from ..io.storage.whole_files import read_bytes
+from ..io import save_json
 from ..stages.material import RIG_NAMEPLATE
 from ..stages.parameters import two_mass
 from .cost import Announce, Cost, silent
 from .outputs import outputs, save_picture
-from .recordings import drivetrain_of
+from .recordings import DriveFile, read_drive
 from .simulate import check_times
 
 #: Largest torque of a test on the virtual rig, Nm (option).
@@ -48,16 +46,17 @@ def excitation_file(
     Without a ``torque_limit`` (Nm) that of the TOML or of the drivetrain holds; a user's drive needs one. ``announce``
     is told what a long test will cost.
     """
-    with outputs(out, ".csv", ".json", ".png", sources=(file,), force=force) as (table, json_file, picture):
+    drive = None if file is None else read_drive(file)
+    read = () if drive is None else drive.reads
+    with outputs(out, ".csv", ".json", ".png", sources=read, force=force) as (table, json_file, picture):
         check_times(duration, dt)
         Cost(duration / dt, MEMORY, SECONDS).check(f"{duration:g} s at {dt:g} s", announce)
-        drivetrain = two_mass(RIG_NAMEPLATE) if file is None else drivetrain_of(file)
         design = design_excitation(
-            drivetrain,
+            two_mass(RIG_NAMEPLATE) if drive is None else drive.drivetrain,
             kind=kind,
             duration=duration,
             dt=dt,
-            torque_limit=_torque_limit(file, drivetrain) if torque_limit is None else torque_limit,
+            torque_limit=_torque_limit(drive) if torque_limit is None else torque_limit,
             speed_limit=speed_limit,
             angle_limit=angle_limit,
             encoder_bits=encoder_bits,
@@ -79,14 +78,14 @@ def excitation_file(
     return result
 
 
-def _torque_limit(file: Path | None, drivetrain: Drivetrain) -> float:
-    if file is None:
+def _torque_limit(drive: DriveFile | None) -> float:
+    if drive is None:
         return TORQUE_LIMIT
-    stated = read_configuration(file).law.torque_limit if b"[nameplate]" in read_bytes(file) else None
-    limit = stated or drivetrain.actuator.torque_limit
+    stated = None if drive.configuration is None else drive.configuration.law.torque_limit
+    limit = stated or drive.drivetrain.actuator.torque_limit
     if math.isinf(limit):
         raise InvalidInput(
-            str(file), "no torque limit", "the largest torque that the test may ask for, Nm",
+            str(drive.path), "no torque limit", "the largest torque that the test may ask for, Nm",
             "Give --torque-limit, or torque_limit in [law] of the TOML.",
         )  # fmt: skip
     return limit

@@ -11,7 +11,7 @@ from ..io import save_json
 from ..plot import bode, source_of, words
 from ..recording import unit_of
 from .outputs import outputs, save_picture
-from .recordings import recording_of
+from .recordings import files_read, recording_of
 
 #: What zero and pole of a drive with a gap mean.
 MOVING_GAP = (
@@ -31,7 +31,7 @@ def frequency_response_file(
     force: bool = False,
 ) -> dict[str, Any]:
     """Analyse the band (Hz) and write OUT.json and OUT.png; returns what the JSON holds."""
-    with outputs(out, ".json", ".png", sources=(file,), force=force) as (json_file, picture):
+    with outputs(out, ".json", ".png", sources=files_read(file), force=force) as (json_file, picture):
         recording, warnings = recording_of(file, seed)
         analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
         response, fit = analysis.response, analysis.fit

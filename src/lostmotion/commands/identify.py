@@ -10,7 +10,7 @@ from .. import plot
 from ..io import save_json
 from ..stages.parameters import find_parameters
 from .outputs import outputs, save_picture
-from .recordings import material_of
+from .recordings import files_read, material_of
 
 
 def identify_file(
@@ -21,7 +21,7 @@ def identify_file(
     force: bool = False,
 ) -> dict[str, Any]:
     """Identify and write OUT.json and OUT.png; returns what the JSON holds."""
-    with outputs(out, ".json", ".png", sources=(file,), force=force) as (json_file, picture):
+    with outputs(out, ".json", ".png", sources=files_read(file), force=force) as (json_file, picture):
         material = material_of(file, seed)
         found = find_parameters(material, progress)
         problems = (*material.problems, *found.problems)

@@ -11,8 +11,7 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
-from ..io import read_configuration
-from ..io.storage.whole_files import read_bytes, write_bytes
+from ..io.storage.whole_files import write_bytes
 from ..io.storage.written_files import replacing
 
 if TYPE_CHECKING:
@@ -21,15 +20,15 @@ if TYPE_CHECKING:
 
 @contextmanager
 def outputs(
-    out: Path, *suffixes: str, sources: tuple[Path | None, ...] = (), force: bool = False
+    out: Path, *suffixes: str, sources: tuple[Path, ...] = (), force: bool = False
 ) -> Iterator[tuple[Path, ...]]:
     """The files to write, around their writing: ``out`` is their name without a suffix; its folder is created.
 
     Raises
     ------
     InvalidInput
-        Before anything is computed: where a file cannot be written, is one of the sources or a recording that they
-        name, or is there and not as this package wrote it (unless ``force``).
+        Before anything is computed: where a file cannot be written, is one of the sources, or is there and not as this
+        package wrote it (unless ``force``).
     """
     if not out.name:
         raise InvalidInput(str(out), "a folder", "the name of the files to write", "Add a name.")
@@ -39,10 +38,10 @@ def outputs(
         yield files
 
 
-def check_writable(*files: Path, sources: tuple[Path | None, ...] = ()) -> None:
+def check_writable(*files: Path, sources: tuple[Path, ...] = ()) -> None:
     """Create the folders of the files; raises ``InvalidInput`` where one of them cannot be written.
 
-    Or must not: the sources, and the recordings that a TOML among them names, stay as they are.
+    Or must not: the sources stay as they are.
     """
     for file in files:
         try:
@@ -55,22 +54,11 @@ def check_writable(*files: Path, sources: tuple[Path | None, ...] = ()) -> None:
             raise InvalidInput(str(file.parent), said, "a folder to write into", "Choose another.") from None
         if is_folder:
             raise InvalidInput(str(file), "a folder", "the name of a file", "Choose another name.")
-        for source in sources:
-            if place in _read_by(source):
-                raise InvalidInput(
-                    str(file), f"a file that {source} is or reads", "another name", "Choose it with --out."
-                )
-
-
-def _read_by(source: Path | None) -> set[Path]:
-    """The file itself, and the recordings of a TOML of the main job."""
-    # Path.is_file raises of names that no file can have; those are told where the file is read.
-    if source is None or not os.path.isfile(source):  # noqa: PTH113
-        return set()
-    kept = {source.resolve()}
-    if source.suffix == ".toml" and b"[[recording]]" in read_bytes(source):
-        kept |= {Path(one.file).resolve() for one in read_configuration(source).recordings}
-    return kept
+        # os.path.isfile: Path.is_file raises of names that no file can have; those are told where the file is read.
+        if any(os.path.isfile(source) and place == source.resolve() for source in sources):  # noqa: PTH113
+            raise InvalidInput(
+                str(file), "a file that this command reads", "another name", "Choose it with --out."
+            )
 
 
 def save_picture(figure: Figure, path: Path) -> None:

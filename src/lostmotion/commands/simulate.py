@@ -15,7 +15,7 @@ from ..recording import Recording
 from ..simulation import simulate
 from .cost import Announce, Cost, silent
 from .outputs import outputs, save_picture
-from .recordings import drivetrain_of
+from .recordings import read_drive
 
 #: Bytes of memory and seconds that a sample takes, with its row of the CSV: a constant, and for each inertia
 #: (calibrated on one and two inertias, machine not recorded; contact states, of which long chains have thousands, come
@@ -39,8 +39,10 @@ def simulate_file(
     the simulation's. ``announce`` is told what a long one will cost.
     """
     name = checked_name(out)
-    with outputs(name, ".csv", ".png", sources=(drivetrain, torque), force=force) as (table, picture):
-        plant = drivetrain_of(drivetrain)
+    drive = read_drive(drivetrain)
+    plant = drive.drivetrain
+    read = drive.reads if torque is None else (*drive.reads, torque)
+    with outputs(name, ".csv", ".png", sources=read, force=force) as (table, picture):
         count = len(plant.inertias)
         memory, seconds = (constant + each * count for constant, each in (MEMORY, SECONDS))
         given, dt = torque_of(plant, torque, duration, dt, seed, Cost(1.0, memory, seconds), announce)

@@ -23,7 +23,7 @@ from ..rig import eigenfrequencies
 from ..simulation import BatchResult, simulate, simulate_batch, variants
 from .cost import Announce, Cost, silent
 from .outputs import outputs, save_picture
-from .recordings import drivetrain_of
+from .recordings import read_drive
 from .simulate import MEMORY as MEMORY_OF_ONE
 from .simulate import checked_name, torque_of
 
@@ -70,8 +70,10 @@ def simulate_variants(
     call goes on where an interrupted one stopped.
     """
     name = checked_name(out)
-    with outputs(name, ".csv", ".png", sources=(drivetrain, torque), force=force) as (table, picture):
-        plant = drivetrain_of(drivetrain)
+    drive = read_drive(drivetrain)
+    plant = drive.drivetrain
+    read = drive.reads if torque is None else (*drive.reads, torque)
+    with outputs(name, ".csv", ".png", sources=read, force=force) as (table, picture):
         check_memory("variants", f"{count} variants", count * MEMORY, "Take fewer.")
         given, dt = torque_of(plant, torque, duration, dt, seed, _cost(plant, count), announce)
         plants = variants(plant, count, spread=spread, seed=seed)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -16,6 +17,7 @@ from ..systems.checks import sample_time
 DAMPING_RATIO = 0.5
 
 
+@checks_arguments
 def active_damping(
     drivetrain: Drivetrain,
     *,

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -18,6 +19,7 @@ from .lqi import quadratic_feedback
 RATE_RATIO = 4.0
 
 
+@checks_arguments
 def speed_course(*, largest_acceleration: float, largest_jerk: float, dt: float) -> DiscreteSystem:
     """A course to the set-point within an acceleration (rad/s²) and a jerk (rad/s³), without overshoot.
 
@@ -64,6 +66,7 @@ def speed_course(*, largest_acceleration: float, largest_jerk: float, dt: float)
     )  # fmt: skip
 
 
+@checks_arguments
 def flatness(
     drivetrain: Drivetrain,
     *,

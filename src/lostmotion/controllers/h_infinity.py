@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DesignModel, DiscreteSystem, design_model
@@ -35,6 +36,7 @@ class RobustFeedback:
     smallest_level: float
 
 
+@checks_arguments
 def robust_feedback(
     drivetrain: Drivetrain,
     dt: float,
@@ -106,6 +108,7 @@ def _smallest_level(scaled: _Scaled) -> float:
     return high
 
 
+@checks_arguments
 def h_infinity(
     drivetrain: Drivetrain,
     *,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -67,6 +68,7 @@ def move_lengths(horizon: int, moves: int) -> tuple[int, ...]:
     return tuple(int(length) for length in np.diff(ends, prepend=0))
 
 
+@checks_arguments
 def predictive(
     drivetrain: Drivetrain,
     *,

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 
@@ -14,6 +15,7 @@ from ..errors import InvalidInput
 OSCILLATION_SHARE = 2.0
 
 
+@checks_arguments
 def quadratic_poles(drivetrain: Drivetrain, torque_per_error: float) -> tuple[complex, complex, complex]:
     """Closed-loop poles of the linear-quadratic optimum, in 1/s, for ``pole_placement``.
 

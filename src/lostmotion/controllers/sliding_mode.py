@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..argument_checks import checks_arguments
 from ..curves import PiecewiseLinear, saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -30,6 +31,7 @@ INPUTS = (
 )  # fmt: skip
 
 
+@checks_arguments
 def sliding_mode(
     drivetrain: Drivetrain,
     *,
@@ -87,6 +89,7 @@ def sliding_mode(
     )  # fmt: skip
 
 
+@checks_arguments
 def super_twisting(
     drivetrain: Drivetrain,
     *,

@@ -15,12 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from .fresh_cache import source_hashes
-from .quick_start import load_numba
+from .quick_start import load_without_tables, without_collection
 
-load_numba()
-
-from numba import cfunc, njit  # noqa: E402
-from numba.core import caching  # noqa: E402
+with without_collection():
+    from numba import cfunc, njit
+    from numba.core import caching
 
 __all__ = ["cfunc", "keep_fresh", "njit"]
 
@@ -47,6 +46,7 @@ def keep_fresh(folder: Path) -> None:
         def get_source_stamp(self) -> str:
             return stamps[Path(self._py_file).relative_to(folder).with_suffix("").as_posix()]
 
+    load_without_tables(Fresh)
     places = (caching.UserProvidedCacheLocator, caching.InTreeCacheLocator, caching.UserWideCacheLocator)
     own: list[Any] = [type(f"Fresh{place.__name__}", (Fresh, place), {}) for place in places]
     caching.CacheImpl._locator_classes = [*own, *caching.CacheImpl._locator_classes]

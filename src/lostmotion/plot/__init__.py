@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from .control_step import control_step
+from .drawings.block_diagram import block_diagram
+from .drawings.chain import chain
+from .drawings.reduction import reduction
 from .frequency.bode import bode
 from .frequency.coherence import coherence
 from .frequency.mode_shapes import mode_shapes
@@ -14,6 +17,7 @@ from .identification.identified_parameters import identified_parameters
 from .identification.prediction_fit import prediction_fit
 from .identification.ring_down_fit import ring_down_fit
 from .identification.stiffness_fit import stiffness_fit
+from .loop_timing import loop_timing
 from .observers.estimate_errors import estimate_errors
 from .observers.leaderboard import leaderboard
 from .observers.observer_step import observer_step
@@ -25,7 +29,9 @@ from .style import source_of, words
 __all__ = [
     "backlash_locked",
     "backlash_lost_motion",
+    "block_diagram",
     "bode",
+    "chain",
     "coherence",
     "control_step",
     "estimate_errors",
@@ -33,11 +39,13 @@ __all__ = [
     "friction_fit",
     "identified_parameters",
     "leaderboard",
+    "loop_timing",
     "mode_shapes",
     "observer_step",
     "prediction_fit",
     "quantile_bands",
     "recording_overview",
+    "reduction",
     "ring_down_fit",
     "sensor_worth",
     "source_of",

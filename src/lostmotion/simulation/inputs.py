@@ -60,9 +60,8 @@ def check_signal(name: str, values: ArrayLike) -> NDArray[np.float64]:
             name, f"shape {array.shape}", "a one-dimensional array of two or more samples", "Reshape."
         )
     array = array.astype(float, copy=False)
-    within = np.abs(array) <= LARGEST
-    if not within.all():
-        bad = np.flatnonzero(~within)
+    if not (array.min() >= -LARGEST and array.max() <= LARGEST):  # a NaN is the smallest and the largest
+        bad = np.flatnonzero(~(np.abs(array) <= LARGEST))
         raise InvalidInput(
             name,
             f"{array[bad[0]]} in sample {bad[0]}",

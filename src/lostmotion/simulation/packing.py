@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +15,12 @@ if TYPE_CHECKING:
     from ..kernels.plant.equations import Chain
 
 
+@lru_cache(maxsize=1)
 def chain_of(layout: Layout, parts: tuple[Element, ...]) -> Chain:
-    """What all variants of a drivetrain share that differ in their numbers only."""
+    """What all variants of a drivetrain share that differ in their numbers only.
+
+    The last one is kept, since simulations come in series.
+    """
     from ..kernels.plant.equations import Chain
     from ..kernels.plant.layout import BRANCH, FRICTION, SHAFT
 

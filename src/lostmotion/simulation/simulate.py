@@ -125,7 +125,7 @@ def simulate(
             return LawsInLoop((), (), (), torques, {}, moved).simulate(run, seed, energy)
     columns = [np.zeros(length) if name not in values else values[name] for name in names]
     columns[0] = _set_point(drivetrain, columns[0], dt, state)
-    inputs = np.column_stack(columns)
+    inputs = np.ascontiguousarray(np.array(columns).T)
     run.keep_states(of_all=energy)
     from ..kernels.loop.blocks import run_under_torques
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -273,23 +273,29 @@ class Plant:
             ]
         return tuple(names)
 
-    @cached_property
+    @property
     def signal_weights(self) -> Array:
         """(signals, C + n − 1): the signals of `signal_names` over [x, inputs, 1] and the shafts' torques.
 
         ``torque_shaft`` is the torque in the softest shaft.
         """
-        layout, n = self.layout, self.layout.n
-        unit = np.eye(layout.columns + n - 1)
-        shaft_torques = list(unit[layout.columns :])
-        rows = [unit[layout.speed(i)] for i in range(n)] + [unit[layout.angle_motor]]
-        if n > 1:
-            twist = np.sum([unit[layout.twist(i)] for i in range(n - 1)], axis=0)
-            softest = int(np.argmin([shaft.stiffness for shaft in self.drivetrain.shafts]))
-            rows += [unit[layout.angle_motor] - twist, twist, shaft_torques[softest]]
-        if n > 2:
-            rows += [unit[layout.twist(i)] for i in range(n - 1)] + shaft_torques
-        return np.array(rows)
+        return _signal_weights(self.layout)
+
+
+@lru_cache(maxsize=1)
+def _signal_weights(layout: Layout) -> Array:
+    """The last ones are kept, since simulations come in series."""
+    n = layout.n
+    unit = np.eye(layout.columns + n - 1)
+    shaft_torques = list(unit[layout.columns :])
+    rows = [unit[layout.speed(i)] for i in range(n)] + [unit[layout.angle_motor]]
+    if n > 1:
+        twist = np.sum([unit[layout.twist(i)] for i in range(n - 1)], axis=0)
+        softest = int(np.argmin([shaft.stiffness for shaft in layout.drivetrain.shafts]))
+        rows += [unit[layout.angle_motor] - twist, twist, shaft_torques[softest]]
+    if n > 2:
+        rows += [unit[layout.twist(i)] for i in range(n - 1)] + shaft_torques
+    return np.array(rows)
 
 
 def _doubled(array: NDArray[Any]) -> NDArray[Any]:

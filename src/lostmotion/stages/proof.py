@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import pickle
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from threading import Event
 from typing import Any
 
 from ..certificates import prove_with_load, stability
+from ..child_process import end_python, start_python
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io.storage.certificate_files import save_certificate
+from ..systems import DiscreteSystem
 from .design import Design
 
 #: Computing delay of a drive in samples; the law is designed for it (``design.target_law``) (option).
@@ -18,28 +24,72 @@ DELAY = 1
 SPEEDS = (0.5, 2.0)
 
 
-class Stopped(Exception):
-    """The run that wanted the proof has ended."""
-
-
-def prove(laws: Design, drivetrain: Drivetrain | None, folder: Path, stop: Event) -> dict[str, Any]:
-    """Write certificate.json and its verifier into the folder; returns the part of ``results.json``.
-
-    Raises ``Stopped`` within a second after ``stop`` is set.
-    """
-
-    def go_on(share: float, text: str) -> None:
-        if stop.is_set():
-            raise Stopped
-
-    if laws.law is None or drivetrain is None:
-        return {"skipped": laws.skipped}
+def prove(law: DiscreteSystem, drivetrain: Drivetrain, folder: Path) -> dict[str, Any]:
+    """Write certificate.json and its verifier into the folder; returns the part of ``results.json``."""
     try:
         for speed in SPEEDS:
-            proof = prove_with_load(drivetrain, laws.law, delay=DELAY, speeds=(speed,), progress=go_on)
+            proof = prove_with_load(drivetrain, law, delay=DELAY, speeds=(speed,))
             if proof.speed is not None:
                 break
     except InvalidInput as error:
         return {"skipped": str(error)}
     save_certificate(proof, folder / "certificate.json", folder / "certificate_verify.py")
     return stability(proof)
+
+
+class Prover:
+    """A process that proves while this one goes on; it starts before there is anything to prove."""
+
+    def __init__(self) -> None:
+        self.child = start_python(__name__, serve.__name__, stdin=subprocess.PIPE)
+        self._job: tuple[DiscreteSystem, Drivetrain, Path] | None = None
+        self._skipped: dict[str, Any] = {}
+
+    def begin(self, laws: Design, drivetrain: Drivetrain | None, folder: Path) -> None:
+        """Hand over what the design has made."""
+        if laws.law is None or drivetrain is None:
+            self._skipped = {"skipped": laws.skipped}
+            return
+        self._job = laws.law, drivetrain, folder
+        assert self.child.stdin is not None
+        try:
+            pickle.dump(self._job, self.child.stdin)
+            self.child.stdin.close()
+        except OSError:
+            pass  # it has ended: ``result`` does its work
+
+    def result(self) -> dict[str, Any]:
+        """The part of ``results.json``, as soon as it is there."""
+        if self._job is None:
+            return self._skipped
+        assert self.child.stdout is not None
+        try:
+            found: dict[str, Any] = pickle.load(self.child.stdout)
+        except (EOFError, OSError, pickle.UnpicklingError):
+            return prove(*self._job)
+        return found
+
+
+@contextmanager
+def prover() -> Iterator[Prover]:
+    """A ``Prover`` that ends with the block."""
+    at_work = Prover()
+    try:
+        yield at_work
+    finally:
+        end_python(at_work.child)
+
+
+def serve() -> None:
+    """One proof, from standard input to standard output."""
+    import clarabel  # noqa: F401
+    import scipy.linalg
+    import scipy.sparse  # noqa: F401
+
+    answer = sys.stdout.buffer
+    sys.stdout = sys.stderr  # what a solver prints must not end up in the answer
+    try:
+        job = pickle.load(sys.stdin.buffer)
+    except EOFError:  # the run has ended before
+        return
+    answer.write(pickle.dumps(prove(*job)))

@@ -172,9 +172,11 @@ def _settled_responses(
                 unstable[name] = trouble
             else:
                 responses[name] = response
-        if doubling == DOUBLINGS or all(_settles(response, step) for response in responses.values()):
+        longer = step.longer(laws.dt)
+        settled = all(_settles(response, step) for response in responses.values())
+        if settled or doubling == DOUBLINGS or longer == step:
             break
-        step = step.longer()
+        step = longer
     return step, responses, unstable
 
 
@@ -219,9 +221,17 @@ def _loop_problem(name: str, got: str, laws: Design, friction: float = 0.0) -> P
     return Problem.warning(where, got, "a load speed that settles at the set-point", remedy)
 
 
-def control_step(plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep) -> Recording:
-    """A pulse of the set-point with the law in the loop of a rig: the recording of its sensors and the estimates."""
-    recording, truth = rig.record(plant, law=law, speed_reference=step.reference(dt), dt=dt, noise_seed=2)
+def control_step(
+    plant: rig.Rig, law: DiscreteSystem, dt: float, step: SpeedStep, delay: int = 1
+) -> Recording:
+    """A pulse of the set-point with the law in the loop of a rig: the recording of its sensors and the estimates.
+
+    ``delay``: samples of computing delay.
+    """
+    reference, channels = step.reference(dt), tuple(plant.sensors)
+    recording, truth = rig.record(
+        plant, law=law, speed_reference=reference, dt=dt, delay=delay, noise_seed=2, channels=channels
+    )
     estimates = {n: truth.signals[n] for n in law.outputs if n.endswith("_estimated")}
     return replace(recording.with_signals("estimated", **estimates), events=truth.signals.events)
 

@@ -66,7 +66,7 @@ def test_nothing_is_told_where_no_rows_can_be_joined():
     """Counts of 9 bit: joining six rows leaves too much of the speed's variation."""
     result = found(bits=9)
     assert set(result.sources.values()) == {"not excited"} and result.intervals == {}
-    assert any("nothing is identified" in p.remedy for p in result.problems)
+    assert any("Nothing is identified" in p.remedy for p in result.problems)
     assert result.drivetrain.stiffness == pytest.approx(PLANT.stiffness)
 
 

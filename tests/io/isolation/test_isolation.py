@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from lostmotion import child_process
 from lostmotion.errors import InvalidInput
 from lostmotion.io.isolation import child, parent
 from lostmotion.io.isolation.formats import READERS, TooLarge
@@ -68,7 +69,7 @@ def test_whatever_a_reader_does(monkeypatch: pytest.MonkeyPatch, code: str, word
     # The first call, which imports what a reader needs, is left out.
     prepared += "child.preload = lambda: None; "
     monkeypatch.setattr(
-        parent, "_CODE", parent._CODE.replace("from lostmotion", prepared + "from lostmotion", 1)
+        child_process, "_CODE", child_process._CODE.replace("getattr", prepared + "getattr", 1)
     )
     monkeypatch.setattr(parent, "SECONDS", 1.0)
     parent._drop_own()

@@ -111,8 +111,8 @@ def too_coarse(level: float, deviation: float, most: float) -> Problem:
     """Rms of the innovations and standard deviation of the speed, rad/s; ``most`` is the largest share."""
     got = f"innovations of {level:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s"
     remedy = (
-        "The resolution is too low, nothing is identified: take a finer encoder, or record faster motion with more "
-        "torque."
+        "Nothing is identified. Check the values under [nameplate]; if they are right, the resolution is too low: take "
+        "a finer encoder, or record faster motion with more torque."
     )
     return Problem.warning("speed_motor", got, f"at most {100.0 * most:g} %", remedy)
 

@@ -120,15 +120,21 @@ def read_configuration(path: str | Path) -> Configuration:
             "A recording is named in a TOML: write one with lostmotion init, with "
             f'file = "{path.name}" in its [[recording]].',
         )
-        if content.get("kind") == "drivetrain":
-            raise InvalidInput(
-                str(path),
-                "a drivetrain, which a run writes",
-                "a TOML that names recordings",
-                "Name the one that the run was given; lostmotion simulate and excite take a drivetrain.",
-            )
     except InvalidInput as error:
         raise InputProblems([error.problem]) from None
+    return configuration_in(content, text, path)
+
+
+def configuration_in(content: dict[str, Any], text: str, path: Path) -> Configuration:
+    """The configuration in what ``read_toml`` gives; raises ``InputProblems`` as ``read_configuration``."""
+    if content.get("kind") == "drivetrain":
+        error = InvalidInput(
+            str(path),
+            "a drivetrain, which a run writes",
+            "a TOML that names recordings",
+            "Name the one that the run was given; lostmotion simulate and excite take a drivetrain.",
+        )
+        raise InputProblems([error.problem])
     from .models import validated
 
     lines = _lines_of_keys(text)

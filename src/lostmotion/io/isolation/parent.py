@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import atexit
-import contextlib
-import json
 import os
 import pickle
-import signal
 import struct
 import subprocess
-import sys
 import threading
 from typing import IO, Any
 
+from ...child_process import end_python, kill_python, start_python
 from ...errors import InvalidInput
 from ..memory import memory_limit, size_text, too_much
-from .child import CAN_FORK, CRASHED, LATE, READ, REFUSED, TOO_LARGE
+from .child import CAN_FORK, CRASHED, LATE, READ, REFUSED, TOO_LARGE, serve
 
 #: Time to read a file, s, for each MB of it more (option: scipy unpacks 100 MB/s), and to start a process.
 SECONDS, SECONDS_PER_MB, START = 4.0, 0.1, 60.0
 
-_CODE = (
-    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from lostmotion.io.isolation.child import serve; serve()"
-)
 _lock = threading.Lock()
 _children: dict[
     int, subprocess.Popen[bytes]
@@ -72,7 +65,7 @@ def _asked(request: bytes, seconds: float) -> tuple[int, Any]:
 
     def end() -> None:
         late.set()
-        _end(child)
+        kill_python(child)
 
     timer = threading.Timer(START + 2.0 * seconds, end)
     timer.start()
@@ -115,36 +108,16 @@ def _child() -> subprocess.Popen[bytes]:
     """The child of this process, started where there is none."""
     child = _children.get(os.getpid())
     if child is None or child.poll() is not None:
-        child = _children[os.getpid()] = subprocess.Popen(
-            [sys.executable, "-I", "-c", _CODE, json.dumps(sys.path)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"},
-            start_new_session=os.name == "posix",  # Ctrl-C is for the user's process
-        )
+        child = start_python(serve.__module__, serve.__name__, stdin=subprocess.PIPE)
+        _children[os.getpid()] = child
     return child
-
-
-def _end(child: subprocess.Popen[bytes]) -> None:
-    """Ends the child and what it forked."""
-    with contextlib.suppress(OSError):
-        if os.name == "posix":
-            os.killpg(child.pid, signal.SIGKILL)
-        else:
-            child.kill()
 
 
 def _drop(child: subprocess.Popen[bytes]) -> None:
     """Ends the child for good."""
     if _children.get(os.getpid()) is child:
         del _children[os.getpid()]
-        _end(child)
-        child.wait()
-        for stream in (child.stdin, child.stdout):
-            with contextlib.suppress(OSError):
-                if stream is not None:
-                    stream.close()
+        end_python(child)
 
 
 @atexit.register

@@ -24,6 +24,10 @@ _HEAD = (
 )
 
 
+#: What a file is expected to be, and the remedy where it is another, for ``read_toml``.
+EXPECTED = ("a drivetrain as TOML", "A run writes one, drivetrain.toml, into its output folder.")
+
+
 @checks_arguments
 def save_drivetrain(drivetrain: Drivetrain, path: str | Path) -> None:
     """Write a drivetrain as readable TOML with units; ``load_drivetrain`` gives an equal one."""
@@ -55,10 +59,11 @@ def load_drivetrain(path: str | Path) -> Drivetrain:
         If the file cannot be read, its last line is missing, a key is missing or unknown, or a value is of the wrong
         type or out of range.
     """
-    where = str(path)
-    content, source = read_toml(
-        Path(path), "a drivetrain as TOML", "A run writes one, drivetrain.toml, into its output folder."
-    )
+    return drivetrain_in(*read_toml(Path(path), *EXPECTED), str(path))
+
+
+def drivetrain_in(content: dict[str, Any], source: str, where: str) -> Drivetrain:
+    """The drivetrain in what ``read_toml`` gives."""
     content = unwrapped(content, "drivetrain", where)
     if not source.rstrip().endswith(f"\n{_END}"):
         raise InvalidInput(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from ...systems import DiscreteSystem
 from ..estimates import estimated
 from ..model import ObserverModel
 from .gates import with_gates, with_innovation
+from .injection import Injection
 from .input_checks import with_checks, with_torque_check
 
 Array = NDArray[np.float64]
@@ -22,6 +24,15 @@ def _coulomb_curve(friction: Friction, speed_per_torque: float) -> PiecewiseLine
     """Torque that brings the speed z to rest within the sample, limited to the Coulomb levels."""
     plus, minus = friction.coulomb_plus, friction.coulomb_minus
     return PiecewiseLinear(((-minus * speed_per_torque, -minus), (plus * speed_per_torque, plus)))
+
+
+class _Argument(NamedTuple):
+    """Of a curve: rows over the states, the torque's factor, those of other curves, a row over the measured signals."""
+
+    states: Array
+    torque: float
+    curves: Mapping[str, float]
+    measured: Array
 
 
 class Assembly:
@@ -36,7 +47,7 @@ class Assembly:
         self.phi = phi
         self.gamma = gamma
         self.curves: dict[str, PiecewiseLinear] = {}
-        self.arguments: dict[str, tuple[Array, float, dict[str, float]]] = {}
+        self.arguments: dict[str, _Argument] = {}
         self.slack_gain: Array | None = None
         self.extra: dict[str, Array] = {}
         self._add_gap()
@@ -51,6 +62,25 @@ class Assembly:
         if self.model.drivetrain.shaft.has_backlash:
             self.slack_gain = gain
 
+    def inject(self, injection: Injection, measured: tuple[str, ...]) -> None:
+        """Let the gap that drives the state, and that of the expected shaft torque, see the sensors too.
+
+        Outputs and checks keep the gap of the estimate alone: it has no noise, and needs no sample that may be missing.
+        """
+        seeing = ["gap"]
+        if "torque_shaft" in measured:
+            half = 0.5 * self.model.drivetrain.shaft.backlash
+            self._add_curve("gap_measured", saturation(half), self.model.contact_argument())
+            seeing.append("gap_measured")
+        for name in seeing:
+            argument = self.arguments[name]
+            row = injection.states.copy()
+            row[: argument.states.size] += argument.states
+            self.arguments[name] = argument._replace(states=row, measured=injection.measured)
+        # What predicts a measured signal comes before what reads it.
+        self.curves = {"torque": self.curves["torque"], **self.curves}
+        self.arguments = {name: self.arguments[name] for name in self.curves}
+
     def _add_curve(
         self,
         name: str,
@@ -60,7 +90,7 @@ class Assembly:
         curves: dict[str, float] | None = None,
     ) -> None:
         self.curves[name] = curve
-        self.arguments[name] = (row, torque, curves or {})
+        self.arguments[name] = _Argument(row, torque, curves or {}, np.zeros(0))
 
     def _add_gap(self) -> None:
         model, shaft = self.model, self.model.drivetrain.shaft
@@ -110,7 +140,7 @@ class Assembly:
         for curve, column in (("gap", 1), ("motor", 2), ("load", 3)):
             if curve in names:
                 e[:n, names.index(curve)] = self.gamma[:, column]
-        c_x, c_w = self._measurement(measured, c, names)
+        c_x, c_w = self._corrected_by(measured, c, names)
         always = gain if self.slack_gain is None else self.slack_gain
         b = np.hstack([np.pad(self.gamma[:, [0]], ((0, n_known - n), (0, 0))), always])
         a, e = phi - always @ c_x, e - always @ c_w
@@ -128,11 +158,14 @@ class Assembly:
             inputs=("torque_motor", *measured), outputs=outputs, states=states, dt=self.dt, name=name,
             curves=tuple(self.curves.values()), A=a, B=b, E=e, F=f, G=g, H=h, C=c_out, J=j_out,
         )  # fmt: skip
-        residual = np.pad(c_x, ((0, 0), (0, len(states) - n_known))), c_w
+        further = ((0, 0), (0, len(states) - n_known))
+        residual = np.pad(c_x, further), c_w
         if self.slack_gain is not None:
             law = with_gates(law, measured, residual, gain - self.slack_gain, self.model)
         if limits is not None:
-            law = with_checks(law, measured, residual, self.model.drivetrain, limits)
+            c_x, c_w = self._measurement(measured, c, names)
+            predicted = np.pad(c_x, further), c_w
+            law = with_checks(law, measured, predicted, self.model.drivetrain, limits)
             if "speed_motor" in measured:
                 law = with_torque_check(law, self.model.drivetrain)
         return with_innovation(law, measured, residual) if innovation else law
@@ -147,6 +180,16 @@ class Assembly:
             c_x[i, : len(self.model.states)], c_w[i] = self._torque_rows(names)
         return c_x, c_w
 
+    def _corrected_by(
+        self, measured: tuple[str, ...], c: Array, names: tuple[str, ...]
+    ) -> tuple[Array, Array]:
+        """ŷ of the correction: with an injection, the shaft torque is that of the gap which sees the sensors."""
+        if "gap_measured" not in names:
+            return self._measurement(measured, c, names)
+        c_w = np.zeros((len(measured), len(names)))
+        c_w[measured.index("torque_shaft"), names.index("gap_measured")] = -self.model.drivetrain.stiffness
+        return c, c_w
+
     def _torque_rows(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Shaft torque as rows over the model's states and the curves."""
         model, shaft, w = self.model, self.model.drivetrain.shaft, np.zeros(len(names))
@@ -158,10 +201,11 @@ class Assembly:
 
     def _argument_matrices(self, names: tuple[str, ...], n_x: int, n_u: int) -> tuple[Array, Array, Array]:
         f, g, h = np.zeros((len(names), n_x)), np.zeros((len(names), n_u)), np.zeros((len(names), len(names)))
-        for i, (row, torque, others) in enumerate(self.arguments.values()):
-            f[i, : row.size] = row
-            g[i, 0] = torque
-            for name, value in others.items():
+        for i, argument in enumerate(self.arguments.values()):
+            f[i, : argument.states.size] = argument.states
+            g[i, 0] = argument.torque
+            g[i, 1 : 1 + argument.measured.size] = argument.measured
+            for name, value in argument.curves.items():
                 h[i, names.index(name)] = value
         return f, g, h
 

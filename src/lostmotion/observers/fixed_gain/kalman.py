@@ -16,6 +16,7 @@ from ..arguments import flag, mapping, sample_time
 from ..model import ObserverModel, covariance, in_the_gap, observer_model
 from ..scale import mode_rate, scale_of
 from .assembly import Assembly
+from .injection import injection_of
 
 Array = NDArray[np.float64]
 
@@ -106,6 +107,7 @@ def kalman(
     speed_from_counts: bool = False,
     load_torque: bool = False,
     contact_scheduling: bool = False,
+    injection: Mapping[str, float] | None = None,
     largest_innovation: Mapping[str, float] | None = None,
 ) -> DiscreteSystem:
     """Kalman observer of a two-mass drivetrain with backlash and Coulomb friction.
@@ -142,6 +144,9 @@ def kalman(
     contact_scheduling : bool
         While the estimate is inside the gap, correct by the gain of the drivetrain without its shaft: what is not
         observable there is predicted, not corrected. See ``gates``.
+    injection : mapping of measured signal → κ, optional
+        The gap curve also sees κ·(measured − expected); κ in rad per unit of the signal, below 1/stiffness for the
+        shaft torque. See ``injection``; which κ: docs/stability.md.
     largest_innovation : mapping of measured signal → float, optional
         Largest accepted difference between measured and predicted value, in the signal's unit; names that are left out
         keep the default ``input_checks.LARGEST_INNOVATION``. Choose it several times the innovations of good samples.
@@ -159,8 +164,9 @@ def kalman(
     Raises
     ------
     InvalidInput
-        For unknown or doubled names, negative covariances, sensors from which the state is not observable, and a sample
-        in which the eigenmode of the closed shaft turns by more than ``LARGEST_TURN``.
+        For unknown or doubled names, negative covariances, an injection that leaves the gap no single value, sensors
+        from which the state is not observable, and a sample in which the eigenmode of the closed shaft turns by more
+        than ``LARGEST_TURN``.
 
     Notes
     -----
@@ -173,6 +179,8 @@ def kalman(
     gain = predictor_gain(design, design.model.A, q, r)
     if flag("contact_scheduling", contact_scheduling):
         design.assembly.close_in_gap(_gain_in_the_gap(design, q, r))
+    if (seen := injection_of(design.model, design.measured, design.c, injection)) is not None:
+        design.assembly.inject(seen, design.measured)
     return design.assembly.system(
         design.measured, gain, design.c, limits=mapping("largest_innovation", largest_innovation)
     )

@@ -1,0 +1,207 @@
+"""The exact periodic orbit of a sampled loop, by shooting, with its Floquet multipliers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...argument_checks import checks_arguments
+from ...drivetrain import Drivetrain
+from ...recording import Recording
+from ...systems import DiscreteSystem, pruned
+from ..lure import delayed
+from .sampled_loop import LoopPoint, SampledLoop
+
+Array = NDArray[np.float64]
+
+#: Time that a loop is given to reach its limit cycle, s (option: some hundred periods of the slowest drives).
+SETTLE = 10.0
+#: Swings of the motor speed that are none, over the set-point's size plus 1 rad/s (numerics: what rounding leaves).
+STILL = 1e-7
+#: Most upward crossings of the mean that make one period, and how near, over its swing, the state must come to where it
+#: was (numerics: a crossing lies within a sample of its place; Newton decides).
+MOST_CROSSINGS, NEAR = 12, 0.1
+#: Signals by which a period is found.
+SEEN = ("speed_motor", "speed_load", "twist", "torque_motor")
+#: By how many samples of one period the sample time of the orbit may differ from the law's (numerics: the number of
+#: samples is rounded).
+MOST_STRETCH = 2.0
+#: Points of a period from which the swing of each state is taken (numerics).
+POINTS = 16
+#: Steps of the difference quotients and accepted residual, over the swing of each state; most Newton steps (numerics:
+#: the map is exact to 1e-12, and piecewise smooth).
+STEP, CLOSED, ROUNDS = 1e-6, 1e-8, 30
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LimitCycle:
+    """A periodic orbit of the sampled loop.
+
+    Parameters
+    ----------
+    period : float, s
+    samples : int
+        In a period. They are a whole number, so the sample time is not quite the law's.
+    sample_time : float, s
+        That of the orbit: period/samples.
+    multipliers : (n,) complex array
+        Floquet multipliers, the largest first: what a small deviation has become after one period. One is 1: along the
+        orbit.
+    residual : float
+        Largest deviation after one period, over the swing of each state.
+    recording : Recording
+        One period, from event to event.
+    """
+
+    period: float
+    samples: int
+    sample_time: float
+    multipliers: NDArray[np.complex128]
+    residual: float
+    recording: Recording
+
+    @property
+    def frequency(self) -> float:
+        """Hz."""
+        return 1.0 / self.period
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether deviations die out: all multipliers but that along the orbit are inside the unit circle."""
+        along = int(np.argmin(np.abs(self.multipliers - 1.0)))
+        return bool(np.all(np.abs(np.delete(self.multipliers, along)) < 1.0))
+
+    def swing(self, signal: str) -> float:
+        """Largest minus smallest value of a signal over the period, in its unit."""
+        return float(np.ptp(self.recording[signal]))
+
+
+@checks_arguments
+def limit_cycle(
+    drivetrain: Drivetrain,
+    law: DiscreteSystem,
+    *,
+    reference: float,
+    torque_load: float = 0.0,
+    delay: int = 0,
+    state: tuple[float, float, float] | None = None,
+    settle: float = SETTLE,
+) -> LimitCycle | None:
+    """The limit cycle that the loop ends in from a start, exactly; None where it comes to rest or finds no period.
+
+    A simulation finds the orbit roughly; Newton's method closes it: unknown are the states of plant and law at a
+    sample, and the sample time, since a period is hardly ever a whole number of samples (their number is fixed; the
+    law's matrices stay). The simulation is exact from event to event, so the orbit is one of the loop with its gap,
+    its set-valued friction and its law at every sample.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Any that ``simulate`` runs: Stribeck friction and breakaway levels too.
+    law : DiscreteSystem
+        Connected, with speed_reference and torque_motor; input checks are left out.
+    reference : float, rad/s
+        Constant set-point.
+    torque_load : float, Nm
+        Constant load torque.
+    delay : int
+        Computing delay, samples.
+    state : (twist, speed_motor, speed_load), optional
+        Where the simulation starts; default: at rest in the middle of the gap. Another start may end elsewhere.
+    settle : float, s
+        Length of the simulation.
+
+    Notes
+    -----
+    Shooting and Floquet multipliers: Nayfeh & Balachandran 1995, Applied Nonlinear Dynamics, sections 3.2 and 5.5.
+    """
+    own = delayed(pruned(law, ("torque_motor",)), delay)
+    loop = SampledLoop(drivetrain, own, float(reference), float(torque_load))
+    first = None if state is None else loop.start(state)
+    size = abs(reference) + 1.0
+    found = _period(loop.run(max(round(settle / own.dt), 100), first), size)
+    if found is None:
+        return None
+    begin, samples = found
+    return _closed(loop, loop.point(loop.run(begin, first)), samples, STILL * size)
+
+
+def _period(run: Recording, size: float) -> tuple[int, int] | None:
+    """Sample at which the last whole period begins, and the samples that it has; None if nothing repeats.
+
+    It begins where the motor speed changes fastest, of all samples at which the load does not stick.
+    """
+    half = len(run) // 2
+    speed = run["speed_motor"][half:]
+    if not np.ptp(speed) > STILL * size:
+        return None
+    above = speed > 0.5 * (np.max(speed) + np.min(speed))
+    crossings = np.flatnonzero(above[1:] & ~above[:-1])
+    seen = np.column_stack([run[name][half:] for name in SEEN])
+    seen = seen / np.maximum(np.ptp(seen, axis=0), 1e-300)
+    for m in range(1, min(MOST_CROSSINGS, (crossings.size - 1) // 2) + 1):
+        last, before = crossings[-1 - m], crossings[-1 - 2 * m]
+        length = min(crossings[-1] - last, last - before)
+        apart = np.abs(seen[last : last + length] - seen[before : before + length])
+        if np.median(np.max(apart, axis=1)) < NEAR:
+            periods = (crossings.size - 1) // m
+            samples = round((crossings[-1] - crossings[-1 - m * periods]) / periods)
+            rate = np.abs(np.gradient(speed[last : last + length]))
+            slips = run["speed_load"][half + last : half + last + length] != 0.0
+            return int(half + last + np.argmax(np.where(slips, rate, -1.0))), samples
+    return None
+
+
+def _closed(loop: SampledLoop, start: LoopPoint, samples: int, still: float) -> LimitCycle | None:
+    """Newton's method from a point near the orbit; None if it does not close, or only by standing still."""
+    size, dt = _sizes(loop, start, samples), loop.law.dt
+    values, residual, n = start.values, np.inf, start.values.size
+    # The time is free, so the point may not move along the orbit.
+    along = (loop.after(2, start, values, dt) - values) / size
+    for _ in range(ROUNDS):
+        after = loop.after(samples, start, values, dt)
+        gap = np.append((after - values) / size, along @ ((values - start.values) / size))
+        residual = float(np.max(np.abs(gap)))
+        if residual < CLOSED:
+            break
+        longer, shorter = (loop.after(samples, start, values, dt * (1.0 + s * STEP)) for s in (1.0, -1.0))
+        system = np.zeros((n + 1, n + 1))
+        system[:n, :n] = _jacobian(loop, start, samples, values, dt, size) - np.eye(n)
+        system[:n, n], system[n, :n] = (longer - shorter) / (2.0 * STEP * size), along
+        change = np.linalg.lstsq(system, -gap, rcond=None)[0]
+        change *= min(1.0, 0.5 / float(np.max(np.abs(change))))
+        values, dt = values + size * change[:n], dt * (1.0 + float(change[n]))
+    if not residual < CLOSED or abs(dt / loop.law.dt - 1.0) > MOST_STRETCH / samples:
+        return None
+    orbit = loop.run(samples, replace(start, values=values), dt)
+    if not np.ptp(orbit["speed_motor"]) > still:
+        return None
+    multipliers = np.linalg.eigvals(_jacobian(loop, start, samples, values, dt, size)).astype(complex)
+    return LimitCycle(
+        period=samples * dt, samples=samples, sample_time=dt,
+        multipliers=multipliers[np.argsort(-np.abs(multipliers))], residual=residual, recording=orbit,
+    )  # fmt: skip
+
+
+def _sizes(loop: SampledLoop, start: LoopPoint, samples: int) -> Array:
+    """Swing of each value over the orbit (n,), from some points of it; 1 for one that stands still."""
+    points = [start]
+    for _ in range(POINTS):
+        points.append(loop.point(loop.run(max(samples // POINTS, 2), points[-1])))
+    swing = np.ptp(np.array([point.values for point in points]), axis=0)
+    return np.where(swing > 0.0, swing, 1.0)
+
+
+def _jacobian(
+    loop: SampledLoop, start: LoopPoint, samples: int, values: Array, dt: float, size: Array
+) -> Array:
+    """Central differences of the map over one period, both sides over ``size``."""
+    columns = []
+    for i, each in enumerate(size):
+        change = np.zeros(size.size)
+        change[i] = STEP * each
+        ahead, behind = (loop.after(samples, start, values + s * change, dt) for s in (1.0, -1.0))
+        columns.append((ahead - behind) / (2.0 * STEP * size))
+    return np.column_stack(columns)

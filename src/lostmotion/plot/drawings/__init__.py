@@ -1,0 +1,1 @@
+"""Drawings of setup and structure, made from the objects themselves."""
