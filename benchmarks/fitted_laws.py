@@ -115,8 +115,8 @@ def zoo_drives(kind: str) -> Iterator[UserDrive]:
         chain = plant(Draw(seed)).drivetrain
         if sum(s.has_backlash for s in chain.shafts) == 1 and _within(chain.inertia_total, INERTIA):
             drive = lm.rig.drive(seed)
-            told = drive.truth.parameters["stiffness"] and drive.dimensions["torque"] == "commanded"
-            if told and _within(drive.recording.dt, SAMPLE_TIME):
+            fits = drive.truth.parameters["stiffness"] and drive.dimensions["torque"] == "commanded"
+            if fits and _within(drive.recording.dt, SAMPLE_TIME):
                 yield _zoo_user(drive)
 
 

@@ -9,8 +9,6 @@ from .version import VERSION
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from . import (
         certificates,
         compare,
@@ -110,7 +108,7 @@ __all__ = [
 
 if not TYPE_CHECKING:  # a type checker sees the imports above, and that nothing else is here
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> object:
         import importlib
 
         if name in _HOME:

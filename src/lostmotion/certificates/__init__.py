@@ -1,8 +1,10 @@
 """Certificates: proofs that a drivetrain and its law are stable, checked in exact fractions."""
 
-from .box import BoxProof, around, prove_box
+from .box.box_proof import BoxProof, around, prove_box
+from .box.box_simulation import simulated
+from .box.box_statement import box_headline, box_stability
 from .certificate import verdict
-from .continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
+from .continuous.continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
 from .load_torque import prove_with_load
 from .observer.error_bound import ObserverError, observer_error, observer_verdict
 from .robustness.contact_margins import margins
@@ -17,6 +19,8 @@ __all__ = [
     "ObserverError",
     "RunningProof",
     "around",
+    "box_headline",
+    "box_stability",
     "conditions",
     "continuous_observer_feedback",
     "continuous_pi",
@@ -27,6 +31,7 @@ __all__ = [
     "prove_box",
     "prove_running",
     "prove_with_load",
+    "simulated",
     "stability",
     "verdict",
 ]

@@ -657,7 +657,7 @@ BOX = {
     "coulomb": ["coulomb_plus", "coulomb_minus", "coulomb_motor_plus", "coulomb_motor_minus"],
 }  # fmt: skip
 
-#: What enters the flow, and the place (layout) of the one state whose rate it multiplies: k·twist, speeds (20).
+#: What enters the flow, and the place (layout) of the one state whose rate it multiplies: k·twist, speeds (24).
 IN_THE_FLOW = {"stiffness": 0, "inertia_load": 2, "inertia_motor": 1}
 
 #: Unit of time of the multipliers for a law in continuous time, s (numerics).
@@ -665,7 +665,7 @@ TIME_UNIT = Fraction(1, 1024)
 
 
 class ContinuousLoop(Loop):
-    """A law in continuous time: its rows give rates, and its torque acts at once (19)."""
+    """A law in continuous time: its rows give rates, and its torque acts at once (23)."""
 
     def __init__(self, drivetrain, law):
         super().__init__(drivetrain, law, 0)
@@ -700,10 +700,10 @@ def verify_box(certificate):
 
 
 def verify_cell(certificate, numbers, cell):
-    """One P and one set of integrals for every drivetrain of the cell (20 to 22)."""
+    """One P and one set of integrals for every drivetrain of the cell (24 to 26)."""
     claim, law = certificate["claim"], certificate["law"]
     segments, sampled = [whole(segment, 0) for segment in certificate["segments"]], law["dt"] > 0
-    # Sectors: friction's ends with the largest stiffness and backlash (22).
+    # Sectors: friction's ends with the largest stiffness and backlash (26).
     widest = {name: cell[name][1:] for name in ("stiffness", "backlash") if name in cell}
     at_rest = [loop_at(certificate, c, cell) for c in corners_of({**cell, **widest}, ("coulomb", *widest))]
     loop, ends = at_rest[0], ends_of(claim, at_rest[0])
@@ -750,7 +750,7 @@ def corners_of(cell, names):
 
 
 def loop_at(certificate, shares, cell):
-    """The loop of a drivetrain in the cell; with the shaft's torques in Nm, unless there is no box (20)."""
+    """The loop of a drivetrain in the cell; with the shaft's torques in Nm, unless there is no box (24)."""
     d, law = dict(certificate["drivetrain"]), pruned(certificate["law"])
     for name, share in shares.items():
         for parameter in BOX[name]:
@@ -767,7 +767,7 @@ def loop_at(certificate, shares, cell):
 
 
 def in_torque(loop, d):
-    """Takes stiffness · twist for the twist, and Nm for the plant's curves and the gap's argument (20)."""
+    """Takes stiffness · twist for the twist, and Nm for the plant's curves and the gap's argument (24)."""
     k = d["stiffness"]
     heights = {
         "gap": k * d["backlash"],

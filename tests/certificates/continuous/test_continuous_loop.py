@@ -11,12 +11,12 @@ from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.certificates import prove_box, verdict
-from lostmotion.certificates.continuous_law import (
+from lostmotion.certificates.continuous.continuous_law import (
     ContinuousLaw,
     continuous_observer_feedback,
     continuous_pi,
 )
-from lostmotion.certificates.continuous_loop import continuous_loop
+from lostmotion.certificates.continuous.continuous_loop import continuous_loop
 from lostmotion.certificates.equilibrium import equilibrium
 from lostmotion.errors import InvalidInput
 

@@ -4,7 +4,7 @@
 
     ξ = (plant, law)        ξ̇ = A ξ + E w + L·torque_load + R·speed_reference        z = Z ξ,  w = curve(z)
 
-docs/stability.md, equation 19.
+docs/stability.md, equation 23.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ..lure import MEASURABLE, REFERENCE, LureLoop
+from ..plant import plant_of
+from ..rational import identity, rational, zeros
+from ..static_curves import normalised_curve
 from .continuous_law import ContinuousLaw
-from .lure import MEASURABLE, REFERENCE, LureLoop
-from .plant import plant_of
-from .rational import identity, rational, zeros
-from .static_curves import normalised_curve
 
 #: Unit of time in which the solver sees the rates, s (numerics: about that of the closed shaft's eigenmode).
 TIME_UNIT = Fraction(1, 1024)

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from table_i import PAPER
 
-from lostmotion.certificates.cell import RATE_OF, Cell, flow_corners, in_torque, scaled
-from lostmotion.certificates.cell_solver import CellClaim, solve_cell
-from lostmotion.certificates.continuous_law import continuous_pi
-from lostmotion.certificates.continuous_loop import continuous_loop
+from lostmotion.certificates.box.cell import RATE_OF, Cell, flow_corners, in_torque, scaled
+from lostmotion.certificates.box.cell_solver import CellClaim, solve_cell
+from lostmotion.certificates.continuous.continuous_law import continuous_pi
+from lostmotion.certificates.continuous.continuous_loop import continuous_loop
 from lostmotion.certificates.lure import LureLoop, lure_loop
 from lostmotion.certificates.running import Unproved
 from lostmotion.controllers import pi

@@ -10,17 +10,17 @@ from dataclasses import dataclass, replace
 from multiprocessing import active_children
 from typing import Any
 
+from ..running import SHARES, STEP, Progress, Unproved
 from .cell import Cell, corners
 from .cell_check import cell_data, cell_verdict
 from .cell_solver import CellClaim, solve_cell
 from .cell_tree import Node, cut, open_cells, proved, share_proved
-from .running import SHARES, STEP, Progress, Unproved
 
 #: A cell whose sides are all below this share of the box's is not cut again (numerics: so far no box whose corners were
 #: proved needed a sixteenth).
 SMALLEST_SIDE = 1.0 / 64.0
 
-#: Parameters that are cut. The backlash is not: a cell's proof is that of its largest one (docs/stability.md, 22).
+#: Parameters that are cut. The backlash is not: a cell's proof is that of its largest one (docs/stability.md, 26).
 CUT = ("stiffness", "inertia_load", "inertia_motor", "coulomb")
 
 #: Half-width at which the effect of each parameter on the margin is measured (numerics).

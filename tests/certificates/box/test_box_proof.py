@@ -18,7 +18,7 @@ from lostmotion.certificates import (
     prove_box,
     verdict,
 )
-from lostmotion.certificates.cell_tree import open_cells
+from lostmotion.certificates.box.cell_tree import open_cells
 from lostmotion.errors import InvalidInput
 
 
@@ -130,7 +130,7 @@ def test_where_no_proof_is_found_the_drivetrain_is_named() -> None:
 
 
 def test_what_a_box_cannot_be_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="box"):
+    with pytest.raises(InvalidInput, match="half_width"):
         around(1.0)
     with pytest.raises(InvalidInput, match="damping"):
         around(0.1, ("damping",))

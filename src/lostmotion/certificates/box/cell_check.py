@@ -6,10 +6,10 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from . import verify_certificate
+from .. import verify_certificate
+from ..certificate import proof_data
+from ..semidefinite import Unknowns
 from .cell import Cell, CellProof
-from .certificate import proof_data
-from .semidefinite import Unknowns
 
 
 def cell_data(proof: CellProof, unknowns: Unknowns) -> list[dict[str, Any]]:

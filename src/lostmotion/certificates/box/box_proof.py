@@ -9,19 +9,19 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from ..argument_checks import checks_arguments
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..systems import DiscreteSystem, pruned
+from ...argument_checks import checks_arguments
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...systems import DiscreteSystem, pruned
+from ..certificate import drivetrain_data
+from ..continuous.continuous_law import ContinuousLaw
+from ..continuous.continuous_loop import continuous_loop
+from ..lure import lure_loop
+from ..running import FASTEST, Progress
 from .box_search import BoxSearch, CellUnproved
 from .cell import PARAMETERS, Cell, LoopOf
 from .cell_solver import CellClaim
 from .cell_tree import proved, share_proved
-from .certificate import drivetrain_data
-from .continuous_law import ContinuousLaw
-from .continuous_loop import continuous_loop
-from .lure import lure_loop
-from .running import FASTEST, Progress
 
 #: Load speed from which a box is proved by default, rad/s (option).
 SPEED = 1.0
@@ -122,8 +122,6 @@ def prove_box(
     InvalidInput
         For a drivetrain or law without a Lur'e form, and for a law that reads the twist.
     """
-    if not isinstance(law, DiscreteSystem | ContinuousLaw):
-        raise InvalidInput("law", repr(law), "a DiscreteSystem or a ContinuousLaw", "Connect the law first.")
     _check(box, speed, fastest, torque_load, substeps, workers)
     if "twist" in law.inputs and box:
         raise InvalidInput(

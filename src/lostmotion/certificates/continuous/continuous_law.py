@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..argument_checks import checks_arguments
-from ..controllers.pole_placement import DEFAULT_POLES, state_feedback
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..observers import kalman_gain
-from ..observers.model import ObserverModel, observer_model
-from .static_curves import StaticCurve
+from ...argument_checks import checks_arguments
+from ...controllers.pole_placement import DEFAULT_POLES, state_feedback
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...observers import kalman_gain
+from ...observers.model import ObserverModel, observer_model
+from ..static_curves import StaticCurve
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """A cell of a box of drivetrains: one V, or one family of V, that proves the loop with every drivetrain in the cell.
 
-In units of torque the parameters enter the flow alone, and each only once: docs/stability.md, equations 20 to 22.
+In units of torque the parameters enter the flow alone, and each only once: docs/stability.md, equations 24 to 26.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from itertools import combinations, product
 
 import numpy as np
 
-from ..drivetrain import Drivetrain, Friction
-from .lure import LureLoop
-from .rational import Matrix
-from .sampled_proof import SampledProof
-from .semidefinite import Layout, Unknowns
-from .static_curves import StaticCurve
+from ...drivetrain import Drivetrain, Friction
+from ..lure import LureLoop
+from ..rational import Matrix
+from ..sampled_proof import SampledProof
+from ..semidefinite import Layout, Unknowns
+from ..static_curves import StaticCurve
 
 #: Parameters that a box may vary; each is a share of its nominal value.
 PARAMETERS = ("inertia_load", "stiffness", "coulomb", "backlash", "inertia_motor")
@@ -122,7 +122,7 @@ class CellProof:
 
     Every corner has numbers of its own, between corners they are interpolated. So that nothing is quadratic in a
     parameter, the plant's integrals have the same weights everywhere, and the row of P that belongs to a parameter's
-    rate does not change with that parameter (docs/stability.md, equation 21). In continuous time P stands still and
+    rate does not change with that parameter (docs/stability.md, equation 25). In continuous time P stands still and
     nothing happens at samples.
 
     Parameters

@@ -8,16 +8,16 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..drivetrain import Drivetrain
+from ...drivetrain import Drivetrain
+from ..certificate import short
+from ..equilibrium import Equilibrium, equilibrium
+from ..lure import LureLoop
+from ..running import Unproved
+from ..sampled_proof import sampled_proof
+from ..scaling import condition_sizes, state_sizes
+from ..sectors import Sector, copies, limit_region
+from ..semidefinite import Inequalities, Unknowns
 from .cell import Cell, CellProof, LoopOf, flow_corners, in_torque, rest_corners, scaled, with_flows_of
-from .certificate import short
-from .equilibrium import Equilibrium, equilibrium
-from .lure import LureLoop
-from .running import Unproved
-from .sampled_proof import sampled_proof
-from .scaling import condition_sizes, state_sizes
-from .sectors import Sector, copies, limit_region
-from .semidefinite import Inequalities, Unknowns
 
 
 @dataclass(frozen=True, eq=False)
