@@ -65,9 +65,8 @@ def observable(name: str, drivetrain: Drivetrain, c: Floats) -> Claim:
         value=(float(rank), condition),
         tolerance=f"rank 3, condition number at most {CONDITION:g}",
         verdict=judged(rank == 3, condition <= CONDITION) if rank == 3 else "does not hold",
-        sentence=f"Rank {rank}, condition number {condition:.3g} in units of the drive. This is the closed shaft: "
-        "inside the gap "
-        "no sensor on the motor's side shows the twist.",
+        sentence=f"Rank {rank}, condition number {condition:.3g} in units of the drive. This is the closed "
+        "shaft: inside the gap no sensor on the motor's side shows the twist.",
     )
 
 
