@@ -47,9 +47,7 @@ def _said(box: BoxProof | None) -> str:
     where = f"with {names} each anywhere within ±{100 * HALF_WIDTH:g} %"
     if not box.proved:
         return f"It is not proved {where}: {box.reason}."
-    return (
-        f"Without the torque limit it is proved {where}, from {box.speed:g} rad/s on."
-    )
+    return f"Without the torque limit it is proved {where}, from {box.speed:g} rad/s on."
 
 
 def proved_law(torque_limit: float = math.inf) -> DiscreteSystem:
