@@ -122,7 +122,7 @@ def less_coherent(
         says="The coherence of the measurement is lower than that of the nonlinear model, so some nonlinear "
         "phenomenon is not in the model.",
         where="section II, Fig. 9",
-        quantity="mean of coherence of the nonlinear model minus that of the rig, and its standard error, 1",
+        quantity="mean of coherence of the nonlinear model minus that of the rig, and its standard error",
         value=(mean, error),
         tolerance=f"above zero (partly), by at least {CERTAIN:g} standard errors (holds)",
         verdict=judged(mean > 0.0, mean > CERTAIN * error) if mean > 0.0 else "does not hold",

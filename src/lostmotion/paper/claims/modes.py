@@ -59,7 +59,7 @@ def shape(structure: TorsionalModel) -> Claim:
         name="disc, hub and joint against the rest",
         says="At about 100 Hz brake disc, wheel hub and CV joint oscillate against the rest of the powertrain.",
         where="section II, Fig. 2",
-        quantity="angle of the brake disc over that of the motor, 1",
+        quantity="angle of the brake disc over that of the motor",
         value=(last,),
         tolerance="negative at joint, hub and brake disc, positive at all other nodes",
         verdict=judged(against == set(AGAINST)),
@@ -78,7 +78,7 @@ def four_numbers(table: Drivetrain) -> Claim:
         says="Stiffness, damping and both inertias follow from the first zero (38 Hz), the second pole (100 "
         "Hz), the damping ratio 0.02 and the total inertia.",
         where="section II, Table I",
-        quantity="zero, Hz; pole, Hz; damping ratio, 1; total inertia, kg m²",
+        quantity="zero, Hz; pole, Hz; damping ratio; total inertia, kg m²",
         value=value,
         tolerance=f"each within {100 * ABOUT:g} % of 38, 100, 0.02, 0.1292",
         verdict=judged(*(x <= ABOUT for x in off)),

@@ -109,7 +109,7 @@ def torque_sensor(levels: Sequence[Level]) -> Claim:
         says="The high noise level on the torque signal M_s leads to a slightly worse result of observer 2.",
         where="section IV, Fig. 13",
         quantity=f"error of the load speed, Observer 2 over Observer 1, at {', '.join(f'{n:g}' for n in noise)} Nm "
-        "of noise, 1",
+        "of noise",
         value=tuple(map(float, ratio)),
         tolerance="above 1: from the rig's own sensor on (holds), or with more noise (partly)",
         verdict=judged(*map(bool, worse)),
