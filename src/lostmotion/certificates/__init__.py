@@ -7,23 +7,27 @@ from .certificate import verdict
 from .continuous.continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
 from .load_torque import prove_with_load
 from .observer.error_bound import ObserverError, observer_error, observer_verdict
+from .observer.gap_share import BestInjection, best_injection, gap_share
 from .robustness.contact_margins import margins
 from .robustness.loop_margins import Margins
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
 __all__ = [
+    "BestInjection",
     "BoxProof",
     "ContinuousLaw",
     "Margins",
     "ObserverError",
     "RunningProof",
     "around",
+    "best_injection",
     "box_headline",
     "box_stability",
     "conditions",
     "continuous_observer_feedback",
     "continuous_pi",
+    "gap_share",
     "headline",
     "margins",
     "observer_error",
