@@ -73,7 +73,9 @@ class LureLoop(LoopMatrices):
         return all(curve.is_odd for curve in (*self.plant_curves, *self.law_curves))
 
 
-def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) -> LureLoop:
+def lure_loop(
+    drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0, stribeck: bool = False
+) -> LureLoop:
     """The loop of a drivetrain and a connected law, without the law's input checks.
 
     Parameters
@@ -85,6 +87,8 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
         Inputs speed_reference and any of ``MEASURABLE``; an output torque_motor.
     delay : int
         Computing delay in samples of the law.
+    stribeck : bool
+        Whether friction may fall with speed (``plant.plant_of``): no proof covers that.
 
     Raises
     ------
@@ -93,7 +97,7 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
     """
     if isinstance(delay, bool) or not isinstance(delay, int) or delay < 0:
         raise InvalidInput("certify: delay", repr(delay), "a whole number of samples", "Use 0 for none.")
-    plant, law = plant_of(drivetrain), _limited_law(drivetrain, law)
+    plant, law = plant_of(drivetrain, stribeck), _limited_law(drivetrain, law)
     limit = _own_limit(law)
     law = delayed(law, delay)
     n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)

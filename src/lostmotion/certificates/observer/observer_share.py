@@ -38,7 +38,7 @@ class BestInjection(NamedTuple):
     without: float
 
 
-def gap_share(
+def observer_share(
     drivetrain: Drivetrain,
     measured: Sequence[str] = ("speed_motor",),
     *,
@@ -58,7 +58,7 @@ def gap_share(
     model = error_model(drivetrain, measured, gain, injection)
     if not drivetrain.shaft.has_backlash:
         raise InvalidInput(
-            "gap_share: drivetrain", "no backlash", "a gap", "Without a gap the error is linear."
+            "observer_share: drivetrain", "no backlash", "a gap", "Without a gap the error is linear."
         )
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
@@ -84,7 +84,7 @@ def best_injection(
     """
 
     def share(factor: float) -> float:
-        return gap_share(drivetrain, measured, gain=gain, injection={signal: factor})
+        return observer_share(drivetrain, measured, gain=gain, injection={signal: factor})
 
     factors = largest * np.arange(TRIED + 1) / TRIED
     found = {float(factor): share(float(factor)) for factor in factors}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from table_i import PAPER
 
-from lostmotion.certificates import best_injection, gap_share
+from lostmotion.certificates import best_injection, observer_share
 from lostmotion.certificates.observer.error_bound import error_model
 from lostmotion.errors import InvalidInput
 
@@ -26,7 +26,7 @@ RIGID_DAMPER = PAPER.with_contact("dead_zone")
 )
 def test_the_paper_s_observers(measured, coulomb, injection, share):
     plant = RIGID_DAMPER.with_parameters(coulomb=coulomb)
-    assert gap_share(plant, measured, injection=injection) == pytest.approx(share, abs=1.2e-3)
+    assert observer_share(plant, measured, injection=injection) == pytest.approx(share, abs=1.2e-3)
 
 
 @pytest.mark.parametrize("gain", [[[0.5, -1.24], [54.66, -396.13], [-6.62, 93.5]],
@@ -40,11 +40,11 @@ def test_it_ends_below_the_share_from_which_a_linear_gap_is_unstable(gain):
         np.max(np.linalg.eigvals(model.A + s * np.outer(gap.effect, gap.row)).real) < 0.0 for s in slopes
     ]
     limit = slopes[np.argmin(stable)]
-    assert 0.9 * limit < gap_share(plant, BOTH, gain=gain) <= limit
+    assert 0.9 * limit < observer_share(plant, BOTH, gain=gain) <= limit
 
 
 def test_an_unstable_observer_has_none():
-    assert gap_share(PAPER, gain=[[0.0], [-50.0], [0.0]]) == 0.0
+    assert observer_share(PAPER, gain=[[0.0], [-50.0], [0.0]]) == 0.0
 
 
 def test_the_search_finds_the_window():
@@ -56,4 +56,4 @@ def test_the_search_finds_the_window():
 
 def test_misuse():
     with pytest.raises(InvalidInput, match="a gap"):
-        gap_share(PAPER.with_parameters(backlash=0.0))
+        observer_share(PAPER.with_parameters(backlash=0.0))
