@@ -15,7 +15,7 @@ from .limit_cycles.harmonic_balance import Harmonic, HarmonicBalance, harmonic_b
 from .limit_cycles.parameter_map import LimitCycleMap, limit_cycle_map
 from .limit_cycles.shooting import LimitCycle, limit_cycle
 from .load_torque import prove_with_load
-from .observer.error_bound import ObserverError, observer_error, observer_verdict
+from .observer.error_bound import ObserverError, observer_error, observer_headline, observer_verdict
 from .observer.observer_share import BestInjection, best_injection, observer_share
 from .robustness.contact_margins import margins
 from .robustness.loop_margins import Margins
@@ -48,6 +48,7 @@ __all__ = [
     "limit_cycle_map",
     "margins",
     "observer_error",
+    "observer_headline",
     "observer_share",
     "observer_verdict",
     "prove_box",
