@@ -198,6 +198,7 @@ def observer_verdict(data: Mapping[str, Any]) -> str | None:
     return None
 
 
+@checks_arguments
 def observer_headline(proof: ObserverError) -> str:
     """One sentence that is read in ten seconds."""
     if proof.bounds is None:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ..certificate import short
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 HALVINGS = 13
 
 #: κ that are tried, as shares of the largest, and halvings of the interval around the best (numerics).
-TRIED, REFINED = 16, 6
+TRIED, REFINED = 16, 5
 
 
 class BestInjection(NamedTuple):
@@ -38,6 +39,7 @@ class BestInjection(NamedTuple):
     without: float
 
 
+@checks_arguments
 def observer_share(
     drivetrain: Drivetrain,
     measured: Sequence[str] = ("speed_motor",),
@@ -69,6 +71,7 @@ def observer_share(
     return low / (1.0 - seen + low * seen)
 
 
+@checks_arguments
 def best_injection(
     drivetrain: Drivetrain,
     measured: Sequence[str] = ("speed_motor",),
@@ -82,6 +85,13 @@ def best_injection(
     With the gain left as it is, nothing is lost while the gap stays closed or open; of equal shares the smallest κ is
     taken, since the signal's noise enters through it where contact changes.
     """
+
+    if not 0.0 < largest < np.inf:
+        raise InvalidInput(
+            "best_injection.largest", repr(largest), "a finite κ above 0", "1e-3 s for a speed."
+        )
+    if signal not in measured:
+        raise InvalidInput("best_injection.signal", repr(signal), f"out of {measured}", "Measure it.")
 
     def share(factor: float) -> float:
         return observer_share(drivetrain, measured, gain=gain, injection={signal: factor})
