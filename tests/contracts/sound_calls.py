@@ -293,6 +293,11 @@ def _certificates() -> list[Call]:
     shaky = controllers.pi(dt=DT, kp=400.0)
     loop = {"drivetrain": plant(), "law": shaky, "delay": 0}
     searched = {"fastest": 10.0, "substeps": 1, "step": 1.0, "speeds": [1.0, 2.0]}
+    unstable = {
+        "drivetrain": plant(),
+        "measured": ("speed_motor",),
+        "gain": np.array([[0.0], [-50.0], [0.0]]),
+    }
     boxed = {"box": {"stiffness": (0.9, 1.1)}, "speed": 1.0, "fastest": 10.0, "substeps": 1, "workers": 1}
     return [
         Call(certificates.prove_running, loop | searched | {"torque_load": (0.0, 0.0)}),
@@ -329,6 +334,9 @@ def _certificates() -> list[Call]:
             {"drivetrain": plant(), "measured": ("speed_motor",), "gain": np.ones((3, 1)), "faces": 3},
         ),
         Call(certificates.observer_verdict, {"data": {}}),
+        Call(certificates.observer_headline, {"proof": certificates.ObserverError(None, None, None)}),
+        Call(certificates.observer_share, unstable | {"injection": {"speed_motor": 1e-3}}),
+        Call(certificates.best_injection, unstable | {"signal": "speed_motor", "largest": 1e-3}),
     ]
 
 

@@ -14,7 +14,8 @@ from .limit_cycles.harmonic_balance import Harmonic, HarmonicBalance, harmonic_b
 from .limit_cycles.parameter_map import LimitCycleMap, limit_cycle_map
 from .limit_cycles.shooting import LimitCycle, limit_cycle
 from .load_torque import prove_with_load
-from .observer.error_bound import ObserverError, observer_error, observer_verdict
+from .observer.error_bound import ObserverError, observer_error, observer_headline, observer_verdict
+from .observer.observer_share import BestInjection, best_injection, observer_share
 from .robustness.contact_margins import margins
 from .robustness.gap_share import largest_share
 from .robustness.loop_margins import Margins
@@ -22,6 +23,7 @@ from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
 __all__ = [
+    "BestInjection",
     "BoxProof",
     "ContinuousLaw",
     "Harmonic",
@@ -32,6 +34,7 @@ __all__ = [
     "ObserverError",
     "RunningProof",
     "around",
+    "best_injection",
     "box_headline",
     "box_stability",
     "conditions",
@@ -45,6 +48,8 @@ __all__ = [
     "limit_cycle_map",
     "margins",
     "observer_error",
+    "observer_headline",
+    "observer_share",
     "observer_verdict",
     "prove_box",
     "prove_running",
