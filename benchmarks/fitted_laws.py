@@ -10,9 +10,10 @@ motor speed with start values up to 40 % off, and the laws that ``stages.design`
 torque limit meet the very plant that was recorded.
 
 Drives of the zoo (``rig.drive``) are harder: two to five inertias, operation and load torques instead of a designed
-test, start values up to three off or not told, delays up to 2 ms. Taken are those of the same sizes and sample times
-with one gap and a two-mass equivalent, and of each recording the first 40 000 rows; where identification asks for
-``load_torque = true``, it is given.
+test, start values up to three off or missing, delays up to 2 ms. Taken are those of the same sizes and sample times
+with one gap and a two-mass equivalent that log the commanded torque (a measured one does not show the delay with which
+a command acts), and of each recording the first 40 000 rows; where identification asks for ``load_torque = true``, it
+is given.
 """
 
 from __future__ import annotations
@@ -114,7 +115,8 @@ def zoo_drives(kind: str) -> Iterator[UserDrive]:
         chain = plant(Draw(seed)).drivetrain
         if sum(s.has_backlash for s in chain.shafts) == 1 and _within(chain.inertia_total, INERTIA):
             drive = lm.rig.drive(seed)
-            if drive.truth.parameters["stiffness"] and _within(drive.recording.dt, SAMPLE_TIME):
+            fits = drive.truth.parameters["stiffness"] and drive.dimensions["torque"] == "commanded"
+            if fits and _within(drive.recording.dt, SAMPLE_TIME):
                 yield _zoo_user(drive)
 
 

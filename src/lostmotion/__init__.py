@@ -9,8 +9,6 @@ from .version import VERSION
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from . import (
         certificates,
         compare,
@@ -24,7 +22,9 @@ if TYPE_CHECKING:
         io,
         metrics,
         observers,
+        paper,
         plot,
+        realtime,
         recording,
         report,
         rig,
@@ -90,8 +90,9 @@ _HOME = {
 #: The public rooms. What the documentation uses is importable from here or from one of these.
 _ROOMS = (
     "certificates", "compare", "controllers", "curves", "drivetrain", "errors", "experiment", "export",
-    "identification", "io", "metrics", "observers", "plot", "recording", "report", "rig", "signals", "simulation",
-    "structure", "systems",
+    "identification", "io", "metrics", "observers", "paper", "plot", "realtime", "recording", "report", "rig",
+    "signals",
+    "simulation", "structure", "systems",
 )  # fmt: skip
 
 __all__ = [
@@ -99,15 +100,15 @@ __all__ = [
     "InputProblems", "InvalidInput", "LostMotionError", "PiecewiseLinear", "Problem", "Recording", "Sensor",
     "Shaft", "Stepper", "certificates", "compare", "connect", "controllers", "curves", "drivetrain", "errors",
     "experiment", "export", "identification", "identify", "io", "load_drivetrain", "load_law",
-    "load_recording", "metrics", "observers", "one_sample_delay", "plot", "read_recording", "recording",
-    "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
+    "load_recording", "metrics", "observers", "one_sample_delay", "paper", "plot", "read_recording", "realtime",
+    "recording", "report", "rig", "ring_down", "save_drivetrain", "save_law", "save_recording", "shaft_stiffness",
     "signals", "simulate", "simulate_batch", "simulation", "structure", "systems",
 ]  # fmt: skip
 
 
 if not TYPE_CHECKING:  # a type checker sees the imports above, and that nothing else is here
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> object:
         import importlib
 
         if name in _HOME:

@@ -247,6 +247,8 @@ _CLASSES = {
     "FrequencyResponse": ", as frequency_response returns it",
     "FrictionFit": ", as torque_step and rigid_drive return it",
     "RunningProof": ", as prove_running returns it",
+    "BoxProof": ", as prove_box returns it",
+    "ContinuousLaw": "; continuous_pi() is one",
     "Recording": "; read_recording and simulate return one",
     "Sensor": '; Sensor("speed_motor") is a perfect one',
     "Shaft": "; Shaft(stiffness) is the simplest",

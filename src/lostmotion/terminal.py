@@ -132,3 +132,13 @@ def parameters(table: Mapping[str, Any]) -> None:
     """One line for each parameter, on standard output."""
     console = Console(highlight=False, markup=False, soft_wrap=True)
     console.print(parameter_table.text(table))
+
+
+def claims(content: Mapping[str, Any], out: Path) -> None:
+    """What of the paper holds, and what does not, on standard output."""
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    console.print(f"  {content['headline']}")
+    for claim in content["claims"]:
+        if claim["verdict"] != "holds":
+            console.print(f"  {claim['verdict']}: {claim['name']}. {claim['sentence']}")
+    console.print(f"  page: {out / 'paper.html'}")

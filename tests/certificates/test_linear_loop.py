@@ -24,7 +24,7 @@ def proof_of(kp: float, ki: float) -> SampledProof:
     ]
     bounds = sectors(loop, rests)
     assert bounds is not None
-    return sampled_proof(loop, rests[0], bounds, copies(loop, rests, bounds), 1, None).floats()
+    return sampled_proof(loop, rests[0], bounds, copies(loop, rests), 1, None).floats()
 
 
 def test_in_contact_it_is_the_linear_drivetrain() -> None:

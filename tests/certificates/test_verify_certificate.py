@@ -87,7 +87,7 @@ def independent(data: dict[str, Any]) -> bool:
     bounds = sectors(loop, known)
     if bounds is None:
         return False
-    problem = sampled_proof(loop, known[0], bounds, copies(loop, known, bounds), own["substeps"])
+    problem = sampled_proof(loop, known[0], bounds, copies(loop, known), own["substeps"])
     m, knots = own["multipliers"], own["substeps"] + 1
     unknowns = {f"P{k}": rational(own["P"][k]) for k in range(knots)}
     unknowns |= {name: rational(m[name]) for name in ("eta_plus", "eta_minus", "theta_plus", "theta_minus")}

@@ -78,6 +78,18 @@ simulate drivetrain.toml --dt 0                | 2 | above 0
 simulate drivetrain.toml --variants 0          | 2 | --variants
 simulate drivetrain.toml --variants 1000000000 | 1 | Take fewer
 simulate drivetrain.toml --variants 2 --spread 1 | 2 | 0.2 is 20 %
+loop                                           | 2 | Missing argument
+loop no.json                                   | 1 | no such file
+loop drivetrain.toml                           | 1 | expected
+loop observer.json                             | 1 | Connect observer and controller
+loop law.json no.toml                          | 1 | no such file
+loop law.json --seconds 0                      | 2 | above 0
+loop law.json --seconds 1e-3                   | 1 | Lengthen the run
+loop law.json --seconds 1e9                    | 1 | of memory are needed
+loop law.json --speed nan                      | 2 | above 0
+loop law.json --code fortran                   | 2 | none of c, python
+loop law.json --port 70000                     | 2 | --port
+loop law.json --out rig                        | 1 | has not written
 init rig.toml                                  | 1 | an existing file
 init .                                         | 1 | an existing file
 init no/where/x.toml                           | 1 | folder
@@ -106,6 +118,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     recording = lm.simulate(plant, torque_motor=torque, dt=1e-3)
     lm.save_recording(recording, folder / "rig.npz")
     lm.save_law(lm.controllers.pi(dt=1e-3), folder / "law.json")
+    lm.save_law(lm.observers.kalman(plant, dt=1e-3), folder / "observer.json")
     lm.io.write_csv(folder / "rig.csv", recording)
     lm.io.write_csv(folder / "speed.csv", recording, names=("speed_motor",))
     (folder / "rig.toml").write_text('[nameplate]\ninertia_motor = 0.02\n[[recording]]\nfile = "rig.csv"\n')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -227,6 +228,7 @@ def _laws() -> list[Call]:
                 "ki": 2.0,
                 "torque_limit": 5.0,
                 "filter_time": 0.01,
+                "speed_filter_time": 0.01,
                 "friction_of": plant(),
             },
         ),
@@ -281,16 +283,58 @@ def proof() -> certificates.RunningProof:
     return certificates.prove_running(plant(), controllers.pi(dt=DT, kp=400.0))
 
 
+@functools.cache
+def box() -> certificates.BoxProof:
+    """Of the same loop."""
+    return certificates.prove_box(plant(), controllers.pi(dt=DT, kp=400.0), {"stiffness": (0.9, 1.1)})
+
+
 def _certificates() -> list[Call]:
-    loop = {"drivetrain": plant(), "law": controllers.pi(dt=DT, kp=400.0), "delay": 0}
+    law = controllers.pi(dt=DT, kp=400.0)
+    loop = {"drivetrain": plant(), "law": law, "delay": 0}
     searched = {"fastest": 10.0, "substeps": 1, "step": 1.0, "speeds": [1.0, 2.0]}
+    swings = {"reference": 1.0, "torque_load": 0.0}
+    boxed = {"box": {"stiffness": (0.9, 1.1)}, "speed": 1.0, "fastest": 10.0, "substeps": 1, "workers": 1}
     return [
         Call(certificates.prove_running, loop | searched | {"torque_load": (0.0, 0.0)}),
         Call(certificates.prove_with_load, loop | searched),
+        Call(certificates.prove_box, loop | boxed),
+        Call(certificates.box_headline, {"proof": box()}),
+        Call(certificates.box_stability, {"proof": box()}),
+        Call(
+            certificates.simulated,
+            {"drivetrain": plant(), "law": law, "proof": replace(box(), stops_at=None), "seed": 1},
+        ),
+        Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
+        Call(certificates.continuous_pi, {"kp": 10.0, "ki": 200.0}),
+        Call(
+            certificates.continuous_observer_feedback,
+            {"drivetrain": plant(), "measured": ["speed_motor"], "poles": [-400.0] * 3, "compensation": True},
+        ),
         Call(certificates.headline, {"proof": proof()}),
         Call(certificates.conditions, {"proof": proof()}),
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
+        Call(certificates.margins, loop | {"law": controllers.pi(dt=DT), "speed": 1.0, "torque_load": 0.0}),
+        Call(certificates.limit_cycle, loop | swings | {"state": (0.0, 1.0, 0.0), "settle": 0.05}),
+        Call(certificates.harmonic_balance, loop | swings | {"amplitudes": [0.1, 1.0]}),
+        Call(
+            certificates.limit_cycle_map,
+            {
+                "build": lambda kp, ki: (plant(), controllers.pi(dt=DT, kp=kp, ki=ki), 1.0),
+                "first": ("kp", "Nm s/rad"),
+                "first_values": [1.0],
+                "second": ("ki", "Nm/rad"),
+                "second_values": [2.0],
+                "delay": 0,
+                "settle": 0.05,
+            },
+        ),
+        Call(
+            certificates.observer_error,
+            {"drivetrain": plant(), "measured": ("speed_motor",), "gain": np.ones((3, 1)), "faces": 3},
+        ),
+        Call(certificates.observer_verdict, {"data": {}}),
     ]
 
 

@@ -56,6 +56,8 @@ ELSEWHERE = {
     "two_mass_fit": "takes a FrequencyResponse",
     "read_trajectories": "takes the folder of a batch",
     "steady_state": "takes a DesignModel",
+    "margin_data": "takes what margins gives",
+    "margin_table": "takes what margin_data gives",
 }
 
 

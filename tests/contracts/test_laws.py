@@ -96,6 +96,7 @@ CONTROLLERS = {
     "pi": pi(dt=1e-4),
     "pi with limit": pi(dt=1e-4, torque_limit=20.0),
     "pi with filter and friction": pi(dt=1e-4, filter_time=0.02, friction_of=ONE_SIDED),
+    "pi with filtered speed": pi(dt=1e-4, torque_limit=20.0, speed_filter_time=5e-3),
     "pi with all": pi(dt=1e-4, torque_limit=20.0, filter_time=0.02, friction_of=ONE_SIDED),
     "pole placement": pole_placement(PAPER, dt=1e-4),
     "pole placement with limit": pole_placement(PAPER, dt=1e-4, torque_limit=73.5),

@@ -64,17 +64,20 @@ ROUGH = Drivetrain.two_mass(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("limit", [math.inf, 6.0])
-def test_set_point_filter_and_friction_feedforward_by_hand(limit):
+@pytest.mark.parametrize(("limit", "slow"), [(math.inf, 0.0), (6.0, 0.0), (6.0, 0.005)])
+def test_filters_and_friction_feedforward_by_hand(limit, slow):
     dt, kp, ki, time = 1e-3, 3.0, 40.0, 0.02
-    law = pi(dt=dt, kp=kp, ki=ki, torque_limit=limit, filter_time=time, friction_of=ROUGH)
+    law = pi(
+        dt=dt, kp=kp, ki=ki, torque_limit=limit, filter_time=time, speed_filter_time=slow, friction_of=ROUGH
+    )
     rng = np.random.default_rng(6)
     given, speed = np.repeat(2.0 * rng.normal(size=20), 20), rng.normal(size=400)
     found = law.run({"speed_reference": given, "speed_motor": speed})["torque_motor"]
-    integral = filtered = 0.0
+    integral = filtered = measured = 0.0
     wanted = np.empty(400)
     for k in range(400):
-        error = filtered - speed[k]
+        measured += (1.0 - math.exp(-dt / slow) if slow else 1.0) * (speed[k] - measured)
+        error = filtered - measured
         full = 2.5 + 0.4 * max(abs(filtered), 0.1)
         friction = math.copysign(full * min(abs(filtered) / 0.1, 1.0), filtered)
         asked = integral + kp * error + friction
@@ -89,6 +92,7 @@ def test_set_point_filter_and_friction_feedforward_by_hand(limit):
     "arguments, complaint",
     [
         ({"filter_time": -1.0}, r"pi\.filter_time"),
+        ({"speed_filter_time": math.inf}, r"pi\.speed_filter_time"),
         ({"kp": 0.0}, r"pi\.kp"),
         ({"kp": math.nan}, r"pi\.kp"),
         ({"dt": -1.0}, r"pi\.dt"),

@@ -75,6 +75,20 @@ def test_the_step_across_the_gap_settles_sooner_than_with_table_2():
     assert found["tuned"].peak_torque < found["table 2"].peak_torque
 
 
+@pytest.mark.parametrize("share", [0.3, 0.03])
+def test_noise_is_filtered_where_a_larger_spread_would_take_the_loop_s_speed(share):
+    """The torque's noise is within the limit, and the loop far faster than the share² of a larger spread alone."""
+    free = symmetrical_optimum(PLANT, dt=DT, spread=None)
+    assert free.speed_filter_time == 0.0 and "speed_filter_time" not in free.gains()
+    tuning = symmetrical_optimum(PLANT, dt=DT, spread=None, largest_noise_gain=share * free.kp)
+    assert tuning.speed_filter_time > 0.0 and tuning.sensitivity < 2.0
+    assert tuning.filter_time < free.filter_time / (3.0 * share**2)
+    noise = np.random.default_rng(1).normal(size=20_000)
+    # The motor hardly moves for it: the law's answer to the noise alone.
+    torque = pi(dt=DT, **tuning.gains()).run({"speed_reference": 0.0 * noise, "speed_motor": noise})
+    assert np.std(torque["torque_motor"][2000:]) < 1.2 * share * free.kp
+
+
 @pytest.mark.parametrize(
     "arguments, complaint",
     [

@@ -9,7 +9,9 @@ import pytest
 
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.recording import Recording
-from lostmotion.stages.speed_step import PAPER_STEP, SpeedStep, speed_step
+from lostmotion.stages.speed_step import MOST_ROWS, PAPER_STEP, SpeedStep, speed_step
+
+DT = 1e-4
 
 DRIVE = Drivetrain.two_mass(inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, coulomb=2.0)
 
@@ -22,7 +24,7 @@ def recorded(low: float, high: float) -> Recording:
 
 
 def step(recording: Recording | None, limit: float = math.inf, slowest: float = 100.0) -> SpeedStep:
-    return speed_step(recording, DRIVE, limit, slowest, 0.0, 1e-4)
+    return speed_step(recording, DRIVE, limit, slowest, 0.0, DT)
 
 
 def test_within_the_recorded_speeds_in_both_directions() -> None:
@@ -46,7 +48,14 @@ def test_a_slow_law_gets_its_time() -> None:
     fast, slow = step(recorded(-10.0, 10.0)), step(recorded(-10.0, 10.0), slowest=1.0)
     assert slow.start > 50.0 * fast.start
     assert slow.stop - slow.start >= 12.0 / 1.0
-    assert slow.longer().end == 2.0 * slow.end
+    assert slow.longer(DT).end == 2.0 * slow.end
+
+
+def test_a_law_that_is_far_too_slow_gets_no_more_rows_than_there_is_room_for() -> None:
+    """Of a 12 bit encoder at 0.2 ms: 134 000 s, which ended in an array of 28 GB."""
+    slow = step(None, slowest=1e-4)
+    assert slow.reference(DT).size == pytest.approx(MOST_ROWS, rel=1e-3)
+    assert slow.longer(DT) == slow
 
 
 def test_without_a_recorded_speed_it_is_the_paper_s() -> None:

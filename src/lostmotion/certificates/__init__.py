@@ -1,18 +1,23 @@
 """Certificates: proofs that a drivetrain and its law are stable, checked in exact fractions."""
 
+from .box.box_proof import BoxProof, around, prove_box
+from .box.box_simulation import simulated
+from .box.box_statement import box_headline, box_stability
 from .certificate import verdict
+from .continuous.continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
 from .limit_cycles.harmonic_balance import Harmonic, HarmonicBalance, harmonic_balance
 from .limit_cycles.parameter_map import LimitCycleMap, limit_cycle_map
 from .limit_cycles.shooting import LimitCycle, limit_cycle
 from .load_torque import prove_with_load
-from .observer_error import ObserverError, observer_error, observer_verdict
-from .robustness.contact_margins import MARGIN_COLUMNS, margin_data, margin_table, margins
+from .observer.error_bound import ObserverError, observer_error, observer_verdict
+from .robustness.contact_margins import margins
 from .robustness.loop_margins import Margins
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
 __all__ = [
-    "MARGIN_COLUMNS",
+    "BoxProof",
+    "ContinuousLaw",
     "Harmonic",
     "HarmonicBalance",
     "LimitCycle",
@@ -20,18 +25,23 @@ __all__ = [
     "Margins",
     "ObserverError",
     "RunningProof",
+    "around",
+    "box_headline",
+    "box_stability",
     "conditions",
+    "continuous_observer_feedback",
+    "continuous_pi",
     "harmonic_balance",
     "headline",
     "limit_cycle",
     "limit_cycle_map",
-    "margin_data",
-    "margin_table",
     "margins",
     "observer_error",
     "observer_verdict",
+    "prove_box",
     "prove_running",
     "prove_with_load",
+    "simulated",
     "stability",
     "verdict",
 ]

@@ -100,6 +100,7 @@ def _affine(loop: LureLoop, segments: tuple[int, ...]) -> tuple[Matrix, Matrix] 
     rows, right = zeros(size, size), zeros(size, 3)
     plant = loop.plant_size
     rows[:plant, :n], rows[:plant, n : n + p] = loop.A[:plant], loop.E[:plant]
+    rows[:plant, -1:] = loop.R[:plant]
     right[:plant, 2] = -loop.L[:plant, 0]
     jump = np.hstack([loop.S, loop.S_w, loop.S_v, loop.R])[plant:]
     rows[plant:n] = jump

@@ -51,7 +51,8 @@ class LureLoop(LoopMatrices):
     """The closed loop; symbols as in the module's equations, sizes n states, p plant curves, q law curves.
 
     ``dt`` in s. ``plant_size``: number of plant states, which come first; the held torque follows. ``limit``: the law
-    curve that limits the torque, if one does.
+    curve that limits the torque, if one does. With a law in continuous time (``continuous_loop``) all states and curves
+    are in the flow, and so is R.
     """
 
     dt: Fraction

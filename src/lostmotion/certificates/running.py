@@ -263,7 +263,7 @@ class _Search:
         bounds = sectors(self.loop, known)
         if bounds is None:
             raise Unproved("a curve changes its segment between the smallest and the largest speed")
-        pairs = copies(self.loop, known, bounds)
+        pairs = copies(self.loop, known)
         region = None
         if goal.step is not None:
             region, bounds = limit_region(self.loop, known, bounds, Fraction(goal.step), Fraction(goal.share))

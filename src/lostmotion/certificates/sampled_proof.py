@@ -85,7 +85,7 @@ class SampledProof(LoopMatrices):
             for f in fields(self)
             if isinstance(value := getattr(self, f.name), np.ndarray)
         }
-        copies = tuple(Copies(c.first, c.second, float(c.steepest), float(c.mismatch)) for c in self.copies)
+        copies = tuple(Copies(c.first, c.second, *map(float, c[2:])) for c in self.copies)
         return replace(self, **arrays, copies=copies)
 
     @property
@@ -248,14 +248,14 @@ class SampledProof(LoopMatrices):
             form = form - unknowns["theta_minus"][place] * (fall + curvature)
         return -form - self._known(unknowns, "jump", 0, 1)
 
-    def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any]]:
-        """Pairs of evaluations of one curve, or of copies of it, with slope and mismatch."""
-        known = {(c.first, c.second): (c.steepest, c.mismatch) for c in self.copies}
-        found: list[tuple[Evaluation, Evaluation, Any, Any]] = []
+    def pairs(self, evaluations: Sequence[Evaluation]) -> list[tuple[Evaluation, Evaluation, Any, Any, Any]]:
+        """Pairs of evaluations of one curve, or of copies of it, with slope, slack and loss."""
+        known = {(c.first, c.second): c[2:] for c in self.copies}
+        found: list[tuple[Evaluation, Evaluation, Any, Any, Any]] = []
         for a, b in combinations(evaluations, 2):
             places = min(a.curve, b.curve), max(a.curve, b.curve)
             if a.curve == b.curve:
-                found.append((a, b, self.steepest[a.curve], 0))
+                found.append((a, b, self.steepest[a.curve], 0, 0))
             elif places in known:
                 found.append((a, b, *known[places]))
         return found
@@ -272,11 +272,11 @@ class SampledProof(LoopMatrices):
         for e in evaluations:
             low, high = self.sectors[e.curve]
             forms.append(_product(e.value - low * e.argument, high * e.argument - e.value))
-        for a, b, steepest, mismatch in self.pairs(evaluations):
+        for a, b, steepest, slack, loss in self.pairs(evaluations):
             rise, apart = a.value - b.value, a.argument - b.argument
-            forms.append(_product(rise, steepest * apart - rise))
-            if mismatch:
-                forms[-1] = forms[-1] + 2 * mismatch * (_square(a.argument) + _square(b.argument))
+            forms.append(_product(rise, steepest * apart - (1 - slack) * rise))
+            if loss:
+                forms[-1] = forms[-1] + 2 * loss * (_square(a.argument) + _square(b.argument))
         return np.array(forms)
 
     def _known(self, unknowns: Unknowns, where: str, part: int, parts: int) -> Matrix:
@@ -329,7 +329,7 @@ def sampled_proof(
         if integrated and not (region and moving[j] == loop.limit):
             of_state.append(j)
     known = tuple(
-        Copies(kept[c.first], kept[c.second], c.steepest, c.mismatch)
+        c._replace(first=kept[c.first], second=kept[c.second])
         for c in copies
         if c.first in kept and c.second in kept
     )

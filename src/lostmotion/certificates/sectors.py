@@ -12,6 +12,10 @@ from .lure import LureLoop
 from .rational import Matrix
 from .static_curves import StaticCurve
 
+#: Share of (w₁ − w₂)² that the cross condition gives up where two copies rest apart: so much per ε/room, and at most
+#: (numerics: any share above 0 is sound).
+SLACK, LARGEST_SLACK = 64, Fraction(1, 4)
+
 
 @dataclass(frozen=True)
 class Sector:
@@ -22,7 +26,7 @@ class Sector:
 
 
 class Copies(NamedTuple):
-    """Two arguments of one rising curve: (w₁ − w₂)(steepest·(z₁ − z₂) − (w₁ − w₂)) + mismatch·(z₁² + z₂²) ≥ 0.
+    """Two arguments of one rising curve: (w₁ − w₂)(steepest·(z₁ − z₂) − (1 − slack)(w₁ − w₂)) + loss·(z₁² + z₂²) ≥ 0.
 
     ``first`` and ``second`` number the plant's curves, then the law's; the numbers are fractions or floats.
     """
@@ -30,7 +34,8 @@ class Copies(NamedTuple):
     first: int
     second: int
     steepest: Any
-    mismatch: Any
+    slack: Any
+    loss: Any
 
 
 def sectors(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Sector, ...] | None:
@@ -48,37 +53,41 @@ def sectors(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Sector, ...
     return tuple(found)
 
 
-def copies(loop: LureLoop, corners: Sequence[Equilibrium], of: Sequence[Sector]) -> tuple[Copies, ...]:
-    """All pairs of arguments of one rising curve without a jump, plant's and law's, for which the cross condition
-    holds."""
+def copies(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Copies, ...]:
+    """All pairs of arguments of one rising curve, plant's and law's, for which the cross condition holds."""
     curves = (*loop.plant_curves, *loop.law_curves)
     found = []
     for j, second in enumerate(curves):
         for i, first in enumerate(curves[:j]):
-            if first == second and first.rises and first.steepest:
-                mismatch = _mismatch(first, i, j, corners, max(of[i].high, of[j].high))
-                if mismatch is not None:
-                    found.append(Copies(i, j, first.steepest, mismatch))
+            if first == second and first.rises and first.steepest != 0:
+                apart = _apart(first, i, j, corners)
+                if apart is not None:
+                    found.append(_copies(first, i, j, apart))
     return tuple(found)
 
 
-def _mismatch(
-    curve: StaticCurve, i: int, j: int, corners: Sequence[Equilibrium], high: Fraction
-) -> Fraction | None:
-    """What the cross condition loses because the two copies rest at arguments that differ by ε.
+def _copies(curve: StaticCurve, i: int, j: int, apart: Fraction) -> Copies:
+    """Equations 8 and 9, with ε/room; a jump has no largest slope: the product of both differences is left."""
+    steepest, jump = (Fraction(1), 1) if curve.steepest is None else (curve.steepest, 0)
+    slack = min(LARGEST_SLACK, SLACK * apart)
+    loss = (steepest * apart) ** 2 / (4 * slack) if apart else apart
+    return Copies(i, j, steepest, slack + jump, loss)
 
-    docs/stability.md, equation 9: 2·steepest·high·ε/room where both rest on a flat segment with room to its ends.
+
+def _apart(curve: StaticCurve, i: int, j: int, corners: Sequence[Equilibrium]) -> Fraction | None:
+    """ε/room, where two copies rest at arguments ε apart, on a flat segment with room to its ends; else None.
+
+    docs/stability.md, equation 9.
     """
-    apart = max(abs(corner.arguments[i] - corner.arguments[j]) for corner in corners)
-    if apart == 0:
+    apart = [abs(corner.arguments[i] - corner.arguments[j]) for corner in corners]
+    if not any(apart):
         return Fraction(0)
-    for corner in corners:
-        segments = {curve.segment(corner.arguments[k]) for k in (i, j)}
-        segment = segments.pop()
-        if segments or segment is None or curve.slopes[segment] != 0:
-            return None
-    room = min(curve.room(corner.arguments[k]) for corner in corners for k in (i, j))
-    return 2 * (curve.steepest or Fraction(0)) * high * apart / room
+    segments = {curve.segment(corner.arguments[k]) for corner in corners for k in (i, j)}
+    segment = segments.pop()
+    if segments or segment is None or curve.slopes[segment] != 0:
+        return None
+    rooms = [min(curve.room(corner.arguments[k]) for k in (i, j)) for corner in corners]
+    return max(a / room for a, room in zip(apart, rooms, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

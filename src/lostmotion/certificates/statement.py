@@ -7,10 +7,10 @@ from typing import Any
 from ..argument_checks import checks_arguments
 from .running import RunningProof
 
-#: What voids every proof, whatever its numbers.
+#: What voids every proof, whatever its numbers; the second stands for no box.
+CONSTANT = "the set-point and the load torque are constant"
+NO_TOLERANCE = "the drivetrain has exactly the values of the certificate: no tolerance of them is proved"
 CONDITIONS = (
-    "the set-point and the load torque are constant",
-    "the drivetrain has exactly the values of the certificate: no tolerance of them is proved",
     "friction is Coulomb and viscous: no Stribeck curve, no breakaway level above it",
     "the law reads every signal as it is at its sample: no mean over the sample, no noise, no offset",
     "no input check of the law has fired, and every sample is taken in time",
@@ -43,14 +43,19 @@ def _load(proof: RunningProof) -> str:
 @checks_arguments
 def conditions(proof: RunningProof) -> list[str]:
     """What must hold for the headline, a sentence part each."""
-    low, high = proof.torque_load
+    return [*acting(proof.torque_load, proof.delay), CONSTANT, NO_TOLERANCE, *CONDITIONS]
+
+
+def acting(torque_load: tuple[float, float], delay: int) -> list[str]:
+    """What acts on the loop, and when."""
+    low, high = torque_load
     torque = "there is no load torque but friction"
     if low or high:
         torque = f"the load torque is constant between {low:.3g} and {high:.3g} Nm, positive in the direction of motion"
     samples = {0: "acts at its own sample", 1: "acts one sample later"}.get(
-        proof.delay, f"acts {proof.delay} samples later"
+        delay, f"acts {delay} samples later"
     )
-    return [torque, f"the torque {samples}", *CONDITIONS]
+    return [torque, f"the torque {samples}"]
 
 
 @checks_arguments

@@ -93,10 +93,15 @@ def normalised(curve: PiecewiseLinear) -> tuple[Fraction, Fraction, StaticCurve]
     A dead zone becomes z minus a saturation, so that all copies of one gap have the same σ.
     """
     points = tuple((Fraction(z), Fraction(w)) for z, w in curve.points)
-    left, right = Fraction(curve.slope_left), Fraction(curve.slope_right)
-    if left != right:
-        return Fraction(0), Fraction(1), StaticCurve(points, left, right)
-    flat = tuple((z, w - right * z) for z, w in points)
+    return normalised_curve(StaticCurve(points, Fraction(curve.slope_left), Fraction(curve.slope_right)))
+
+
+def normalised_curve(curve: StaticCurve) -> tuple[Fraction, Fraction, StaticCurve]:
+    """``normalised`` of a curve that is given in fractions."""
+    right = curve.right
+    if curve.left != right:
+        return Fraction(0), Fraction(1), curve
+    flat = tuple((z, w - right * z) for z, w in curve.points)
     height = flat[-1][1] - flat[0][1]
     if height == 0:
         return right, Fraction(1), StaticCurve(flat)

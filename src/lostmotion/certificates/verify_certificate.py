@@ -343,24 +343,27 @@ def sectors_of(loop, corners):
     return found
 
 
-def copies_of(loop, corners, sectors):
-    """(slope, mismatch) of all pairs of arguments of one rising curve without a jump (8, 9)."""
+def copies_of(loop, corners):
+    """(slope, slack, loss) of all pairs of arguments of one rising curve (8, 9); of a jump slope and slack are 1."""
     found = {}
     for a, b in combinations(loop.curves, 2):
         curve = loop.curves[a]
-        if curve.key != loop.curves[b].key or not curve.rises or not curve.steepest:
+        if curve.key != loop.curves[b].key or not curve.rises or curve.steepest == 0:
             continue
-        apart = max(abs(corner[a] - corner[b]) for corner in corners)
-        loss = Fraction(0)
-        if apart:
+        slope, slack, loss = curve.steepest or Fraction(1), Fraction(0), Fraction(0)
+        if any(corner[a] != corner[b] for corner in corners):
             segments = {curve.segment(corner[name]) for corner in corners for name in (a, b)}
             if len(segments) != 1 or curve.slopes[segments.pop()] != 0:
                 continue
-            room = min(
-                abs(corner[name] - z) for corner in corners for name in (a, b) for z, _ in curve.points
+            apart = max(
+                abs(corner[a] - corner[b]) / abs(corner[name] - z)
+                for corner in corners
+                for name in (a, b)
+                for z, _ in curve.points
             )
-            loss = 2 * curve.steepest * max(sectors[a][1], sectors[b][1]) * apart / room
-        found[a, b] = curve.steepest, loss
+            slack = min(Fraction(1, 4), 64 * apart)
+            loss = (slope * apart) ** 2 / (4 * slack)
+        found[a, b] = slope, slack + (curve.steepest is None), loss
     return found
 
 
@@ -447,9 +450,9 @@ class Proof:
         for factor, (name, z, w) in zip(factors, curves):
             low, high = self.sectors[name]
             add_product(total, -2 * factor, plus((1, w), (-low, z)), plus((high, z), (-1, w)))
-        for factor, (slope, loss, (_, z1, w1), (_, z2, w2)) in zip(factors[len(curves) :], pairs):
+        for factor, (slope, slack, loss, (_, z1, w1), (_, z2, w2)) in zip(factors[len(curves) :], pairs):
             rise, apart = minus(w1, w2), minus(z1, z2)
-            add_product(total, -2 * factor, rise, plus((slope, apart), (-1, rise)))
+            add_product(total, -2 * factor, rise, plus((slope, apart), (slack - 1, rise)))
             add_product(total, -2 * factor * loss, z1, z1)
             add_product(total, -2 * factor * loss, z2, z2)
         return total
@@ -458,7 +461,7 @@ class Proof:
         for a, b in combinations(curves, 2):
             known = self.copies.get((a[0], b[0])) or self.copies.get((b[0], a[0]))
             if a[0] == b[0]:
-                known = self.loop.curves[a[0]].steepest, Fraction(0)
+                known = self.loop.curves[a[0]].steepest, Fraction(0), Fraction(0)
             if known:
                 yield (*known, a, b)
 
@@ -549,6 +552,28 @@ class Proof:
             total, [*loop.states, *seen, *self.moving, *(f"{n} after" for n in self.of_state)]
         )
 
+    def holds(self):
+        """All inequalities of a sampled loop."""
+        for k in range(self.substeps + 1):
+            demand(self.positive(k), f"V is not positive at knot {k} (12)")
+        for k in range(self.substeps):
+            for end in (0, 1):
+                demand(self.falls(k, end), f"V does not fall in substep {k}, end {end} (13)")
+        demand(self.does_not_rise(), "V rises at a sample (15)")
+        if self.region is not None:
+            demand(self.loop.limit in self.moving, "the torque limit reads nothing")
+            demand(self.contains(), "the level does not keep the torque in its region (17)")
+            demand(self.starts_inside(), "the step starts above the level (18)")
+
+    def holds_in_continuous_time(self):
+        """All inequalities of a loop without samples: one P, given twice."""
+        demand(
+            self.substeps == 1 and self.p[0] == self.p[1],
+            "P changes although the law acts in continuous time",
+        )
+        demand(self.positive(0), "V is not positive (12)")
+        demand(self.falls(0, 0), "V does not fall (13)")
+
     def seen(self):
         """Plant curves that the law reads at a sample, or has copies of."""
         forms = [*self.loop.jump.values(), *(self.loop.arguments[name] for name in self.moving)]
@@ -563,9 +588,25 @@ def verify(certificate, law=None):
     claim, own = certificate["claim"], certificate["law"]
     if law is not None:
         demand(pruned(law) == pruned(own) and law["dt"] == own["dt"], "the certificate is about another law")
+    if "cells" in certificate:
+        return verify_box(certificate)
     demand(own["dt"] > 0, "a sample time that is not positive")
     loop = Loop(certificate["drivetrain"], pruned(own), whole(certificate["delay"], 0))
     segments = [whole(segment, 0) for segment in certificate["segments"]]
+    ends = ends_of(claim, loop)
+    rests = [equilibrium(loop, segments, r, m) for r, m in ends]
+    corners = [arguments for arguments, _ in rests]
+    sectors = sectors_of(loop, corners)
+    region = None
+    if claim["limit"] is not None:
+        region = region_of(loop, claim, sectors, rests, ends)
+    proof = Proof(loop, sectors, copies_of(loop, corners), own["dt"], certificate["proof"], region)
+    proof.holds()
+    return claim
+
+
+def ends_of(claim, loop):
+    """Corners of the ranges of load speed and load torque."""
     speeds, torques = (claim["speed_from"], claim["speed_to"]), claim["torque_load"]
     demand(
         len(torques) == 2 and 0 < speeds[0] <= speeds[1] and torques[0] <= torques[1],
@@ -573,25 +614,7 @@ def verify(certificate, law=None):
     )
     if claim["both_directions"]:
         demand(all(c.key == mirrored(c) for c in loop.curves.values()), "the two directions differ")
-    ends = [(r, m) for r in sorted(set(speeds)) for m in sorted(set(torques))]
-    rests = [equilibrium(loop, segments, r, m) for r, m in ends]
-    corners = [arguments for arguments, _ in rests]
-    sectors = sectors_of(loop, corners)
-    region = None
-    if claim["limit"] is not None:
-        region = region_of(loop, claim, sectors, rests, ends)
-    proof = Proof(loop, sectors, copies_of(loop, corners, sectors), own["dt"], certificate["proof"], region)
-    for k in range(proof.substeps + 1):
-        demand(proof.positive(k), f"V is not positive at knot {k} (12)")
-    for k in range(proof.substeps):
-        for end in (0, 1):
-            demand(proof.falls(k, end), f"V does not fall in substep {k}, end {end} (13)")
-    demand(proof.does_not_rise(), "V rises at a sample (15)")
-    if region is not None:
-        demand(loop.limit in proof.moving, "the torque limit reads nothing")
-        demand(proof.contains(), "the level does not keep the torque in its region (17)")
-        demand(proof.starts_inside(), "the step starts above the level (18)")
-    return claim
+    return [(r, m) for r in sorted(set(speeds)) for m in sorted(set(torques))]
 
 
 def region_of(loop, claim, sectors, rests, ends):
@@ -625,6 +648,145 @@ def mirrored(curve):
     return tuple((-z, -w) for z, w in reversed(curve.points)), curve.right, curve.left
 
 
+# --- a box of drivetrains, and laws in continuous time ------------------------------------------------------------
+
+#: Parameters that a box may vary, and the names in the drivetrain that they multiply.
+BOX = {
+    "inertia_motor": ["inertia_motor"], "inertia_load": ["inertia_load"], "stiffness": ["stiffness"],
+    "backlash": ["backlash"],
+    "coulomb": ["coulomb_plus", "coulomb_minus", "coulomb_motor_plus", "coulomb_motor_minus"],
+}  # fmt: skip
+
+#: What enters the flow, and the place (layout) of the one state whose rate it multiplies: k·twist, speeds (24).
+IN_THE_FLOW = {"stiffness": 0, "inertia_load": 2, "inertia_motor": 1}
+
+#: Unit of time of the multipliers for a law in continuous time, s (numerics).
+TIME_UNIT = Fraction(1, 1024)
+
+
+class ContinuousLoop(Loop):
+    """A law in continuous time: its rows give rates, and its torque acts at once (23)."""
+
+    def __init__(self, drivetrain, law):
+        super().__init__(drivetrain, law, 0)
+        by = {"torque_motor": self.jump.pop("torque_motor")}
+        self.rates = {name: replaced(form, by) for name, form in {**self.rates, **self.jump}.items()}
+        self.jump, self.states, self.plant_curves, self.law_curves = (
+            {},
+            list(self.rates),
+            list(self.curves),
+            [],
+        )
+        for form in self.arguments.values():
+            demand(set(form) <= set(self.states), "a curve reads more than states")
+
+
+def verify_box(certificate):
+    """The claim for every drivetrain of the box: cell by cell. A cut leaves nothing between its two sides."""
+    box = {name: tuple(ends) for name, ends in certificate["claim"]["box"].items()}
+    demand(set(box) <= set(BOX), "a parameter that a box cannot vary")
+    demand(all(len(ends) == 2 and 0 < ends[0] <= ends[1] for ends in box.values()), "a box without room")
+    open_cells = [(certificate["cells"], box)]
+    while open_cells:
+        node, cell = open_cells.pop()
+        if "cut" not in node:
+            verify_cell(certificate, node["proof"], cell)
+            continue
+        low, high = cell[node["cut"]]
+        demand(low < node["at"] < high, "a cut outside of its cell")
+        open_cells.append((node["below"], {**cell, node["cut"]: (low, node["at"])}))
+        open_cells.append((node["above"], {**cell, node["cut"]: (node["at"], high)}))
+    return certificate["claim"]
+
+
+def verify_cell(certificate, numbers, cell):
+    """One P and one set of integrals for every drivetrain of the cell (24 to 26)."""
+    claim, law = certificate["claim"], certificate["law"]
+    segments, sampled = [whole(segment, 0) for segment in certificate["segments"]], law["dt"] > 0
+    # Sectors: friction's ends with the largest stiffness and backlash (26).
+    widest = {name: cell[name][1:] for name in ("stiffness", "backlash") if name in cell}
+    at_rest = [loop_at(certificate, c, cell) for c in corners_of({**cell, **widest}, ("coulomb", *widest))]
+    loop, ends = at_rest[0], ends_of(claim, at_rest[0])
+    rests = [[equilibrium(each, segments, r, m) for r, m in ends] for each in at_rest]
+    each = [sectors_of(one, [arguments for arguments, _ in found]) for one, found in zip(at_rest, rests)]
+    sectors = {n: (min(s[n][0] for s in each), max(s[n][1] for s in each)) for n in loop.curves}
+    rests = [rest for found in rests for rest in found]
+    copies = copies_of(loop, [arguments for arguments, _ in rests])
+    if cell:  # the gap of the drivetrain is not the law's
+        copies = {pair: c for pair, c in copies.items() if all(name.startswith("curve_") for name in pair)}
+    region = None
+    if claim["limit"] is not None:
+        demand(sampled, "a torque limit with a law in continuous time")
+        region = region_of(loop, claim, sectors, rests, ends)
+    corners = corners_of(cell, IN_THE_FLOW)
+    demand(len(numbers) == len(corners), "not as many proofs as corners of a cell")
+    proofs = []
+    for corner, own in zip(corners, numbers):
+        each = loop_at(certificate, corner, cell)
+        demand(
+            each.jump == loop.jump and each.arguments == loop.arguments, "the law reads what the box varies"
+        )
+        proofs.append(Proof(each, sectors, copies, law["dt"] if sampled else TIME_UNIT, own, region))
+        if sampled:
+            proofs[-1].holds()
+        else:
+            proofs[-1].holds_in_continuous_time()
+    for a, b in combinations(range(len(corners)), 2):
+        differ = [name for name in corners[a] if corners[a][name] != corners[b][name]]
+        demand(proofs[a].eta == proofs[b].eta, "integrals of the plant differ within a cell")
+        for p, q in zip(proofs[a].p, proofs[b].p):
+            same = len(differ) > 1 or p[IN_THE_FLOW[differ[0]]] == q[IN_THE_FLOW[differ[0]]]
+            demand(same, "P is not multi-affine in a cell")
+
+
+def corners_of(cell, names):
+    """Every combination of the smallest and largest shares of the named parameters."""
+    found = [{}]
+    for name in names:
+        found = [
+            {**c, name: share} for c in found for share in sorted(set(cell.get(name, ()))) or [Fraction(1)]
+        ]
+    return found
+
+
+def loop_at(certificate, shares, cell):
+    """The loop of a drivetrain in the cell; with the shaft's torques in Nm, unless there is no box (24)."""
+    d, law = dict(certificate["drivetrain"]), pruned(certificate["law"])
+    for name, share in shares.items():
+        for parameter in BOX[name]:
+            d[parameter] *= share
+    if certificate["law"]["dt"] > 0:
+        loop = Loop(d, law, whole(certificate["delay"], 0))
+    else:
+        demand(certificate["law"]["dt"] == 0 and certificate["delay"] == 0, "a law in no time")
+        demand(d["torque_limit"] is None, "a torque limit with a law in continuous time")
+        loop = ContinuousLoop(d, law)
+    if cell:
+        in_torque(loop, d)
+    return loop
+
+
+def in_torque(loop, d):
+    """Takes stiffness · twist for the twist, and Nm for the plant's curves and the gap's argument (24)."""
+    k = d["stiffness"]
+    heights = {
+        "gap": k * d["backlash"],
+        "friction_motor": d["coulomb_motor_plus"] + d["coulomb_motor_minus"],
+        "friction_load": d["coulomb_plus"] + d["coulomb_minus"],
+    }
+    by = {"twist": {"twist": 1 / k}}
+    for name in set(heights) & set(loop.curves):
+        height, width, curve = heights[name], k if name == "gap" else Fraction(1), loop.curves[name]
+        by[name] = {name: 1 / height}
+        points = [(width * z, height * w) for z, w in curve.points]
+        loop.curves[name] = Curve(points, curve.left * height / width, curve.right * height / width)
+    for forms in (loop.rates, loop.jump, loop.arguments):
+        forms.update({name: replaced(form, by) for name, form in forms.items()})
+    loop.rates["twist"] = plus((k, loop.rates["twist"]))
+    if "gap" in loop.arguments:
+        loop.arguments["gap"] = plus((k, loop.arguments["gap"]))
+
+
 def read(path):
     with open(path, encoding="utf-8") as file:  # noqa: PTH123 (a script without further imports)
         return parsed(file.read())
@@ -653,6 +815,8 @@ def main(paths):
     except (OSError, *NO_CERTIFICATE) as error:
         print(f"NOT PROVED: the file is no certificate ({type(error).__name__}: {error})")
         return 1
+    for name, ends in claim.get("box", {}).items():
+        print("For {} times {!r} to {!r},".format(name, *map(float, ends)))
     low, high = float(claim["speed_from"]), float(claim["speed_to"])
     print(f"PROVED: asymptotically stable at every load speed from {low!r} to {high!r} rad/s,")
     print("        in both directions," if claim["both_directions"] else "        in the positive direction,")

@@ -14,6 +14,8 @@ from .leaderboards import controllers, observers
 from .main_job import check, init, run
 from .messages import INPUT_ERROR, show
 from .proofs import certify
+from .real_time import loop
+from .reproduction import paper
 from .single_steps import excite, frf, identify, simulate
 
 EXIT_CODES = (
@@ -63,7 +65,7 @@ app = typer.Typer(
 )
 app.callback()(_options)
 app.command(epilog=RUN_EXIT_CODES)(run)
-for command in (check, init, identify, frf, excite, simulate, certify):
+for command in (check, init, identify, frf, excite, simulate, certify, paper, loop):
     app.command(epilog=EXIT_CODES)(command)
 
 compare_app = typer.Typer(help="Leaderboards.", no_args_is_help=True)

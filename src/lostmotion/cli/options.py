@@ -37,6 +37,12 @@ def finite_positive(value: float) -> float:
     return value
 
 
+def percent_below_100(value: float | None) -> float | None:
+    if value is not None and not 0.0 < value < 100.0:
+        raise typer.BadParameter(f"{value} is not in the range 0<x<100; 10 is ±10 %.")
+    return value
+
+
 def spread_below_one(value: float) -> float:
     if not 0.0 <= value < 1.0:
         raise typer.BadParameter(f"{value} is not in the range 0<=x<1; 0.2 is 20 %.")
@@ -55,4 +61,10 @@ SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed; default: the 
 def known_method(name: str) -> Any:
     if name not in METHODS:
         raise typer.BadParameter(f"{name!r} is none of {', '.join(METHODS)}", param_hint="--method")
+    return name
+
+
+def known_code(name: str | None) -> str | None:
+    if name not in (None, "c", "python"):
+        raise typer.BadParameter(f"{name!r} is none of c, python")
     return name

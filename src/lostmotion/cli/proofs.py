@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .messages import finished, interruptible
-from .options import ForceOption, finite_positive
+from .options import ForceOption, finite_positive, percent_below_100
 
 
 def certify(
@@ -32,10 +32,24 @@ def certify(
     fastest: Annotated[
         float, typer.Option(callback=finite_positive, help="Largest load speed, rad/s.")
     ] = 1000.0,
+    box: Annotated[
+        float | None,
+        typer.Option(
+            callback=percent_below_100,
+            help="Prove it for every drivetrain within ± so many percent of load inertia, stiffness, Coulomb friction "
+            "and backlash. Ctrl-C keeps what is proved, the same command goes on.",
+        ),
+    ] = None,
+    box_speed: Annotated[
+        float, typer.Option(callback=finite_positive, help="Smallest load speed of a box, rad/s.")
+    ] = 1.0,
     force: ForceOption = False,
 ) -> None:
     """Prove from which load speed on the loop is stable, with the whole gap, and write a certificate to check it."""
-    from ..certificates import MARGIN_COLUMNS, margin_table
+    if box is not None:
+        certify_a_box(drivetrain, law, out, delay, torque_load, fastest, box, box_speed, force)
+        return
+    from ..certificates.robustness.contact_margins import MARGIN_COLUMNS, margin_table
     from ..commands.certify import certify_file
     from ..display.tables import text
     from ..terminal import StageLines
@@ -53,3 +67,38 @@ def certify(
     if result["margins"]:
         typer.echo(text([MARGIN_COLUMNS, *margin_table(result["margins"])]))
     finished([], out, ".json", "_verify.py")
+
+
+def certify_a_box(
+    drivetrain: Path,
+    law: Path | None,
+    out: Path,
+    delay: int,
+    torque_load: tuple[float, float] | None,
+    fastest: float,
+    percent: float,
+    speed: float,
+    force: bool,
+) -> None:
+    """The same for every drivetrain of a box."""
+    from ..commands.certify_box import certify_box
+    from ..interruption import INTERRUPTED
+    from ..terminal import StageLines
+
+    with interruptible(), StageLines() as lines:
+        result = certify_box(
+            drivetrain, out, percent, law, delay, torque_load, fastest, speed,
+            progress=lambda fraction, text: lines("certify", fraction, text), force=force,
+        )  # fmt: skip
+        lines("certify", 1.0)
+    typer.echo(f"  {result['headline']}")
+    if result["proved"]:
+        typer.echo("  valid while " + ";\n              ".join(result["conditions"]))
+    if result["simulated"]:
+        typer.echo(f"  {result['simulated']}")
+    finished([], out, ".json", "_verify.py")
+    if result["not_proved"] == "interrupted":
+        typer.secho(
+            "Interrupted; the same command goes on from the cells that are proved.", fg="yellow", err=True
+        )
+        raise typer.Exit(INTERRUPTED)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..certificates import RunningProof, margin_data, margins, prove_running, prove_with_load, stability
-from ..certificates.robustness.contact_margins import SPEED
+from ..certificates import RunningProof, margins, prove_running, prove_with_load, stability
+from ..certificates.robustness.contact_margins import SPEED, margin_data
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io import load_law

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from .. import __version__
+from ..version import VERSION
 from .cases import CASES, Case
 from .contestants import REFERENCE
 from .score_table import ScoreTable, plain
@@ -99,7 +99,7 @@ class Leaderboard(ScoreTable[Case]):
         """Everything, for JSON."""
         return {
             "schema": 2,
-            "version": __version__,
+            "version": VERSION,
             "settings": dict(self.settings),
             "seeds": list(self.seeds),
             "reference": REFERENCE,

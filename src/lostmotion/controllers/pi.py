@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..argument_checks import checks_arguments
+from ..argument_checks import checks_arguments, not_negative
 from ..curves import PiecewiseLinear, saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -22,13 +22,15 @@ def pi(
     ki: float = 200.0,
     torque_limit: float = math.inf,
     filter_time: float = 0.0,
+    speed_filter_time: float = 0.0,
     friction_of: Drivetrain | None = None,
 ) -> DiscreteSystem:
     """PI speed controller of the **motor** speed.
 
     ::
 
-        e = reference − speed_motor             reference: speed_reference through 1/(1 + filter_time·s)
+        e = reference − speed       reference: speed_reference through 1/(1 + filter_time·s)
+                                    speed: speed_motor through 1/(1 + speed_filter_time·s)
         torque_motor = clip(integral + kp·e + friction(reference), ±torque_limit)
         integral⁺ = integral + dt·ki·e + dt·(ki/kp)·(torque_motor − (integral + kp·e + friction(reference)))
 
@@ -45,6 +47,8 @@ def pi(
         inf: no limit, and no anti-windup.
     filter_time : float, s
         Of the set-point filter; 0: none.
+    speed_filter_time : float, s
+        Of the filter of the measured speed, for coarse encoders and short samples; 0: none.
     friction_of : Drivetrain, optional
         Its Coulomb and viscous friction, of all inertias, is fed forward by the reference, linear within
         ±``REFERENCE_BAND``; default: none.
@@ -52,14 +56,14 @@ def pi(
     Returns
     -------
     DiscreteSystem
-        Inputs speed_reference, speed_motor (rad/s); output torque_motor (Nm); states torque_integral (Nm) and, with a
-        filter, speed_reference_filtered (rad/s).
+        Inputs speed_reference, speed_motor (rad/s); output torque_motor (Nm); states torque_integral (Nm) and, with
+        filters, speed_reference_filtered and speed_motor_filtered (rad/s).
 
     Raises
     ------
     InvalidInput
-        If a number is not positive (filter_time: zero or more), or ki/kp·dt ≥ 1, where the anti-windup itself would not
-        settle.
+        If a number is not positive (the filters' times: zero or more), or ki/kp·dt ≥ 1, where the anti-windup itself
+        would not settle.
     """
     for name, value in (("dt", dt), ("kp", kp), ("torque_limit", torque_limit)):
         if not value > 0.0 or (name != "torque_limit" and math.isinf(value)):
@@ -68,13 +72,22 @@ def pi(
         raise InvalidInput(
             "pi.ki", f"{ki!r} Nm/rad", f"zero up to kp/dt = {kp / dt:g} Nm/rad", "Lower ki or dt."
         )
-    if not (math.isfinite(filter_time) and filter_time >= 0.0):
-        raise InvalidInput(
-            "pi.filter_time", repr(filter_time), "zero or a positive time in s", "Check the unit."
-        )
-    states = ("torque_integral", *(("speed_reference_filtered",) if filter_time > 0.0 else ()))
-    integral, *filtered, given, motor = np.eye(len(states) + 2)
-    reference = filtered[0] if filtered else given
+    filters = {
+        "speed_reference_filtered": not_negative("pi.filter_time", filter_time),
+        "speed_motor_filtered": not_negative("pi.speed_filter_time", speed_filter_time),
+    }
+    filters = {name: time for name, time in filters.items() if time > 0.0}
+    states = ("torque_integral", *filters)
+    signals = (*states, "speed_reference", "speed_motor")
+    one = dict(zip(signals, np.eye(len(signals)), strict=True))
+    integral, reference = one["torque_integral"], one.get("speed_reference_filtered", one["speed_reference"])
+    decay = {name: math.exp(-dt / time) for name, time in filters.items()}
+    updated = {
+        name: decay[name] * one[name] + (1.0 - decay[name]) * one[name.removesuffix("_filtered")]
+        for name in filters
+    }
+    # The measured speed counts with its own sample: the filter costs no further delay.
+    motor = updated.get("speed_motor_filtered", one["speed_motor"])
     unlimited, step, n = integral + kp * (reference - motor), dt * (ki / kp), len(states)
     curves: list[PiecewiseLinear] = [] if friction_of is None else [_friction(friction_of)]
     z, w = [reference] * len(curves), np.ones((1, len(curves)))
@@ -85,11 +98,7 @@ def pi(
         z, w = [*z, unlimited], np.eye(1, len(z) + 1, len(z))
         follows, by_curves = (1.0 - step) * integral, step * w - step * (1.0 - w)
         unlimited = np.zeros(n + 2)
-    rows = [follows]
-    if filtered:
-        decay = math.exp(-dt / filter_time)
-        rows.append(decay * filtered[0] + (1.0 - decay) * given)
-    arguments, update = np.array(z).reshape(len(z), n + 2), np.array(rows)
+    arguments, update = np.array(z).reshape(len(z), n + 2), np.array([follows, *updated.values()])
     return DiscreteSystem(
         inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",), states=states, dt=dt, name="pi",
         curves=tuple(curves), F=arguments[:, :n], G=arguments[:, n:], H=np.eye(len(curves), k=-1),

@@ -19,7 +19,7 @@ GAP_SHARES = (1.0, 0.3, 0.1, 0.01)
 LARGEST_SENSITIVITY = 2.0
 #: Kessler's spread; that of a phase margin of 45°, from which on it is searched for (Schröder 2009).
 CLASSICAL_SPREAD, DAMPED_SPREAD = 2.0, 1.0 + math.sqrt(2.0)
-#: By which factor the spread grows in the search, and how often (numerics).
+#: By which factor the spread, or all small time constants, grow in the search, and how often (numerics).
 GROWTH, ATTEMPTS = 1.1, 80
 
 
@@ -33,11 +33,13 @@ class PiTuning:
     ki : float, Nm/rad
     filter_time : float, s
         Of the set-point filter that belongs to them: it cancels the controller's zero.
+    speed_filter_time : float, s
+        Of the filter of the measured speed, which keeps its noise out of the torque.
     inertia : float, kg m2
         Of motor and load together.
     time_constant : float, s
         Sum of all small time constants, of which ``shaft_time`` is that of the shaft and ``delay_time`` that of current
-        loop, computing delay and hold.
+        loop, computing delay and hold; the rest is the filter of the measured speed.
     shaft_time, delay_time : float, s
     spread : float
     sensitivity : float
@@ -47,6 +49,7 @@ class PiTuning:
     kp: float
     ki: float
     filter_time: float
+    speed_filter_time: float
     inertia: float
     time_constant: float
     shaft_time: float
@@ -60,8 +63,9 @@ class PiTuning:
         return math.isfinite(self.sensitivity)
 
     def gains(self) -> dict[str, float]:
-        """The arguments of ``pi``: kp, ki and filter_time."""
-        return {"kp": self.kp, "ki": self.ki, "filter_time": self.filter_time}
+        """The arguments of ``pi``: kp, ki and the filters' times."""
+        gains = {"kp": self.kp, "ki": self.ki, "filter_time": self.filter_time}
+        return gains | ({"speed_filter_time": self.speed_filter_time} if self.speed_filter_time else {})
 
 
 @checks_arguments
@@ -78,7 +82,7 @@ def symmetrical_optimum(
 
     ::
 
-        T = 1/ω_zero + lag + (delay + ½)·dt        ω_zero = √(stiffness/inertia_load)
+        T = 1/ω_zero + lag + (delay + ½)·dt + speed_filter_time        ω_zero = √(stiffness/inertia_load)
         kp = J/(a·T)        ki = kp/(a²·T)        filter_time = a²·T        J = inertia_motor + inertia_load
 
     The loop crosses at 1/(a·T), a factor a below 1/T: the load then turns with the motor. With the current loop's time
@@ -94,11 +98,13 @@ def symmetrical_optimum(
     spread : float, optional
         a: 2 is the classical choice, larger is slower and better damped. The optimum does not know the torsional mode:
         late drives with little damping need a larger one. None: the smallest from 1 + √2 on (phase margin 45°) with a
-        sensitivity of at most ``LARGEST_SENSITIVITY`` and within the noise gain.
+        sensitivity of at most ``LARGEST_SENSITIVITY``.
     speed_from_counts : bool
         Whether the measured speed is a mean over the sample, for the sensitivity.
     largest_noise_gain : float, Nm s/rad
-        With ``spread=None``: standard deviation of the torque over that of the measured speed's noise, at most.
+        With ``spread=None``: standard deviation of the torque over that of the measured speed's noise, at most. Where
+        it is more, the measured speed is filtered. The filter takes noise by itself and by the lower gain, and makes
+        the loop slower in proportion; a larger spread takes it by the gain alone, and is slower by the square.
 
     Raises
     ------
@@ -118,24 +124,29 @@ def symmetrical_optimum(
     if spread is not None:
         if not (math.isfinite(spread) and spread > 1.0):
             raise InvalidInput("symmetrical_optimum.spread", repr(spread), "a number above 1", "2 is usual.")
-        return _tuning(drivetrain, dt, delay, spread, speed_from_counts)[0]
-    for attempt in range(ATTEMPTS):
-        tuning, noise = _tuning(drivetrain, dt, delay, DAMPED_SPREAD * GROWTH**attempt, speed_from_counts)
-        if tuning.sensitivity <= LARGEST_SENSITIVITY and noise <= largest_noise_gain:
+        return _tuning(drivetrain, dt, delay, spread, 0.0, speed_from_counts)[0]
+    spread, filtered = DAMPED_SPREAD, 0.0
+    for _ in range(ATTEMPTS):
+        tuning, noise = _tuning(drivetrain, dt, delay, spread, filtered, speed_from_counts)
+        if tuning.sensitivity > LARGEST_SENSITIVITY:
+            spread *= GROWTH
+        elif noise > largest_noise_gain:
+            filtered += (GROWTH - 1.0) * tuning.time_constant
+        else:
             break
     return tuning
 
 
 def _tuning(
-    drivetrain: Drivetrain, dt: float, delay: int, spread: float, speed_from_counts: bool
+    drivetrain: Drivetrain, dt: float, delay: int, spread: float, filtered: float, speed_from_counts: bool
 ) -> tuple[PiTuning, float]:
-    """The gains of a spread, and their noise gain, Nm s/rad."""
+    """The gains of a spread and a filter of the measured speed (s), and their noise gain, Nm s/rad."""
     shaft = math.sqrt(drivetrain.inertia_load / drivetrain.stiffness)
     delays = drivetrain.lag + (delay + 0.5) * dt
-    time = shaft + delays
+    time = shaft + delays + filtered
     kp = drivetrain.inertia_total / (spread * time)
     ki = kp / (spread**2 * time)
-    law = pi(dt=dt, kp=kp, ki=ki)
+    law = pi(dt=dt, kp=kp, ki=ki, speed_filter_time=filtered)
     shares = GAP_SHARES if drivetrain.backlash > 0.0 else GAP_SHARES[:1]
     softer = (
         drivetrain.with_parameters(stiffness=s * drivetrain.stiffness, damping=s * drivetrain.damping)
@@ -146,6 +157,7 @@ def _tuning(
         kp=kp,
         ki=ki,
         filter_time=spread**2 * time,
+        speed_filter_time=filtered,
         inertia=drivetrain.inertia_total,
         time_constant=time,
         shaft_time=shaft,

@@ -1,5 +1,7 @@
 """Export: a DiscreteSystem as code for the target."""
 
-from .c import C_FLAGS, ExportCheck, c, compile_and_check
+from .c import ExportCheck, c, compile_and_check
+from .compiler import C_FLAGS
+from .shared_library import shared_library
 
-__all__ = ["C_FLAGS", "ExportCheck", "c", "compile_and_check"]
+__all__ = ["C_FLAGS", "ExportCheck", "c", "compile_and_check", "shared_library"]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from importlib import resources
@@ -22,19 +20,8 @@ from ..io.storage.whole_files import make_folder, write_bytes
 from ..io.storage.written_files import replacing
 from ..recording import unit_of
 from ..systems import DiscreteSystem
+from .compiler import C_FLAGS, NO_COMPILER, find_compiler, run
 from .facts import facts
-
-#: Options under which the code compiles without a warning, and gives the same bits as the Python law.
-C_FLAGS = (
-    "-std=c99",
-    "-O2",
-    "-Wall",
-    "-Wextra",
-    "-Wpedantic",
-    "-Wconversion",
-    "-Werror",
-    "-ffp-contract=off",
-)
 
 #: Largest difference, relative to the largest output, up to which a check passes in single precision (option:
 #: a thousand roundings of 6e-8). In double precision not a bit may differ.
@@ -142,19 +129,17 @@ def compile_and_check(folder: str | os.PathLike[str], name: str = "law") -> Expo
     A missing compiler, a failed compilation and a difference are results, not exceptions; compiled files go
     to a temporary folder. The environment variable CC is respected, else cc, gcc and clang are tried.
     """
-    compiler = next(
-        (p for p in map(shutil.which, (os.environ.get("CC") or "cc", "cc", "gcc", "clang")) if p), None
-    )
+    compiler = find_compiler()
     if compiler is None:
-        return ExportCheck(None, None, False, "no C compiler (cc, gcc, clang) found")
+        return ExportCheck(None, None, False, NO_COMPILER)
     folder = Path(folder).resolve()
     with tempfile.TemporaryDirectory() as scratch:
         program = Path(scratch) / "law_test"
         sources = [str(folder / f"{name}.c"), str(folder / f"{name}_test.c")]
-        built = _run([compiler, *C_FLAGS, "-o", str(program), *sources])
+        built = run([compiler, *C_FLAGS, "-o", str(program), *sources])
         if built.returncode != 0:
             return ExportCheck(None, compiler, False, f"does not compile: {built.stderr.strip()}")
-        ran = _run([str(program)])
+        ran = run([str(program)])
     found = re.search(r"max_difference (\S+) of (\S+) real_size (\d+) faults_differ (\d+)", ran.stdout)
     if ran.returncode != 0 or not found:
         return ExportCheck(None, compiler, False, f"the test stopped: {ran.stdout}{ran.stderr}")
@@ -164,13 +149,6 @@ def compile_and_check(folder: str | os.PathLike[str], name: str = "law") -> Expo
     return ExportCheck(
         difference, compiler, passed, "" if passed else f"outputs differ: {ran.stdout.strip()}"
     )
-
-
-def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
-    try:
-        return subprocess.run(command, capture_output=True, text=True, timeout=120.0, check=False)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return subprocess.CompletedProcess(command, 1, "", str(error))
 
 
 def _check(law: DiscreteSystem, name: str, real: str, vectors: int) -> None:

@@ -18,6 +18,7 @@ from .identification.prediction_fit import prediction_fit
 from .identification.ring_down_fit import ring_down_fit
 from .identification.stiffness_fit import stiffness_fit
 from .limit_cycle_map import limit_cycle_map
+from .loop_timing import loop_timing
 from .observers.estimate_errors import estimate_errors
 from .observers.leaderboard import leaderboard
 from .observers.observer_step import observer_step
@@ -40,6 +41,7 @@ __all__ = [
     "identified_parameters",
     "leaderboard",
     "limit_cycle_map",
+    "loop_timing",
     "mode_shapes",
     "observer_step",
     "prediction_fit",

@@ -48,7 +48,7 @@ class ReportFigure:
         """The figure, drawn once, as a ``data:`` address: it cannot load or run anything."""
         if isinstance(self.image, str):
             return _uri("svg+xml", self.image.encode())
-        svg = _svg(self.image)
+        svg = svg_of(self.image)
         if len(svg) <= MAX_SVG_BYTES:
             return _uri("svg+xml", svg)
         stream = io.BytesIO()
@@ -56,7 +56,8 @@ class ReportFigure:
         return _uri("png", stream.getvalue())
 
 
-def _svg(figure: Figure) -> bytes:
+def svg_of(figure: Figure) -> bytes:
+    """The figure as SVG, the same bytes in every run."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 

@@ -45,6 +45,7 @@ _TAKEN = {
     "pi_kp": "PI: kp",
     "pi_ki": "PI: ki",
     "pi_filter_time": "PI: time constant of the set-point filter",
+    "pi_speed_filter_time": "PI: time constant of the measured speed's filter",
     "step": "Test step of the set-point, from and to",
 }
 _SIGNALS = ("speed_load", "torque_shaft", "twist")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..controllers import pi, symmetrical_optimum
 from ..drivetrain import Drivetrain
@@ -144,8 +145,16 @@ def _torque_limit(material: Material) -> tuple[float, str]:
 
 def _largest_noise_gain(found: Found, torque_limit: float) -> float:
     """Torque noise over speed noise, Nm s/rad, that the limit allows a law."""
-    noise = 0.0 if found.identification is None else found.identification.prediction.rms
+    noise = 0.0 if found.identification is None else _sensor_noise(found.identification.prediction.residual)
     return RIPPLE * torque_limit / noise if noise > 0.0 else math.inf
+
+
+def _sensor_noise(innovations: NDArray[np.float64]) -> float:
+    """Standard deviation of what changes from sample to sample, by the second differences, in the innovations' unit.
+
+    Slow innovations are the model's error, which no law passes on as noise: their rms may be twenty times the sensor's.
+    """
+    return float(np.std(np.diff(innovations, 2))) / math.sqrt(6.0)  # of white noise: 1 + 4 + 1 variances
 
 
 def _poles(settings: Settings, drivetrain: Drivetrain, dt: float, averaged: bool, noise_gain: float) -> Poles:
@@ -178,7 +187,7 @@ def _taken(
     step: SpeedStep,
 ) -> dict[str, dict[str, Any]]:
     """What the laws were designed with, each with its unit and its source."""
-    units = {"kp": "Nm s/rad", "ki": "Nm/rad", "filter_time": "s"}
+    units = {"kp": "Nm s/rad", "ki": "Nm/rad", "filter_time": "s", "speed_filter_time": "s"}
     source = poles.source if poles.source == GIVEN else f"from the drive, limited by {poles.source}"
     given_time = GIVEN if settings.sample_time is not None else "the recording's"
     return {

@@ -28,6 +28,8 @@ LEAST_TORQUE = 0.1
 #: Time before and after the step, in time constants of the slowest pole, in times of acceleration with the limit, and
 #: in samples (numerics: a law that is as fast as designed settles within half of it).
 SETTLES, ACCELERATES, SAMPLES = 12.0, 3.0, 50
+#: Rows of the response at most (option: some seconds of work, 0.2 GB): a law that needs longer is not seen to settle.
+MOST_ROWS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -48,9 +50,12 @@ class SpeedStep:
         """The step alone: it does not go back."""
         return replace(self, stop=self.end)
 
-    def longer(self) -> SpeedStep:
-        """The same step with twice the time."""
-        return replace(self, start=2.0 * self.start, stop=2.0 * self.stop, end=2.0 * self.end)
+    def longer(self, dt: float) -> SpeedStep:
+        """The same step with twice the time, or as much as there is room for; dt in s."""
+        factor = min(2.0, MOST_ROWS * dt / self.end)
+        if factor < 1.01:  # numerics: the rounding of what is full already
+            return self
+        return replace(self, start=factor * self.start, stop=factor * self.stop, end=factor * self.end)
 
 
 PAPER_STEP = SpeedStep(-PAPER_SPEED, PAPER_SPEED, *PAPER_TIMES)
@@ -87,6 +92,7 @@ def speed_step(
         half = min(half, TORQUE_SHARE * torque / (drivetrain.inertia_total * slowest))
     accelerates = 2.0 * half * drivetrain.inertia_total / torque
     time = SETTLES * max(1.0 / slowest, filter_time) + ACCELERATES * accelerates + SAMPLES * dt
+    time = min(time, MOST_ROWS * dt / 3.0)
     return SpeedStep(middle - half, middle + half, time, 2.0 * time, 3.0 * time)
 
 

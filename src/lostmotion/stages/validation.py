@@ -172,9 +172,11 @@ def _settled_responses(
                 unstable[name] = trouble
             else:
                 responses[name] = response
-        if doubling == DOUBLINGS or all(_settles(response, step) for response in responses.values()):
+        longer = step.longer(laws.dt)
+        settled = all(_settles(response, step) for response in responses.values())
+        if settled or doubling == DOUBLINGS or longer == step:
             break
-        step = step.longer()
+        step = longer
     return step, responses, unstable
 
 

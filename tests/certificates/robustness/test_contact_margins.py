@@ -10,8 +10,9 @@ from scipy.linalg import expm
 from table_i import TABLE_I
 
 import lostmotion as lm
-from lostmotion.certificates import margin_data, margin_table, margins
+from lostmotion.certificates import margins
 from lostmotion.certificates.robustness.contact_loops import contact_loops
+from lostmotion.certificates.robustness.contact_margins import margin_data, margin_table
 from lostmotion.certificates.robustness.loop_margins import loop_margins
 from lostmotion.certificates.robustness.open_loop import OpenLoop
 from lostmotion.errors import InvalidInput

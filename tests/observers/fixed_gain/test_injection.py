@@ -79,7 +79,7 @@ def test_without_a_factor_it_is_the_observer_without():
     [
         ({"twist": 1.0}, "Check the names"),
         ({"torque_shaft": 1.0 / PAPER.stiffness}, "less than 1/stiffness"),
-        ({"speed_motor": np.nan}, "finite numbers"),
+        ({"speed_motor": np.nan}, "zero or more"),
         ({"speed_motor": "much"}, "a number"),
         ([1e-4], "a mapping"),
     ],

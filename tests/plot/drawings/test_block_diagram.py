@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from all_steppers import STEPPERS
@@ -28,7 +31,7 @@ from lostmotion.curves import PiecewiseLinear, dead_zone, saturation
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import disturbance_observer, kalman, shaft_torque
 from lostmotion.observers import h_infinity as h_infinity_observer
-from lostmotion.plot.drawings.curve_icons import kind
+from lostmotion.plot.drawings.curve_icons import grouped, kind
 from lostmotion.systems import DiscreteSystem, Stepper, minimum, one_sample_delay, rate_limit
 
 LAGGED = PAPER.with_parameters(lag=3e-4)
@@ -87,6 +90,23 @@ def named(figure: Figure, signal: str) -> int:
     return sum(text == signal or text.startswith(f"{signal} (") for text in texts(figure))
 
 
+def captioned(figure: Figure) -> list[str]:
+    """What each curve is called, in their order; equal neighbours share a caption."""
+    found: dict[int, str] = {}
+    for text in texts(figure):
+        if match := re.fullmatch(r"w(\d+)(?:(?: …|,) w(\d+))? (.+)", text):
+            first, last = int(match[1]), int(match[2] or match[1])
+            assert not found.keys() & set(range(first, last + 1))
+            found |= dict.fromkeys(range(first, last + 1), match[3])
+    assert sorted(found) == list(range(1, len(found) + 1))
+    return [found[number] for number in sorted(found)]
+
+
+def set_apart(curves: Sequence[PiecewiseLinear]) -> list[PiecewiseLinear]:
+    """The curves without those that equal the one before."""
+    return [curve for i, curve in enumerate(curves) if i == 0 or curve != curves[i - 1]]
+
+
 @every_law
 def test_a_law_is_readable_and_shows_all_that_it_has_once(law: DiscreteSystem) -> None:
     figure = plot.block_diagram(law)
@@ -94,9 +114,8 @@ def test_a_law_is_readable_and_shows_all_that_it_has_once(law: DiscreteSystem) -
     signals = [*law.inputs, *law.outputs, *law.states]
     for signal in set(signals):
         assert named(figure, signal) == signals.count(signal), signal
-    assert len(curve_lines(figure)) == len(law.curves)
-    for i, curve in enumerate(law.curves):
-        assert texts(figure).count(f"w{i + 1} {kind(curve)[0]}") == 1
+    assert captioned(figure) == [kind(curve)[0] for curve in law.curves]
+    assert len(curve_lines(figure)) == len(grouped(law.curves)) == len(set_apart(law.curves))
     assert texts(figure).count("check") == len(law.checks)
 
 
@@ -156,7 +175,7 @@ def test_joined_laws_are_readable_and_show_each_link_and_curve_once(laws, plant)
             readers = sum(signal in other.inputs for other in laws)
             to_plant = plant is not None and signal == "torque_motor" and signal in made
             assert named(figure, signal) == max(1, readers + to_plant), signal
-    assert len(curve_lines(figure)) == sum(len(law.curves) for law in laws)
+    assert len(curve_lines(figure)) == sum(len(set_apart(law.curves)) for law in laws)
     assert ("plant" in texts(figure)) == (plant is not None)
 
 
@@ -195,3 +214,11 @@ def test_outputs_that_leave_are_those_that_were_asked_for() -> None:
 )  # fmt: skip
 def test_curves_have_their_names(curve: PiecewiseLinear, expected: tuple[str, str]) -> None:
     assert kind(curve) == expected
+
+
+def test_many_equal_curves_are_one_picture() -> None:
+    law = LAWS["predictive"]
+    assert len(law.curves) > 50
+    figure = plot.block_diagram(law)
+    assert len(curve_lines(figure)) <= 2
+    assert max(figure.get_size_inches()) < 16.0

@@ -76,10 +76,11 @@ class SampledLoop:
             law = replace(law, initial_state=start.values[len(self.turning) :])
         if dt is not None:
             law = replace(law, dt=dt)
-        given: Any = {"torque_load": np.full(samples, self.torque_load)} if self.torque_load else {}
+        load = np.full(samples, self.torque_load) if self.torque_load else None
+        reference = np.full(samples, self.reference)
         return simulate(
-            self.drivetrain, law=law, dt=law.dt, state=state, speed_reference=np.full(samples, self.reference), **given
-        )  # fmt: skip
+            self.drivetrain, law=law, dt=law.dt, state=state, torque_load=load, speed_reference=reference
+        )
 
     def point(self, run: Recording) -> LoopPoint:
         """Where a run ended."""

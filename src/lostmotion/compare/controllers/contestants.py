@@ -185,7 +185,7 @@ CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("sliding mode", "speed", _sliding_mode, load_observer),
     Contestant("super-twisting", "speed", _super_twisting, load_observer),
     Contestant("soft landing", "speed", lambda s: _soft(s, 2.3, 8.0, contact_speed=0.5), load_observer),
-    Contestant("soft landing, tolerant", "speed", lambda s: _soft(s, 2.3, 8.0, **TOLERANT), load_observer),
+    Contestant("soft landing, tolerant", "speed", lambda s: _soft(s, 2.3, 7.5, **TOLERANT), load_observer),
     Contestant("soft landing, fast", "speed", lambda s: _soft(s, 1.0, 6.0, **FAST), load_observer),
     Contestant("adaptive LQI", "speed", lambda s: [_lqi(s)], adaptive_observer),
     Contestant("adaptive flat, 200 rad/s²", "speed", lambda s: _flat(s, 200.0, 4e4), adaptive_observer),

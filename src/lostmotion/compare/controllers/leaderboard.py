@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ... import __version__
+from ...version import VERSION
 from ..score_table import ScoreTable, plain
 from .cases import Case
 from .scores import METRICS
@@ -58,7 +58,7 @@ class ControlTable(ScoreTable[Case]):
         """Everything, for JSON."""
         return {
             "schema": 1,
-            "version": __version__,
+            "version": VERSION,
             "settings": dict(self.settings),
             "seeds": list(self.seeds),
             "controllers": [{"name": name, "kind": kind} for name, kind in self.entries.items()],

@@ -69,8 +69,8 @@ def identify(
     range counts (friction may be no straight line), both as far as that is more than chance; n is how far it moves if
     the nameplate values that had to be taken for what is not excited are off by a factor of two, u how far it moved
     when one was left out whose nameplate is zero; a allows for a mode above the torsional one that stands out in the
-    innovations, or that noise may hide (``uncertainty.model_allowance``). What sampling and counts shift is told by
-    exact simulations of what was found and taken off (``replica``); where there are none, a bound is in a.
+    innovations, or that noise may hide (``model_error.model_allowance``). What sampling and counts shift is told by
+    exact simulations of what was found and taken off (``bootstrap``); where there are none, a bound is in a.
 
     Where counts are coarse, rows are joined; where the innovations still leave too little of the speed, nothing is
     identified (``findings``).
@@ -89,7 +89,7 @@ def identify(
         Two masses, nameplate values, right within a factor of two. A zero for backlash, damping, coulomb,
         viscous or lag means "not known".
     fixed : collection of str
-        Names out of ``predictor.NAMES`` that keep their nameplate value.
+        Names out of ``innovations.NAMES`` that keep their nameplate value.
     measured : sequence of str
         ``speed_motor`` (rad/s), and any of ``FURTHER``: speed_load (rad/s), twist, angle_motor (rad), torque_shaft
         (Nm), free of bias. Each counts by its own noise, which is estimated.

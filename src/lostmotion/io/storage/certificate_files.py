@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
-from ...certificates import ObserverError, RunningProof, stability, verify_certificate, verify_observer
-from .json_files import save_json
+from ...certificates import (
+    BoxProof,
+    ObserverError,
+    RunningProof,
+    box_stability,
+    stability,
+    verify_certificate,
+)
+from ...certificates.observer import verify_observer
+from ...errors import InvalidInput
+from .json_files import load_json, save_json
 from .whole_files import write_bytes
 
 
@@ -15,6 +25,23 @@ def save_certificate(proof: RunningProof, path: str | Path, verifier: str | Path
     certificate = proof.certificate or {"claim": None}
     save_json(path, "certificate", {**certificate, "statement": stability(proof)})
     write_bytes(verifier, Path(verify_certificate.__file__).read_bytes())
+
+
+def save_box_certificate(proof: BoxProof, path: str | Path, verifier: str | Path) -> None:
+    """The same for a box; one that is not finished is written too, for a later search to go on from."""
+    save_json(path, "certificate", {**proof.certificate, "statement": box_stability(proof)})
+    write_bytes(verifier, Path(verify_certificate.__file__).read_bytes())
+
+
+def unfinished_box(path: str | Path) -> dict[str, Any] | None:
+    """The certificate of a box with open cells that an interrupted search has left there; None for anything else."""
+    if not Path(path).is_file():
+        return None
+    try:
+        data = load_json(path, "certificate")
+    except InvalidInput:
+        return None
+    return data if data.get("wanted") and data.get("cells") else None
 
 
 def save_observer_certificate(proof: ObserverError, path: str | Path, verifier: str | Path) -> None:

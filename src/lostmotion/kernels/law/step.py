@@ -1,4 +1,4 @@
-"""A discrete law, sample by sample: any number of kernels call the machine code that ``law_code`` makes of it.
+"""A discrete law, sample by sample: any number of kernels call the machine code of ``machine_code.step_code``.
 
 No fastmath, no contraction, no BLAS: this code, plain Python and the exported C do the very same operations in the same
 order, so their results agree bit for bit.
@@ -33,7 +33,7 @@ class LawTables(NamedTuple):
     n_states: int
     n_inputs: int
     n_outputs: int
-    code: int  # address of the step, see ``law_code``
+    code: int  # address of the step, see ``machine_code.step_code``
     numbers: NDArray[np.float64]
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
-from ..arguments import mapping, number
+from ..arguments import mapping, positive
 from ..model import ObserverModel
 
 Array = NDArray[np.float64]
@@ -44,12 +44,11 @@ def injection_of(
     measured, and for κ of the shaft torque of 1/stiffness or more: the gap would have no single value.
     """
     factors = {
-        name: number(f"injection[{name!r}]", value) for name, value in mapping("injection", given).items()
+        name: positive(f"injection[{name!r}]", value, zero=True)
+        for name, value in mapping("injection", given).items()
     }
     if not set(factors) <= set(measured):
         raise InvalidInput("injection", f"{given}", f"κ of signals out of {measured}", "Check the names.")
-    if not np.all(np.isfinite(list(factors.values()))):
-        raise InvalidInput("injection", f"{given}", "finite numbers", "Check the units.")
     shaft = model.drivetrain.shaft
     left = 1.0 - factors.get("torque_shaft", 0.0) * shaft.stiffness
     if not left > 0.0:

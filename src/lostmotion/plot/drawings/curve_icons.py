@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from ...curves import PiecewiseLinear
@@ -12,6 +16,8 @@ from .sheet import ACCENT, LINE, QUIET, SMALL, Sheet, text_width
 WIDTH, HEIGHT, BEYOND = 38.0, 30.0, 1.8
 #: Free room around a picture with its caption, and between them, points (option).
 AROUND, BETWEEN = 6.0, 4.0
+#: Most pictures side by side (option).
+ABREAST = 4
 
 
 def kind(curve: PiecewiseLinear) -> tuple[str, str]:
@@ -36,15 +42,40 @@ def _short(value: float) -> str:
     return given(value, "")
 
 
-def captions(number: int, curve: PiecewiseLinear) -> list[str]:
-    """Two lines below a picture: which curve, and its numbers."""
-    name, numbers = kind(curve)
-    return [f"w{number + 1} {name}", numbers]
+@dataclass(frozen=True)
+class Group:
+    """Neighbouring curves that are equal: one picture for all, numbered from ``first`` to ``last``, from 1 on."""
+
+    first: int
+    last: int
+    curve: PiecewiseLinear
+
+    @property
+    def captions(self) -> list[str]:
+        """Two lines below the picture: which curves, and their numbers."""
+        name, numbers = kind(self.curve)
+        between = {0: "", 1: f", w{self.last}"}.get(self.last - self.first, f" … w{self.last}")
+        return [f"w{self.first}{between} {name}", numbers]
 
 
-def cell_size(curves: tuple[PiecewiseLinear, ...]) -> tuple[float, float]:
+def grouped(curves: Sequence[PiecewiseLinear]) -> list[Group]:
+    found: list[Group] = []
+    for number, curve in enumerate(curves, start=1):
+        if found and found[-1].curve == curve:
+            found[-1] = replace(found[-1], last=number)
+        else:
+            found.append(Group(number, number, curve))
+    return found
+
+
+def abreast(pictures: int) -> int:
+    """How many stand side by side: rows of nearly equal length."""
+    return math.ceil(pictures / math.ceil(pictures / ABREAST))
+
+
+def cell_size(groups: Sequence[Group]) -> tuple[float, float]:
     """Width and height in points that each picture with its caption takes."""
-    texts = [line for i, curve in enumerate(curves) for line in captions(i, curve)]
+    texts = [line for group in groups for line in group.captions]
     wide = max([WIDTH, *(text_width(line, SMALL) for line in texts)])
     return wide + 2.0 * AROUND, HEIGHT + BETWEEN + 2.0 * LINE * SMALL + 2.0 * AROUND
 
@@ -64,7 +95,7 @@ def draw_icon(sheet: Sheet, curve: PiecewiseLinear, x: float, y: float) -> None:
     sheet.line(*drawn, width=1.8, color=ACCENT, zorder=3.6)
 
 
-def draw_cell(sheet: Sheet, number: int, curve: PiecewiseLinear, x: float, top: float) -> None:
+def draw_cell(sheet: Sheet, group: Group, x: float, top: float) -> None:
     """The picture with its caption, from ``top`` downwards."""
-    draw_icon(sheet, curve, x, top - AROUND - 0.5 * HEIGHT)
-    sheet.column(x, top - AROUND - HEIGHT - BETWEEN, captions(number, curve), size=SMALL)
+    draw_icon(sheet, group.curve, x, top - AROUND - 0.5 * HEIGHT)
+    sheet.column(x, top - AROUND - HEIGHT - BETWEEN, group.captions, size=SMALL)

@@ -64,12 +64,8 @@ def draw_dynamic(sheet: Sheet, law: DiscreteSystem) -> None:
     Only what is there is drawn. J and G must cross: the graph has no drawing in the plane.
     """
     at = _places(law)
-    bus(
-        sheet,
-        0.0,
-        *_input_rows(law, at),
-        *draw_inputs(sheet, law.inputs, 0.0, checked=[c.input for c in law.checks]),
-    )
+    ports = draw_inputs(sheet, law.inputs, 0.0, checked=[c.input for c in law.checks])
+    bus(sheet, 0.0, ports, *_input_rows(law, at))
     _loop(sheet, law, at)
     _forks(sheet, law, at)
     _outputs(sheet, law, at)
@@ -167,7 +163,7 @@ def _outputs(sheet: Sheet, law: DiscreteSystem, at: _Places) -> None:
     x = at.out + (SUM if several else 0.0)
     sheet.line((x, 0.0), (x + ROOM, 0.0))
     small(sheet, x + 0.5 * ROOM, 0.0, "y")
-    bus(sheet, x + ROOM, 0.0, *draw_outputs(sheet, law.outputs, x + ROOM))
+    bus(sheet, x + ROOM, draw_outputs(sheet, law.outputs, x + ROOM), 0.0)
 
 
 def _curves(sheet: Sheet, law: DiscreteSystem, at: _Places) -> None:

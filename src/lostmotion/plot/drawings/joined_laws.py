@@ -12,8 +12,8 @@ from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...recording import unit_of
 from ...systems import DiscreteSystem, Stepper
-from .curve_icons import HEIGHT, WIDTH, draw_icon
-from .law_parts import ABREAST, ROOM, with_unit
+from .curve_icons import HEIGHT, WIDTH, abreast, draw_icon, grouped
+from .law_parts import ROOM, with_unit
 from .sheet import LARGE, LINE, QUIET, SMALL, Sheet, text_width
 from .symbols import rotor, rotor_height, shaft
 
@@ -42,9 +42,10 @@ class _Block:
         wide = max(text_width(self.name, LARGE, "bold"), text_width(self.about, SMALL))
         high = LINE * (LARGE + SMALL) + 2.0 * PAD
         if self.curves:
-            abreast = min(len(self.curves), ABREAST)
-            wide = max(wide, abreast * (WIDTH + PAD) - PAD)
-            high += math.ceil(len(self.curves) / ABREAST) * (HEIGHT + PAD)
+            pictures = len(grouped(self.curves))
+            columns = abreast(pictures)
+            wide = max(wide, columns * (WIDTH + PAD) - PAD)
+            high += math.ceil(pictures / columns) * (HEIGHT + PAD)
         if self.plant is not None:
             wide = max(wide, STEP * (len(self.plant.inertias) - 1) + 20.0)
             high += 60.0
@@ -189,11 +190,12 @@ def _draw_block(sheet: Sheet, block: _Block, x: float, y: float) -> None:
     top = y + 0.5 * high - PAD
     top -= sheet.column(x, top, [block.name], size=LARGE, weight="bold")
     top -= sheet.column(x, top, [block.about], size=SMALL, color=QUIET)
-    abreast = min(len(block.curves), ABREAST)
-    for i, curve in enumerate(block.curves):
-        row, column = divmod(i, ABREAST)
-        at = x + (column - 0.5 * (abreast - 1)) * (WIDTH + PAD)
-        draw_icon(sheet, curve, at, top - PAD - 0.5 * HEIGHT - row * (HEIGHT + PAD))
+    groups = grouped(block.curves)
+    for i, group in enumerate(groups):
+        columns = abreast(len(groups))
+        row, column = divmod(i, columns)
+        at = x + (column - 0.5 * (columns - 1)) * (WIDTH + PAD)
+        draw_icon(sheet, group.curve, at, top - PAD - 0.5 * HEIGHT - row * (HEIGHT + PAD))
     if block.plant is not None:
         _draw_plant(sheet, block.plant, x, top - 32.0)
 

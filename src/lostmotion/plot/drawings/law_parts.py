@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...curves import PiecewiseLinear
 from ...display.numbers import digits, given
 from ...recording import unit_of
-from .curve_icons import cell_size, draw_cell
+from .curve_icons import abreast, cell_size, draw_cell, grouped
 from .sheet import INK, LARGE, LINE, NORMAL, QUIET, SMALL, Sheet, text_width
 
 #: Width and height of a block with a matrix, radius of a sum, distance of ports, length of their arrows, in points
@@ -19,8 +19,6 @@ from .sheet import INK, LARGE, LINE, NORMAL, QUIET, SMALL, Sheet, text_width
 BLOCK, HIGH, SUM, PITCH, ARROW = 44.0, 32.0, 7.0, 18.0, 34.0
 #: Free room between blocks in points (option).
 ROOM = 24.0
-#: Most curves side by side (option).
-ABREAST = 4
 
 
 #: Unit of a name that the table of signals does not have, by its first word.
@@ -84,11 +82,16 @@ def node(sheet: Sheet, x: float, y: float) -> None:
     sheet.circle(x, y, 2.0, facecolor=INK)
 
 
-def bus(sheet: Sheet, x: float, *heights: float) -> None:
-    """Several signals as one vector; nothing where all run at one height."""
-    if max(heights) == min(heights):
-        return
-    sheet.line((x, max(heights) + 4.0), (x, min(heights) - 4.0), width=3.0, solid_capstyle="butt")
+def bus(sheet: Sheet, x: float, ports: Sequence[float], *branches: float) -> None:
+    """Several signals as one vector, a bar over the heights of ports and branches; one signal is a line."""
+    places = [*ports, *branches]
+    high, low = max(places), min(places)
+    if len(ports) > 1:
+        sheet.line((x, high + 4.0), (x, low - 4.0), width=3.0, solid_capstyle="butt")
+    elif high > low:
+        sheet.line((x, high), (x, low))
+        if len(set(branches)) > 1:
+            node(sheet, x, ports[0])
 
 
 def heights(count: int, y: float = 0.0) -> list[float]:
@@ -129,21 +132,24 @@ def draw_outputs(sheet: Sheet, names: Sequence[str], x: float) -> list[float]:
     return places
 
 
-def curves_size(curves: tuple[PiecewiseLinear, ...]) -> tuple[float, float]:
+def curves_size(curves: Sequence[PiecewiseLinear]) -> tuple[float, float]:
     """Width and height in points of the block with all curves."""
-    wide, high = cell_size(curves)
-    return wide * min(len(curves), ABREAST), high * math.ceil(len(curves) / ABREAST)
+    groups = grouped(curves)
+    wide, high = cell_size(groups)
+    columns = abreast(len(groups))
+    return wide * columns, high * math.ceil(len(groups) / columns)
 
 
-def draw_curves(sheet: Sheet, curves: tuple[PiecewiseLinear, ...], x: float, y: float) -> None:
-    """One block around (x, y) with a picture of every curve, row by row."""
+def draw_curves(sheet: Sheet, curves: Sequence[PiecewiseLinear], x: float, y: float) -> None:
+    """One block around (x, y) with a picture of every curve, row by row; equal neighbours share one."""
     wide, high = curves_size(curves)
     sheet.box(x, y, wide, high, facecolor="white")
-    cell_wide, cell_high = cell_size(curves)
-    for i, curve in enumerate(curves):
-        row, column = divmod(i, ABREAST)
+    groups = grouped(curves)
+    cell_wide, cell_high = cell_size(groups)
+    for i, group in enumerate(groups):
+        row, column = divmod(i, abreast(len(groups)))
         left, top = x - 0.5 * wide, y + 0.5 * high
-        draw_cell(sheet, i, curve, left + (column + 0.5) * cell_wide, top - row * cell_high)
+        draw_cell(sheet, group, left + (column + 0.5) * cell_wide, top - row * cell_high)
 
 
 def states_size(names: Sequence[str]) -> tuple[float, float]:

@@ -33,7 +33,7 @@ def draw_static(sheet: Sheet, law: DiscreteSystem) -> None:
     ports = draw_inputs(sheet, law.inputs, 0.0, checked=[c.input for c in law.checks], gains=gains)
     beside = bool(law.curves) and present(law.D) and not gains
     above = 0.5 * (max(curves_size(law.curves)[1], HIGH) + HIGH) + 10.0 if beside else 0.0
-    bus(sheet, 0.0, *ports, above, 0.0)
+    bus(sheet, 0.0, ports, above, 0.0)
     x = 0.0
     if gains:
         sheet.line((x, 0.0), (x + ROOM - SUM, 0.0), arrow=True)
@@ -47,7 +47,7 @@ def draw_static(sheet: Sheet, law: DiscreteSystem) -> None:
         x = through(sheet, x, 0.0, "D", law.D)
     sheet.line((x, 0.0), (x + ROOM, 0.0))
     small(sheet, x + 0.5 * ROOM, 0.0, "y")
-    bus(sheet, x + ROOM, 0.0, *draw_outputs(sheet, law.outputs, x + ROOM))
+    bus(sheet, x + ROOM, draw_outputs(sheet, law.outputs, x + ROOM), 0.0)
 
 
 def _curves(sheet: Sheet, law: DiscreteSystem, x: float, *, driven: bool) -> float:

@@ -16,6 +16,10 @@ from fractions import Fraction
 STATES = ("twist", "speed_motor", "speed_load")
 
 
+#: What reading something else raises.
+NO_CERTIFICATE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+
+
 class NotProved(Exception):
     """Why a certificate proves nothing."""
 
@@ -162,15 +166,7 @@ def main(paths):
     except NotProved as reason:
         print(f"NOT PROVED: {reason}")
         return 1
-    except (
-        OSError,
-        LookupError,
-        TypeError,
-        ValueError,
-        AttributeError,
-        ArithmeticError,
-        RecursionError,
-    ) as error:
+    except (OSError, *NO_CERTIFICATE) as error:
         print(f"NOT PROVED: the file is no certificate ({type(error).__name__}: {error})")
         return 1
     print("PROVED: during every motion the observer's error enters and stays within")

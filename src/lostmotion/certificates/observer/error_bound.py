@@ -19,15 +19,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..observers import kalman_gain
-from ..observers.fixed_gain.injection import injection_of
-from ..observers.model import observer_model
+from ...argument_checks import checks_arguments
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...observers import kalman_gain
+from ...observers.fixed_gain.injection import injection_of
+from ...observers.model import observer_model
+from ..certificate import drivetrain_data, short
+from ..plant import plant_of
 from . import verify_observer
-from .certificate import drivetrain_data, short
 from .invariant_polytope import Difference, invariant_polytope
-from .plant import plant_of
 
 Array = NDArray[np.float64]
 
@@ -134,6 +135,7 @@ def error_model(
     )
 
 
+@checks_arguments
 def observer_error(
     drivetrain: Drivetrain,
     measured: Sequence[str] = ("speed_motor",),
@@ -184,12 +186,15 @@ def observer_error(
     return ObserverError(bounds, decay, data)
 
 
+@checks_arguments
 def observer_verdict(data: Mapping[str, Any]) -> str | None:
     """None if the certificate is proved in exact fractions, else why not; the verifier's own word."""
     try:
         verify_observer.verify(verify_observer.parsed(json.dumps(data)))
     except verify_observer.NotProved as reason:
         return str(reason)
+    except verify_observer.NO_CERTIFICATE as error:
+        return f"no certificate ({type(error).__name__}: {error})"
     return None
 
 

@@ -18,7 +18,7 @@ from table_i import PAPER
 
 import lostmotion as lm
 from lostmotion.certificates import ObserverError, observer_error, observer_verdict
-from lostmotion.certificates.observer_error import STATES, error_model
+from lostmotion.certificates.observer.error_bound import STATES, error_model
 from lostmotion.certificates.plant import Plant, plant_of
 from lostmotion.certificates.rational import Matrix, rational
 from lostmotion.errors import InvalidInput

@@ -1,0 +1,1 @@
+"""Proofs for every drivetrain of a box: cells, their search, and what they say."""

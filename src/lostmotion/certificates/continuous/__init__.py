@@ -1,0 +1,1 @@
+"""Laws in continuous time, and the loops that they make."""
