@@ -316,6 +316,14 @@ def _certificates() -> list[Call]:
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
         Call(certificates.margins, loop | {"law": controllers.pi(dt=DT), "speed": 1.0, "torque_load": 0.0}),
+        Call(
+            certificates.count_variants,
+            loop | swings | {"count": 2, "spread": 0.1, "duration": 0.05, "seed": 1},
+        ),
+        Call(
+            certificates.worst_case,
+            {"drivetrain": plant(), "law": law, "proof": proof(), "rounds": 1, "seed": 1},
+        ),
         Call(certificates.limit_cycle, loop | swings | {"state": (0.0, 1.0, 0.0), "settle": 0.05}),
         Call(certificates.harmonic_balance, loop | swings | {"amplitudes": [0.1, 1.0]}),
         Call(

@@ -12,6 +12,8 @@ from .load_torque import prove_with_load
 from .observer.error_bound import ObserverError, observer_error, observer_verdict
 from .robustness.contact_margins import margins
 from .robustness.loop_margins import Margins
+from .robustness.simulated_variants import VariantCount, count_variants
+from .robustness.worst_case import WorstCase, worst_case
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
@@ -25,12 +27,15 @@ __all__ = [
     "Margins",
     "ObserverError",
     "RunningProof",
+    "VariantCount",
+    "WorstCase",
     "around",
     "box_headline",
     "box_stability",
     "conditions",
     "continuous_observer_feedback",
     "continuous_pi",
+    "count_variants",
     "harmonic_balance",
     "headline",
     "limit_cycle",
@@ -44,4 +49,5 @@ __all__ = [
     "simulated",
     "stability",
     "verdict",
+    "worst_case",
 ]
