@@ -4,7 +4,13 @@ from .box.box_proof import BoxProof, around, prove_box
 from .box.box_simulation import simulated
 from .box.box_statement import box_headline, box_stability
 from .certificate import verdict
-from .continuous.continuous_law import ContinuousLaw, continuous_observer_feedback, continuous_pi
+from .continuous.continuous_law import (
+    ContinuousLaw,
+    continuous_observer_feedback,
+    continuous_pi,
+    continuous_state_feedback,
+)
+from .gap_share import largest_share
 from .limit_cycles.harmonic_balance import Harmonic, HarmonicBalance, harmonic_balance
 from .limit_cycles.parameter_map import LimitCycleMap, limit_cycle_map
 from .limit_cycles.shooting import LimitCycle, limit_cycle
@@ -35,9 +41,11 @@ __all__ = [
     "conditions",
     "continuous_observer_feedback",
     "continuous_pi",
+    "continuous_state_feedback",
     "count_variants",
     "harmonic_balance",
     "headline",
+    "largest_share",
     "limit_cycle",
     "limit_cycle_map",
     "margins",

@@ -1,4 +1,4 @@
-"""Figures: they take data and optional Axes, change no global setting, and return the Figure."""
+"""Figures of results and drawings of drives and laws: they change no global setting and return the Figure."""
 
 from __future__ import annotations
 
