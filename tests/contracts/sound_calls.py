@@ -298,6 +298,7 @@ def _certificates() -> list[Call]:
         "measured": ("speed_motor",),
         "gain": np.array([[0.0], [-50.0], [0.0]]),
     }
+    swings = {"reference": 1.0, "torque_load": 0.0}
     boxed = {"box": {"stiffness": (0.9, 1.1)}, "speed": 1.0, "fastest": 10.0, "substeps": 1, "workers": 1}
     return [
         Call(certificates.prove_running, loop | searched | {"torque_load": (0.0, 0.0)}),
@@ -328,7 +329,29 @@ def _certificates() -> list[Call]:
         Call(certificates.conditions, {"proof": proof()}),
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
-        Call(certificates.margins, loop | {"law": law(), "speed": 1.0, "torque_load": 0.0}),
+        Call(certificates.margins, loop | {"law": controllers.pi(dt=DT), "speed": 1.0, "torque_load": 0.0}),
+        Call(
+            certificates.count_variants,
+            loop | swings | {"count": 2, "spread": 0.1, "duration": 0.05, "seed": 1},
+        ),
+        Call(
+            certificates.worst_case,
+            {"drivetrain": plant(), "law": shaky, "proof": proof(), "rounds": 1, "seed": 1},
+        ),
+        Call(certificates.limit_cycle, loop | swings | {"state": (0.0, 1.0, 0.0), "settle": 0.05}),
+        Call(certificates.harmonic_balance, loop | swings | {"amplitudes": [0.1, 1.0]}),
+        Call(
+            certificates.limit_cycle_map,
+            {
+                "build": lambda kp, ki: (plant(), controllers.pi(dt=DT, kp=kp, ki=ki), 1.0),
+                "first": ("kp", "Nm s/rad"),
+                "first_values": [1.0],
+                "second": ("ki", "Nm/rad"),
+                "second_values": [2.0],
+                "delay": 0,
+                "settle": 0.05,
+            },
+        ),
         Call(
             certificates.observer_error,
             {"drivetrain": plant(), "measured": ("speed_motor",), "gain": np.ones((3, 1)), "faces": 3},

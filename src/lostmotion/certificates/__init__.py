@@ -19,6 +19,8 @@ from .observer.observer_share import BestInjection, best_injection, observer_sha
 from .robustness.contact_margins import margins
 from .robustness.gap_share import largest_share
 from .robustness.loop_margins import Margins
+from .robustness.simulated_variants import VariantCount, count_variants
+from .robustness.worst_case import WorstCase, worst_case
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
@@ -33,6 +35,8 @@ __all__ = [
     "Margins",
     "ObserverError",
     "RunningProof",
+    "VariantCount",
+    "WorstCase",
     "around",
     "best_injection",
     "box_headline",
@@ -41,6 +45,7 @@ __all__ = [
     "continuous_observer_feedback",
     "continuous_pi",
     "continuous_state_feedback",
+    "count_variants",
     "harmonic_balance",
     "headline",
     "largest_share",
@@ -57,4 +62,5 @@ __all__ = [
     "simulated",
     "stability",
     "verdict",
+    "worst_case",
 ]
