@@ -10,6 +10,9 @@ from .continuous.continuous_law import (
     continuous_pi,
     continuous_state_feedback,
 )
+from .limit_cycles.harmonic_balance import Harmonic, HarmonicBalance, harmonic_balance
+from .limit_cycles.parameter_map import LimitCycleMap, limit_cycle_map
+from .limit_cycles.shooting import LimitCycle, limit_cycle
 from .load_torque import prove_with_load
 from .observer.error_bound import ObserverError, observer_error, observer_verdict
 from .robustness.contact_margins import margins
@@ -21,6 +24,10 @@ from .statement import conditions, headline, stability
 __all__ = [
     "BoxProof",
     "ContinuousLaw",
+    "Harmonic",
+    "HarmonicBalance",
+    "LimitCycle",
+    "LimitCycleMap",
     "Margins",
     "ObserverError",
     "RunningProof",
@@ -31,8 +38,11 @@ __all__ = [
     "continuous_observer_feedback",
     "continuous_pi",
     "continuous_state_feedback",
+    "harmonic_balance",
     "headline",
     "largest_share",
+    "limit_cycle",
+    "limit_cycle_map",
     "margins",
     "observer_error",
     "observer_verdict",
