@@ -50,7 +50,7 @@ def stability_range(
         raise InvalidInput(
             "proofs", repr(list(proofs)), "label → section Stability", "Take certificates.stability."
         )
-    figure, (axis,) = panels(axes, 1, size=(7.0, 1.25 + 0.55 * len(proofs)))
+    figure, (axis,) = panels(axes, 1, size=(7.0, 1.1 + 0.75 * len(proofs)))
     ends = [float(section.get("speed_to") or FASTEST) for section in proofs.values()]
     for row, section in enumerate(proofs.values()):
         proved = bool(section["proved"])
@@ -68,8 +68,8 @@ def stability_range(
         if proved:
             axis.barh(row, float(section["speed_to"]) - start, HEIGHT, start, color=ESTIMATED["color"])
             axis.text(
-                1.15 * start, row, f"from {digits(start, 3)} rad/s{_after(section)}", va="center", color="white",
-                fontsize=9,
+                1.15 * start, row, "\n".join([f"from {start:g} rad/s", *_after(section)]), va="center", color="white",
+                fontsize=8,
             )  # fmt: skip
         else:
             box = {"facecolor": "white", "edgecolor": "none", "pad": 2.0}
@@ -84,10 +84,8 @@ def stability_range(
     return figure
 
 
-def _after(section: Mapping[str, Any]) -> str:
+def _after(section: Mapping[str, Any]) -> list[str]:
     """What the proof needs beside the speed."""
     step, low = section.get("step"), -float(section.get("torque_load", (0.0, 0.0))[1])
     parts = [] if step is None else [f"after steps to {step:g} rad/s"]
-    if low > 0.0:
-        parts.append(f"against {digits(low, 3)} Nm or more")
-    return "".join(f", {part}" for part in parts)
+    return parts + ([f"against {digits(low, 3)} Nm or more"] if low > 0.0 else [])
