@@ -18,6 +18,7 @@ from .observer.error_bound import ObserverError, observer_error, observer_verdic
 from .robustness.contact_margins import margins
 from .robustness.gap_share import largest_share
 from .robustness.loop_margins import Margins
+from .robustness.peak_bounds import PeakBounds, peak_bounds
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
@@ -30,6 +31,7 @@ __all__ = [
     "LimitCycleMap",
     "Margins",
     "ObserverError",
+    "PeakBounds",
     "RunningProof",
     "around",
     "box_headline",
@@ -46,6 +48,7 @@ __all__ = [
     "margins",
     "observer_error",
     "observer_verdict",
+    "peak_bounds",
     "prove_box",
     "prove_running",
     "prove_with_load",
