@@ -1,7 +1,7 @@
 """The largest share of the gap's slope that a criterion proves: the usual figure of merit of the literature.
 
 The gap's curve is taken to lie between 0 and share · stiffness: 1 is the whole gap. Without friction, around the middle
-of the gap, in continuous time. The proofs of this package do without it (docs/stability.md, equation 7): the loop
+of the gap, in continuous time. The proofs of this package do without it (docs/proofs.md, equation 7): the loop
 that turns rests in contact, and there the share is below 1.
 """
 

@@ -2,7 +2,7 @@
 
 Gap and friction are inputs that are bounded, whatever they do. A share of each that is proportional to its argument is
 left in the linear loop: what remains is smaller as long as the argument stays within the bound that comes out.
-docs/stability.md, equations 28 and 29.
+docs/proofs.md, equations 28 and 29.
 """
 
 from __future__ import annotations

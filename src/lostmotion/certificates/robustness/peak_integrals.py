@@ -1,7 +1,7 @@
 """Upper bounds of ∫₀^∞ |c·exp(A t)·v| dt that hold whatever floats round: how far bounded inputs can move an output.
 
 exp(A t) v is stepped in floats. In the norm |x|² = xᵀP x, in which the flow contracts at a rate α, all that floats, the
-trapezoidal rule and the end of the integral leave out is added (docs/stability.md, equations 28 and 29).
+trapezoidal rule and the end of the integral leave out is added (docs/proofs.md, equations 28 and 29).
 """
 
 from __future__ import annotations
