@@ -1,7 +1,7 @@
 """How far twist, speeds and torque can go: bounds for every set-point within a limit, standstill among them.
 
 Gap and friction are inputs that are bounded, whatever they do. A share of each that is proportional to its argument is
-left in the linear loop: what remains is smaller as long as the argument stays within the bound that comes out.
+left in the linear loop: what remains is smaller, because the argument stays within the bound that was found before.
 docs/proofs.md, equations 28 and 29.
 """
 
@@ -28,9 +28,6 @@ from ..static_curves import StaticCurve
 from .peak_integrals import peak_integrals
 
 Array = NDArray[np.float64]
-
-#: What is bounded, with units rad, rad/s, rad/s, Nm.
-OUTPUTS = ("twist", "speed_motor", "speed_load", "torque_motor")
 
 #: Shares of the best slope for the gap, and of the largest that costs nothing for friction, that are tried (option).
 GAP_SHARES, FRICTION_SHARES = (0.5, 1.0), (1.0,)
@@ -117,19 +114,13 @@ class _Search:
     reference: float
 
     def smallest(self) -> Array | None:
-        """Peaks (4 + q,) of outputs and of curve arguments; None if no choice gives any."""
+        """Peaks (4 + q,) of outputs and of curve arguments; None if the loop is not stable in contact."""
         best = self.peaks(np.zeros(len(self.loop.plant_curves)), None)
         for _ in range(ROUNDS if best is not None else 0):
             assert best is not None
-            found = [
-                peaks
-                for slopes in self._slopes(best[4:])
-                if (peaks := self.peaks(slopes, best[4:])) is not None
-            ]
-            if not found:
-                break
+            tried = [self.peaks(slopes, best[4:]) for slopes in self._slopes(best[4:])]
             # Each holds: so does the smallest of each peak.
-            new = np.minimum(best, np.min(found, axis=0))
+            new = np.min([best, *(peaks for peaks in tried if peaks is not None)], axis=0)
             done = bool(np.all(new > (1.0 - LEAST_GAIN) * best))
             best = new
             if done:
@@ -147,29 +138,26 @@ class _Search:
             yield short(np.array(made))
 
     def peaks(self, slopes: Array, widths: Array | None) -> Array | None:
-        """The bounds with these slopes left in the loop, if the arguments stay within ``widths``; None if they need
-        not, or nothing is bounded."""
+        """The bounds with these slopes left in the loop, whose arguments are known to stay within ``widths``; None if
+        that loop is not stable."""
         loop, own = self.loop, rational(slopes)
         curve_of_state = own[:, np.newaxis] * loop.Z
         state, curve, given = self.torque
-        rows = np.vstack([loop_rows(loop), state + curve @ curve_of_state, loop.Z])
+        rows = np.vstack([_first_states(loop), state + curve @ curve_of_state, loop.Z])
         columns = np.hstack([loop.E, loop.R])
         integrals = peak_integrals(loop.A + loop.E @ curve_of_state, columns, rows)
         if integrals is None:
             return None
-        left = np.array(
-            [_left(c, s, None if widths is None else w) for c, s, w in zip(
-                loop.plant_curves, slopes, np.zeros(slopes.size) if widths is None else widths, strict=True)]
-        )  # fmt: skip
+        known = [None] * slopes.size if widths is None else widths.tolist()
+        left = [_left(*each) for each in zip(loop.plant_curves, slopes.tolist(), known, strict=True)]
         sizes = np.append(left, self.reference)
         peaks = integrals @ sizes
         # The torque reads set-point and curves directly, too.
         peaks[3] += np.abs(np.append(curve, given).astype(float)) @ sizes
-        peaks *= 1.0 + 1e-9
-        return None if widths is not None and np.any(peaks[4:] > widths) else peaks
+        return np.asarray(peaks * (1.0 + 1e-9))
 
 
-def loop_rows(loop: LureLoop) -> Matrix:
+def _first_states(loop: LureLoop) -> Matrix:
     """Rows of twist and speeds, which are the first states."""
     rows = zeros(3, len(loop.states))
     for i in range(3):
