@@ -291,6 +291,7 @@ def box() -> certificates.BoxProof:
 
 def _certificates() -> list[Call]:
     shaky = controllers.pi(dt=DT, kp=400.0)
+    rigid = plant().with_parameters(backlash=0.0, coulomb=0.0)
     loop = {"drivetrain": plant(), "law": shaky, "delay": 0}
     searched = {"fastest": 10.0, "substeps": 1, "step": 1.0, "speeds": [1.0, 2.0]}
     unstable = {
@@ -311,6 +312,10 @@ def _certificates() -> list[Call]:
             {"drivetrain": plant(), "law": shaky, "proof": replace(box(), stops_at=None), "seed": 1},
         ),
         Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
+        Call(
+            certificates.peak_bounds,
+            {"drivetrain": rigid, "law": certificates.continuous_pi(), "reference": 1.0},
+        ),
         Call(certificates.continuous_state_feedback, {"drivetrain": plant(), "poles": [-400.0] * 3}),
         Call(
             certificates.largest_share,

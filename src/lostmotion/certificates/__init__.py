@@ -19,6 +19,7 @@ from .observer.observer_share import BestInjection, best_injection, observer_sha
 from .robustness.contact_margins import margins
 from .robustness.gap_share import largest_share
 from .robustness.loop_margins import Margins
+from .robustness.peak_bounds import PeakBounds, peak_bounds
 from .robustness.simulated_variants import VariantCount, count_variants
 from .robustness.worst_case import WorstCase, worst_case
 from .running import RunningProof, prove_running
@@ -34,6 +35,7 @@ __all__ = [
     "LimitCycleMap",
     "Margins",
     "ObserverError",
+    "PeakBounds",
     "RunningProof",
     "VariantCount",
     "WorstCase",
@@ -56,6 +58,7 @@ __all__ = [
     "observer_headline",
     "observer_share",
     "observer_verdict",
+    "peak_bounds",
     "prove_box",
     "prove_running",
     "prove_with_load",
