@@ -13,6 +13,7 @@ import json
 import time
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,11 @@ import lostmotion as lm
 from lostmotion.errors import LostMotionError
 
 
-def identified(seed: int) -> dict[str, Any]:
-    """What ``identify`` finds of one drive, beside its truth."""
+def identified(seed: int, longest: int, second: bool) -> dict[str, Any] | None:
+    """What ``identify`` finds of one drive, beside its truth; None if the recording has more than ``longest`` rows."""
     drive = lm.rig.drive(seed)
+    if len(drive.recording) > longest:
+        return None
     judged = {name: value for name, value in drive.truth.parameters.items() if value is not None}
     entry: dict[str, Any] = {
         "seed": seed,
@@ -39,7 +42,7 @@ def identified(seed: int) -> dict[str, Any]:
     }
     before = time.perf_counter()
     try:
-        found = lm.identify(drive.recording, start=drive.nameplate, second_estimator=True)
+        found = lm.identify(drive.recording, start=drive.nameplate, second_estimator=second)
     except LostMotionError as refusal:
         entry["refusal"] = str(refusal)[:300]
     else:
@@ -54,14 +57,17 @@ def identified(seed: int) -> dict[str, Any]:
     return entry
 
 
-def run(seeds: Iterable[int], results: Path, processes: int) -> None:
+def run(seeds: Iterable[int], results: Path, processes: int, longest: int, second: bool) -> None:
     """Identifies the drives that the results file does not have yet, and appends a line for each."""
+    one = partial(identified, longest=longest, second=second)
     done = {entry["seed"] for entry in read(results)}
     todo = [seed for seed in seeds if seed not in done]
     if not todo:
         return
     with results.open("a") as file, ProcessPoolExecutor(processes) as pool:
-        for number, entry in enumerate(pool.map(identified, todo), 1):
+        for number, entry in enumerate(pool.map(one, todo), 1):
+            if entry is None:
+                continue
             file.write(json.dumps(entry) + "\n")
             file.flush()
             print(f"{number} of {len(todo)}: seed {entry['seed']}, {entry['time']:.1f} s", flush=True)
@@ -79,11 +85,19 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="first of them")
     parser.add_argument("--results", type=Path, required=True, help="a line of JSON for each drive")
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--longest", type=int, default=250_000, help="longer recordings are left out, rows")
+    parser.add_argument("--fit-alone", action="store_true", help="without the second estimator")
     parser.add_argument("--picture", type=Path)
     parser.add_argument("--summary", type=Path, help="the pooled numbers as JSON")
     arguments = parser.parse_args()
     seeds = lm.rig.SETS[arguments.set]
-    run(seeds[arguments.first : arguments.first + arguments.drives], arguments.results, arguments.processes)
+    run(
+        seeds[arguments.first : arguments.first + arguments.drives],
+        arguments.results,
+        arguments.processes,
+        arguments.longest,
+        not arguments.fit_alone,
+    )
     scores = Scores([entry for entry in read(arguments.results) if entry["seed"] in seeds])
     print(tables(scores))
     if arguments.summary:

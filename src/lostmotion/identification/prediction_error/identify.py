@@ -51,7 +51,7 @@ def identify(
     load_torque: bool = False,
     contact: str = "viscoelastic",
     joint_piece: bool = True,
-    second_estimator: bool = False,
+    second_estimator: bool = True,
     speed_from_counts: bool | None = None,
     progress: Progress | None = None,
 ) -> Identification:
@@ -76,9 +76,9 @@ def identify(
     identified (``findings``).
 
     Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
-    sticking, with friction at both ends, a delay and an unknown load torque (``candidates``). Where it explains the
-    recording down to the sensor's noise and finds something else, its values and intervals are told. Where nothing
-    explains the recording, only that is told on which both agree (``agreement``).
+    sticking, with friction at both ends, a delay and an unknown load torque (``candidates``). The fit stands if nothing
+    predicts clearly better. Else what does is told, if it explains the recording down to the sensor's noise; if not,
+    the intervals contain both, or nothing is identified (``agreement``).
 
     Parameters
     ----------
@@ -101,8 +101,7 @@ def identify(
         Whether a joint piece is tried; not with further channels, a load torque or the dead-zone law.
     second_estimator : bool
         Whether the contact-switching filter judges the fit; not with further channels, a load torque or the dead-zone
-        law. On drives unlike the virtual rig it finds most values that are wrong and yet called identified; on clean
-        recordings it withdraws some that are right, and it takes seconds.
+        law. On drives unlike the virtual rig it finds most values that are wrong and yet called identified.
     speed_from_counts : bool, optional
         Whether the speeds are an encoder's count difference, so a mean over the sample before. Default: what
         ``recording.meta["speed_from_counts"]`` says, else found from the quantisation of the signal.

@@ -71,14 +71,23 @@ def rigid() -> Problem:
     )
 
 
-def disagreement(names: Sequence[str], most: float) -> Problem:
-    """Largest difference that counts as agreement, in the logarithm."""
+def contradicted() -> Problem:
+    return Problem(
+        "warning",
+        "identification",
+        "other values that predict clearly better, and leave more than the sensor's noise",
+        "one model that explains the recording",
+        "Nothing is identified. Record more reversals of the torque, without load torque, or measure more.",
+    )
+
+
+def others_as_well(names: Sequence[str]) -> Problem:
     return Problem(
         "warning",
         ", ".join(names),
-        "two estimators that disagree",
-        f"agreement within {100 * most:.0f} %",
-        "These values are not identified. Record more reversals of the torque, or measure the load's speed as well.",
+        "other values that predict as well or better",
+        "one set of values",
+        "The intervals contain both, or the value is not identified. Record more reversals, or measure more.",
     )
 
 

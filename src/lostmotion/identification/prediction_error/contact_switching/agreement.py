@@ -1,120 +1,78 @@
-"""What two estimators say of one recording: the observer of constant gain, and the contact-switching filter."""
+"""Whether the observer of constant gain is believed, by the likelihood of the contact-switching filter."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
-
-import numpy as np
-from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
-from ....errors import InvalidInput, Problem
-from ...statistics.levenberg_marquardt import sum_of_squares
+from ....errors import InvalidInput
 from .. import problems as problem
 from ..gain_schedule import Stage
 from ..identifiability import Told
-from ..innovations import NAMES, Predictor, to_theta
-from ..warnings import NEGLIGIBLE
-from .candidates import POLES, Estimate, estimate
-from .filter import INDEX, ContactFilter
+from ..innovations import Predictor
+from .candidates import EXPLAINED, NOISE_ALONE, POLES, Search
+from .filter import ContactFilter
+from .fitted import intervals, within_intervals
+from .likelihood import Candidate, polish
+from .likelihood_ratio import alike, clearly_better
+from .verdict import Fit, Outcome
 
-Array = NDArray[np.float64]
-
-
-#: What both estimators have to agree on.
-CORE = ("inertia_motor", "inertia_load", "stiffness", "backlash")
-#: Without a model that explains the recording, a value is kept if both estimators agree on it within this, in the
-#: logarithm, or within its interval (calibrated on development drives: right values agree within a tenth).
-APART = 0.2
-#: And none is, where innovations are more than so many times the sensor's noise (calibrated on the virtual rigs, whose
-#: four inertias make them twice as large: whatever makes them three times as large is not known well enough)
+#: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
+#: innovations (calibrated on development drives 0 to 30: where it is less, another fit may predict as well).
+TORSION = 0.25
+#: Nothing is told where innovations are more than so many times the sensor's noise (calibrated on the virtual rigs,
+#: whose four inertias make them twice as large: whatever makes them three times as large is not known well enough).
 UNEXPLAINED = 3.0
 
 
 def confirmed(
     predictor: Predictor, stage: Stage, told: Told, start: Drivetrain, fixed: Collection[str]
-) -> tuple[Predictor, Stage, Told, list[Problem]]:
+) -> Outcome:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
-    Its cost is a likelihood, so it knows whether a model explains the recording down to the sensor's noise. Where none
-    does, only that of the fit stays on which both agree.
+    Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
+    Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does
+    and finds something else, its own values are told if it explains the recording. If nothing does, the difference is
+    part of the intervals, and too large a one leaves nothing.
     """
+    fit = Fit(predictor, stage, told, start)
     try:
         flt = ContactFilter.of(predictor, POLES * start.pole_frequency)
     except InvalidInput:
-        return predictor, stage, told, []
-
-    def agrees(theta: Array) -> bool:
-        away = np.abs(theta - told.theta)[stage.free]
-        return bool(stage.free) and bool(np.all(away <= told.half))
-
-    fitted = predictor.drivetrain(told.theta)
-    found = estimate(flt, start, fitted, fixed, predictor.joint_piece, agrees)
-    if found.rigid:
-        keep = np.zeros(len(stage.free), dtype=bool)
-        return predictor, *_kept(predictor, stage, told, start, keep), [problem.rigid()]
-    if found.explained:
-        return (
-            (predictor, stage, told, [])
-            if agrees(found.theta)
-            else (*_taken(predictor, stage, start, found), [])
-        )
-    excess = _excess(predictor, stage, flt)
-    if excess > UNEXPLAINED:
-        keep, problems = np.zeros(len(stage.free), dtype=bool), [problem.unexplained(excess, UNEXPLAINED)]
-    else:
-        keep = np.abs(found.theta - told.theta)[stage.free] <= np.maximum(told.half, APART)
-        # Friction, damping and lag absorb what the model lacks, differently in each: the others vouch for them.
-        core = np.array([NAMES[i] in CORE for i in stage.free], dtype=bool)
-        keep[~core] = np.all(keep[core])
-        lost = [NAMES[i] for i, kept in zip(stage.free, keep, strict=True) if not kept]
-        problems = [problem.disagreement(lost, APART)] if lost else []
-    return predictor, *_kept(predictor, stage, told, start, keep), problems
+        return fit.stays()
+    search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece)
+    if not stage.free or _stands(search.glimpse(), fit):
+        return fit.stays()
+    own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
+    rivals = search.rivals(own)
+    own = min(own, search.with_all_structures(own, intervals(stage, told, search.box)), key=_cost)
+    best, rigid = min(own, *rivals, key=_cost), search.rigid()
+    if not clearly_better(best, polish(rigid, rigid.flt, search.box)):
+        return fit.nothing(problem.rigid())
+    better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
+    # Where the recording is explained, whatever predicts alike may be right as well.
+    others = [*better, *(one for one in rivals if explained and alike(one, best))]
+    found = search.estimate(rivals) if better and any(fit.shift(others)[fit.core]) else None
+    if found is not None:
+        return fit.replaced_by(found)
+    if not explained and (excess := fit.excess(flt)) > UNEXPLAINED:
+        return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
+    return fit.with_room_for(others, explained)
 
 
-def _kept(
-    predictor: Predictor, stage: Stage, told: Told, start: Drivetrain, keep: NDArray[np.bool_]
-) -> tuple[Stage, Told]:
-    """The fit without the free values that are not kept, which get the nameplate's."""
-    lost = [i for i, kept in zip(stage.free, keep, strict=True) if not kept]
-    if not lost:
-        return stage, told
-    theta = told.theta.copy()
-    theta[lost] = to_theta([getattr(start, name) for name in NAMES], predictor.dt)[lost]
-    free = [i for i in stage.free if i not in lost]
-    stage = _at(predictor, replace(stage, free=free, unexcited=(*stage.unexcited, *lost)), theta)
-    return stage, Told(theta, told.covariance[np.ix_(keep, keep)], told.half[keep])
-
-
-def _at(predictor: Predictor, stage: Stage, theta: Array) -> Stage:
-    residual = predictor.residual(theta, stage.bandwidth)
-    return replace(
-        stage, fit=replace(stage.fit, theta=theta, residual=residual, cost=sum_of_squares(residual))
+def _stands(search: Search, fit: Fit) -> bool:
+    """Whether torsion is well above the noise, and only noise is left or nothing near the fit is better."""
+    own = within_intervals(
+        search.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed, NOISE_ALONE
     )
+    if abs(own.cost) >= EXPLAINED and fit.excess(search.flt) > UNEXPLAINED:
+        return False
+    if search.rigid().cost < own.cost + TORSION:
+        return False
+    if abs(own.cost) < NOISE_ALONE:
+        return True
+    return not any(clearly_better(one, own) for one in search.near(own))
 
 
-def _taken(
-    predictor: Predictor, stage: Stage, start: Drivetrain, found: Estimate
-) -> tuple[Predictor, Stage, Told]:
-    """The other estimator's values in the place of the fit's."""
-    friction = {
-        name: float(found.best.flt.values(found.best.theta)[INDEX[name]])
-        for name in ("coulomb_motor", "viscous_motor")
-    }
-    predictor = replace(predictor, base=predictor.base.with_parameters(**friction))
-    free = [i for i in range(len(NAMES)) if np.isfinite(found.half[i])]
-    theta = to_theta([getattr(start, name) for name in NAMES], predictor.dt)
-    theta[free] = found.theta[free]
-    lost = tuple(i for i in range(len(NAMES)) if i not in free)
-    stage = _at(predictor, replace(stage, free=free, unexcited=lost), theta)
-    return predictor, stage, Told(theta, found.covariance[np.ix_(free, free)], found.half[free])
-
-
-def _excess(predictor: Predictor, stage: Stage, flt: ContactFilter) -> float:
-    """Innovations over what the sensor's noise makes of a speed; 0 where they are negligible."""
-    rest = predictor.speed_residual(stage.fit.residual)[predictor.settled()]
-    size = float(np.sqrt(np.mean(rest**2)))
-    # A speed from counts is the difference of two of them.
-    noise = np.sqrt(2.0) * flt.floor / flt.dt if flt.counted else flt.floor
-    return 0.0 if size < NEGLIGIBLE * float(np.std(predictor.speed)) else size / noise
+def _cost(one: Candidate) -> float:
+    return one.cost

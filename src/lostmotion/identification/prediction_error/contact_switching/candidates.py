@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,9 +12,9 @@ from ....drivetrain import Drivetrain
 from ...statistics.block_covariance import sandwich, student_factor
 from ..innovations import NAMES as TOLD
 from .filter import INDEX, LAWS, NAMES, ContactFilter, pole_of
-from .likelihood import Box, Candidate, descend, inverse_hessian, polish
-from .moves import other_minima
-from .starts import free_places, lag, rigid_start, start_values, starts, told_vector, with_values
+from .likelihood import FIRST_LEVEL, Box, Candidate, descend, inverse_hessian, minimise, polish
+from .likelihood_ratio import alike
+from .starts import free_places, lag, rigid_start, starts, told_vector, with_values
 
 Array = NDArray[np.float64]
 
@@ -34,98 +34,141 @@ SHARE, COMPLIANCE = 0.1, 0.3
 #: Candidates that differ by less than this in all logarithms are one (numerics: below an interval).
 SAME = 0.01
 
-#: A candidate is plausible if its cost is within the first number of the best, and within this part of what the best is
-#: above the sensor's noise: where no candidate reaches that, none can be told from another by so little (calibrated on
-#: development drives 0 to 5: what differed by less was within the intervals).
-ALIKE, ALIKE_SHARE = 0.003, 0.2
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
+#: Cost below which nothing but the sensor's noise is left (numerics: innovations a tenth larger). Innovations smaller
+#: by as much show that the noise itself is not known.
+NOISE_ALONE = 0.1
 #: What the model leaves unexplained is no noise, and shifts the values: half widths grow by this times the cost
 #: (calibrated on development drives 8, 18 and 24, see docs/benchmarks/zoo.md).
 INFLATION = 10.0
-#: A rigid drive stands if the cost rises by no more than this (calibrated on calibration drive 10002:
-#: ten more parameters lower it by up to 2 % where there is nothing to find).
-SIMPLER = 0.03
-#: And up to which it leaves nothing but the noise (numerics: 5 % above it).
-NOISE_ALONE = 0.05
-#: A cost from which on no other minima are looked for (numerics: moves gain less).
-HOPELESS = 1.0
-
+#: Steps from the fit's likeliest values without its intervals (numerics).
+FREED_STEPS = 10
+#: What a friction that the fit does not have starts with, over its usual start (numerics).
+LITTLE = 10.0
+#: Part of the rows of a descent that show whether the fit stands, and rows at least (numerics: 20 torsional periods).
+GLIMPSE, LEAST = 4, 2000
+#: Descents whose rates are fitted (numerics).
+POLISHED = 2
+#: Places of inertias, stiffness and backlash: what the others hang on.
+CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 #: A value is told if a cost this factor away would be clearly higher (numerics, as ``identifiability.NOT_EXCITED``).
 NOT_EXCITED = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite if not identified), best candidate.
-
-    Where no candidate explains the recording, half widths are infinite, and friction is that of both ends together.
-    Likewise where a rigid drive explains it as well: then its total inertia is all that can be known.
-    """
+    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate."""
 
     theta: Array
     half: Array
     covariance: Array
     best: Candidate
-    explained: bool
-    rigid: bool = False
 
 
-def estimate(
-    flt: ContactFilter,
-    start: Drivetrain,
-    fitted: Drivetrain,
-    fixed: Collection[str],
-    piece: tuple[float, float] | None,
-    agrees: Callable[[Array], bool],
-) -> Estimate:
-    """What the contact-switching filter tells.
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What all descents of a recording have in common.
 
     Parameters
     ----------
-    flt : ContactFilter
-        Over the whole recording.
+    flt, part : ContactFilter
+        Over the whole recording, and over the rows of the descents.
     start, fitted : Drivetrain
         Nameplate; what the observer of constant gain has found.
     fixed : names that keep the nameplate's value
-    piece : share and compliance of a third inertia, if that was found.
-    agrees : callable
-        Whether a vector (8,) is within the intervals of what was found: no more is looked for if that leaves nothing
-        but the sensor's noise.
+    piece : share and compliance of a third inertia, if that was found
+    begun : mapping of name → θ
+        From where descents start.
+    box : Box
     """
-    begun = starts(flt, start, fitted, fixed)
-    box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
-    rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
-    part, free = flt.liveliest(rows), free_places(start, fixed)
-    found = [descend("fitted", part, begun.pop("fitted"), free, box, FITTED_LEVEL)]
-    rigid = descend("rigid", part, *rigid_start(flt, start), box)
-    if found[0].cost < NOISE_ALONE and agrees(told_vector(found[0])) and rigid.cost > found[0].cost + SIMPLER:
-        return _nothing_new(found[0], explained=True)
-    found += [descend(name, part, one, free, box) for name, one in begun.items()]
-    if rigid.cost < min(EXPLAINED, min(one.cost for one in found) + SIMPLER):
-        return replace(_nothing_new(min(found, key=lambda one: one.cost), explained=True), rigid=True)
-    if min(one.cost for one in found) < HOPELESS:
-        found += other_minima(min(found, key=lambda one: one.cost), box)
-    others = plausible(found)
-    if others[0].cost < 2.0 * EXPLAINED:
-        found = _finished(others, flt.liveliest(ROWS), piece, box)
-        if found[0].cost < EXPLAINED:
-            return _told(found[0], [*plausible(found), *others], box, fixed)
-    # An unknown load torque makes up for much that the model lacks, and the load inertia with it.
-    near = with_values(flt.theta(start_values(flt, fitted, start, fixed)), flt, torque_rate=0.0)
-    second = descend("fitted", part, near, free, box, FITTED_LEVEL)
-    return _nothing_new(second, explained=False)
 
+    flt: ContactFilter
+    part: ContactFilter
+    start: Drivetrain
+    fitted: Drivetrain
+    fixed: Collection[str]
+    piece: tuple[float, float] | None
+    begun: dict[str, Array]
+    box: Box
 
-def _nothing_new(candidate: Candidate, explained: bool) -> Estimate:
-    """A candidate's values without intervals; friction is that of both ends."""
-    theta = told_vector(candidate)
-    for name in ("coulomb", "viscous"):
-        at_motor = candidate.theta[INDEX[f"{name}_motor"]]
-        if not explained:
-            theta[TOLD.index(name)] = np.logaddexp(theta[TOLD.index(name)], at_motor)
-    return Estimate(theta, np.full(theta.size, np.inf), np.empty((0, 0)), candidate, explained)
+    @classmethod
+    def of(
+        cls,
+        flt: ContactFilter,
+        start: Drivetrain,
+        fitted: Drivetrain,
+        fixed: Collection[str],
+        piece: tuple[float, float] | None,
+    ) -> Search:
+        begun = starts(flt, start, fitted, fixed)
+        box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
+        rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
+        return cls(flt, flt.liveliest(rows), start, fitted, fixed, piece, begun, box)
+
+    def glimpse(self) -> Search:
+        """The same over a few torsional periods."""
+        return replace(self, part=self.flt.liveliest(max(LEAST, self.part.rows // GLIMPSE)))
+
+    def descent(self, name: str) -> Candidate:
+        """From one of the starts."""
+        free, first = free_places(self.start, self.fixed), FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
+        return descend(name, self.part, self.begun[name], free, self.box, first)
+
+    def rigid(self) -> Candidate:
+        """One inertia with friction and lag."""
+        theta, free = rigid_start(self.flt, self.start)
+        return descend("rigid", self.part, theta, free, self.box)
+
+    def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
+        """The fit with friction at both ends, asymmetry and delay, within a box."""
+        # Friction of the motor from a little on, so that the fit is not left.
+        theta = np.where(np.isfinite(fit.theta), fit.theta, self.begun["fitted"] - np.log(LITTLE))
+        free = sorted({*free_places(self.start, self.fixed), *fit.free})
+        theta, run = minimise(self.part, theta, free, box, FREED_STEPS)
+        return polish(replace(fit, theta=theta, cost=run.cost, free=free), self.part, box)
+
+    def near(self, fit: Candidate) -> list[Candidate]:
+        """What lies next to the fit: a descent from it, and with a third inertia if it has none."""
+        found = self.descent("fitted")
+        third = [] if self.piece else [_with_piece(fit, None, self.box)]
+        return [polish(found, found.flt, self.box), *third]
+
+    def rivals(self, fit: Candidate) -> list[Candidate]:
+        """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
+        found = [self.descent(name) for name in self.begun]
+        found += [
+            polish(one, one.flt, self.box)
+            for one in _apart(sorted(found, key=lambda one: one.cost))[:POLISHED]
+        ]
+        if not self.piece:
+            found.append(_with_piece(fit, None, self.box))
+        found.append(
+            self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
+        )
+        return found
+
+    def estimate(self, found: Sequence[Candidate]) -> Estimate | None:
+        """What the best of the candidates tell; None where it does not explain the recording or is not found again."""
+        others = plausible(found)
+        if not others[0].cost < 2.0 * EXPLAINED:
+            return None
+        finished = _finished(others, self.flt.liveliest(ROWS), self.piece, self.box)
+        if not -NOISE_ALONE < finished[0].cost < EXPLAINED:
+            return None
+        estimate = _told(finished[0], [*plausible(finished), *others], self.box, self.fixed)
+        return estimate if self._found_again(estimate, others) else None
+
+    def _found_again(self, estimate: Estimate, others: Sequence[Candidate]) -> bool:
+        """Whether a second start leads to the estimate: one of the others, or half way from the nameplate."""
+        if len({one.start for one in others}) > 1:
+            return True
+        theta = 0.5 * (self.begun["nameplate"] + others[0].theta)
+        again = descend("half way", self.part, theta, others[0].free, self.box)
+        again = polish(again, again.flt, self.box)
+        off = np.abs(told_vector(again) - estimate.theta)
+        return alike(again, others[0]) and bool(np.all(off[CORE] <= estimate.half[CORE]))
 
 
 def _finished(
@@ -157,17 +200,22 @@ def _with_piece(candidate: Candidate, piece: tuple[float, float] | None, box: Bo
 def plausible(found: Sequence[Candidate]) -> list[Candidate]:
     """Candidates that predict about as well as the best, which comes first."""
     found = sorted(found, key=lambda one: one.cost)
-    within = ALIKE + ALIKE_SHARE * max(found[0].cost, 0.0)
-    return [one for one in found if one.cost <= found[0].cost + within]
+    return [one for one in found if alike(one, found[0])]
 
 
 def _apart(found: Sequence[Candidate]) -> list[Candidate]:
     """The candidates without those that are a better one again."""
     kept: list[Candidate] = []
     for one in found:
-        if all(np.max(np.abs(told_vector(one) - told_vector(other))[:5]) > SAME for other in kept):
+        if all(_difference(one, other) > SAME for other in kept):
             kept.append(one)
     return kept
+
+
+def _difference(one: Candidate, other: Candidate) -> float:
+    """Largest of inertias, stiffness, damping and backlash; what neither has is no difference."""
+    a, b = told_vector(one)[:5], told_vector(other)[:5]
+    return float(np.max(np.abs(np.where(a == b, 0.0, a - b))))
 
 
 def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
@@ -180,7 +228,7 @@ def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collect
     spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
     theta = told_vector(best)
     apart = np.max([np.abs(told_vector(one) - theta) for one in others], axis=0)
-    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * max(best.cost, 0.0))
+    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * abs(best.cost))
     for i, name in enumerate(TOLD):
         place = INDEX[name]
         held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
@@ -190,7 +238,7 @@ def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collect
     # Neither load nor spring: the rest fits many a drive. A spring before a load that does not answer is like a gap.
     if {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
         half[:] = np.inf
-    return Estimate(theta, half, covariance, best, True)
+    return Estimate(theta, half, covariance, best)
 
 
 def _gather(candidate: Candidate) -> Array:
@@ -210,10 +258,9 @@ def _other_does_as_well(candidate: Candidate, name: str) -> bool:
     """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
     if name not in ("backlash", "coulomb", "viscous", "damping"):
         return False
-    most = candidate.cost + ALIKE + ALIKE_SHARE * max(candidate.cost, 0.0)
     for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):
         theta = candidate.theta.copy()
         theta[INDEX[name]] += np.log(factor)
-        if candidate.flt.run(theta).cost < most:
+        if alike(replace(candidate, theta=theta, cost=candidate.flt.run(theta).cost), candidate):
             return True
     return False

@@ -46,11 +46,14 @@ class Run:
         innovations are as large as the sensor's noise alone makes them, 0.1 where they are 10 % larger.
     jacobian : (m, n) array
         Change of the weighted innovations with θ, the gains as they are.
+    rows : (n,) array
+        What each row adds to the cost; their mean is the cost.
     """
 
     weighted: Array
     cost: float
     jacobian: Array
+    rows: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,9 +159,11 @@ class ContactFilter:
         scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))
         weighted = residuals[:, 0] * scale
         with np.errstate(all="ignore"):
-            size = np.log(np.mean(weighted**2)) + np.mean(np.log(variances))
-        cost = 0.5 * float(size) + float(np.log(self.level / self.floor))
-        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian[:, :, 0] * scale)
+            size = np.mean(weighted**2)
+            rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variances[:, 0]))
+            rows += np.log(self.level / self.floor)
+        cost = float(np.mean(rows))
+        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian[:, :, 0] * scale, rows)
 
     @property
     def speed_deviation(self) -> float:

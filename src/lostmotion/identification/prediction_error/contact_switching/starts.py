@@ -52,10 +52,12 @@ def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]
 
 
 def free_places(start: Drivetrain, fixed: Collection[str]) -> list[int]:
-    """Places of what is fitted; friction of the motor that the nameplate gives stays as it is."""
-    names = [name for name in (*TOLD, "delay", "asymmetry") if name not in fixed]
+    """Places of what is fitted; friction of the motor stays where the nameplate gives it, or the load's is fixed."""
+    kinds: dict[str, list[str]] = {"coulomb": ["asymmetry"], "viscous": [], "lag": ["delay"]}
     if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
-        names += ["coulomb_motor", "viscous_motor", "asymmetry_motor"]
+        kinds["coulomb"] += ["coulomb_motor", "asymmetry_motor"]
+        kinds["viscous"] += ["viscous_motor"]
+    names = [one for name in TOLD if name not in fixed for one in (name, *kinds.get(name, []))]
     return sorted(INDEX[name] for name in names)
 
 
@@ -74,7 +76,7 @@ def start_values(
         n: max(guess, 0.0) for n, guess in guesses.items() if n not in fixed and not given[n] > 1e-3 * guess
     }
     if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
-        given |= {f"{n}_motor": AT_MOTOR * given[n] for n in ("coulomb", "viscous")}
+        given |= {f"{n}_motor": AT_MOTOR * given[n] for n in ("coulomb", "viscous") if n not in fixed}
     else:
         given |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
     return given | {"motor_rate": RATE * pole, "load_rate": RATE * pole, "torque_rate": TORQUE_RATE * torque}

@@ -1,0 +1,61 @@
+"""What the observer of constant gain has found, as the contact-switching filter sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from ..gain_schedule import Stage
+from ..identifiability import Told
+from ..innovations import NAMES as TOLD
+from ..innovations import Predictor
+from .filter import INDEX, ContactFilter
+from .likelihood import Box, Candidate, fitted_rates, minimise
+from .starts import RATE, TORQUE_RATE
+
+#: Gauss–Newton steps before and after the rates are fitted (numerics: two or three reach the edge of an interval).
+STEPS = 6
+
+
+def intervals(stage: Stage, told: Told, box: Box) -> Box:
+    """The box, no wider than the fit's intervals where it tells a value."""
+    box = Box(box.lower.copy(), box.upper.copy())
+    for i, half in zip(stage.free, told.half, strict=True):
+        place = INDEX[TOLD[i]]
+        box.lower[place], box.upper[place] = told.theta[i] - half, told.theta[i] + half
+    return box
+
+
+def within_intervals(
+    flt: ContactFilter,
+    predictor: Predictor,
+    stage: Stage,
+    told: Told,
+    box: Box,
+    fixed: Collection[str],
+    enough: float = 0.0,
+) -> Candidate:
+    """The likeliest values within the intervals of the fit, in its own structure.
+
+    What the fit does not tell is free within its bounds. The filter's noise is fitted first: a drive that is known
+    exactly needs little. No better values are looked for once the cost is below ``enough``.
+    """
+    drivetrain, names = predictor.drivetrain(told.theta), ("coulomb_motor", "viscous_motor")
+    rate = RATE * 2.0 * np.pi * drivetrain.pole_frequency
+    values = {name: float(getattr(drivetrain, name)) for name in (*TOLD, *names)}
+    values |= {"motor_rate": rate, "load_rate": rate, "torque_rate": TORQUE_RATE * float(np.std(flt.torque))}
+    free = [INDEX[name] for name in TOLD if name not in fixed and (values[name] > 0.0 or name == "lag")]
+    if predictor.joint_piece is not None:
+        values |= dict(zip(("share", "compliance"), predictor.joint_piece, strict=True))
+        free += [INDEX["share"], INDEX["compliance"]]
+    theta, box = flt.theta(values), intervals(stage, told, box)
+    # Unknown torques stand for nothing else: with their rates as they come, a right fit looks poor.
+    for _ in range(2):
+        theta = fitted_rates(flt, theta)
+        cost = flt.run(theta).cost
+        if abs(cost) < enough:
+            break
+        theta, run = minimise(flt, theta, sorted(free), box, STEPS)
+        cost = run.cost
+    return Candidate("fit", theta, cost, flt, sorted(free))

@@ -1,0 +1,119 @@
+"""What becomes of a fit: it stays, gets wider intervals, other values, or none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....drivetrain import Drivetrain
+from ....errors import Problem
+from ...statistics.levenberg_marquardt import sum_of_squares
+from .. import problems as problem
+from ..gain_schedule import Stage
+from ..identifiability import NOT_EXCITED, Told
+from ..innovations import NAMES, Predictor, to_theta
+from ..warnings import NEGLIGIBLE
+from .candidates import CORE, Estimate
+from .filter import INDEX, ContactFilter
+from .likelihood import Candidate
+from .starts import told_vector
+
+Array = NDArray[np.float64]
+Outcome = tuple[Predictor, Stage, Told, list[Problem]]
+
+#: No value is told where inertias, stiffness or backlash of candidates that predict better or alike are further away
+#: than this, in the logarithm (calibrated on development drives: right values agree within a tenth).
+APART = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What the observer of constant gain has found of a recording, and the nameplate."""
+
+    predictor: Predictor
+    stage: Stage
+    told: Told
+    start: Drivetrain
+
+    def stays(self) -> Outcome:
+        return self.predictor, self.stage, self.told, []
+
+    def excess(self, flt: ContactFilter) -> float:
+        """Innovations over what the sensor's noise makes of a speed; 0 where they are negligible."""
+        predictor = self.predictor
+        rest = predictor.speed_residual(self.stage.fit.residual)[predictor.settled()]
+        size = float(np.sqrt(np.mean(rest**2)))
+        # A speed from counts is the difference of two of them.
+        noise = np.sqrt(2.0) * flt.floor / flt.dt if flt.counted else flt.floor
+        return 0.0 if size < NEGLIGIBLE * float(np.std(predictor.speed)) else size / noise
+
+    def shift(self, found: Sequence[Candidate]) -> Array:
+        """How far candidates are from each told value at most, in the logarithm; 0 where all are in its interval."""
+        away = [np.abs(told_vector(one) - self.told.theta)[self.stage.free] for one in found]
+        largest = np.max(away, axis=0) if away else np.zeros(len(self.stage.free))
+        return np.where(largest > self.told.half, largest, 0.0)
+
+    @property
+    def core(self) -> NDArray[np.bool_]:
+        """Which of the told values are inertias, stiffness and backlash."""
+        return np.isin(self.stage.free, CORE)
+
+    def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
+        """With intervals that contain the candidates' values as well; nothing if they are too far apart.
+
+        Where no candidate explains the recording, friction, damping and lag make up for what the model lacks: they are
+        not told.
+        """
+        shift = self.shift(found)
+        half = np.hypot(self.told.half, shift)
+        wider = shift > 0.0
+        if not np.any(wider):
+            return self.stays()
+        if np.any(half[wider & self.core] > APART):
+            return self.nothing(problem.contradicted())
+        lost = (half > np.log(NOT_EXCITED)) | (~self.core & (not explained))
+        names = [NAMES[i] for i, doubtful in zip(self.stage.free, wider | lost, strict=True) if doubtful]
+        doubt = problem.others_as_well(names)
+        return replace(self, told=replace(self.told, half=half))._without(lost, doubt)
+
+    def nothing(self, reason: Problem) -> Outcome:
+        """No value."""
+        return self._without(np.ones(len(self.stage.free), dtype=bool), reason)
+
+    def _without(self, lost: NDArray[np.bool_], reason: Problem) -> Outcome:
+        """Without the told values that are lost, which get the nameplate's."""
+        stage, told = self.stage, self.told
+        places = [i for i, gone in zip(stage.free, lost, strict=True) if gone]
+        theta = told.theta.copy()
+        theta[places] = self._nameplate()[places]
+        free = [i for i in stage.free if i not in places]
+        stage = _at(self.predictor, replace(stage, free=free, unexcited=(*stage.unexcited, *places)), theta)
+        covariance = told.covariance[np.ix_(~lost, ~lost)]
+        return self.predictor, stage, Told(theta, covariance, told.half[~lost]), [reason]
+
+    def replaced_by(self, found: Estimate) -> Outcome:
+        """The other estimator's values in the place of the fit's."""
+        free = [i for i in range(len(NAMES)) if np.isfinite(found.half[i])]
+        if not free:
+            return self.nothing(problem.contradicted())
+        values = found.best.flt.values(found.best.theta)
+        friction = {name: float(values[INDEX[name]]) for name in ("coulomb_motor", "viscous_motor")}
+        predictor = replace(self.predictor, base=self.predictor.base.with_parameters(**friction))
+        theta = self._nameplate()
+        theta[free] = found.theta[free]
+        lost = tuple(i for i in range(len(NAMES)) if i not in free)
+        stage = _at(predictor, replace(self.stage, free=free, unexcited=lost), theta)
+        return predictor, stage, Told(theta, found.covariance[np.ix_(free, free)], found.half[free]), []
+
+    def _nameplate(self) -> Array:
+        return to_theta([getattr(self.start, name) for name in NAMES], self.predictor.dt)
+
+
+def _at(predictor: Predictor, stage: Stage, theta: Array) -> Stage:
+    """The stage with other values."""
+    residual = predictor.residual(theta, stage.bandwidth)
+    fit = replace(stage.fit, theta=theta, residual=residual, cost=sum_of_squares(residual))
+    return replace(stage, fit=fit)

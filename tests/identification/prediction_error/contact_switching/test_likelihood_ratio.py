@@ -1,0 +1,67 @@
+"""Which candidate is clearly better, and which are alike."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, Run
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
+from lostmotion.identification.prediction_error.contact_switching.likelihood_ratio import (
+    alike,
+    clearly_better,
+)
+
+
+def at(flt: ContactFilter, values: dict[str, float], **changes: float) -> Candidate:
+    theta = flt.theta(values | changes)
+    return Candidate("here", theta, flt.run(theta).cost, flt, [INDEX["stiffness"]])
+
+
+def test_rows_add_up_to_the_cost(flt: ContactFilter, values: dict[str, float]):
+    run = flt.run(flt.theta(values))
+    assert np.mean(run.rows) == pytest.approx(run.cost, abs=1e-12)
+
+
+def test_the_truth_is_clearly_better_than_another_stiffness(flt: ContactFilter, values: dict[str, float]):
+    truth, other = at(flt, values), at(flt, values, stiffness=1.3 * values["stiffness"])
+    assert clearly_better(truth, other) and not clearly_better(other, truth)
+    assert not clearly_better(truth, truth) and alike(truth, truth)
+
+
+def of_rows(flt: ContactFilter, rows: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> Candidate:
+    """A candidate whose rows cost so much, whatever its parameters."""
+    known = replace(flt)
+    run = Run(rows, float(np.mean(rows)), np.empty((0, rows.size)), rows)
+    monkeypatch.setitem(vars(known), "run", lambda theta, free=(): run)
+    return Candidate("here", np.zeros(1), run.cost, known, [])
+
+
+def test_a_single_event_decides_nothing(flt: ContactFilter, monkeypatch: pytest.MonkeyPatch):
+    """A rise of the likelihood that all comes from one moment may be an accident; the same over all rows is none."""
+    rng = np.random.default_rng(1)
+    base = 0.1 + 0.01 * rng.standard_normal(20_000)
+    moment = base.copy()
+    moment[5000:5100] += 20.0
+    even = base + np.mean(moment - base)
+    best = of_rows(flt, base, monkeypatch)
+    assert clearly_better(best, of_rows(flt, even, monkeypatch))
+    assert not clearly_better(best, of_rows(flt, moment, monkeypatch))
+
+
+def test_what_is_infinitely_unlikely_is_worse(flt: ContactFilter, values: dict[str, float]):
+    truth = at(flt, values)
+    lost = replace(truth, cost=float("inf"))
+    assert clearly_better(truth, lost) and not clearly_better(lost, truth) and not alike(lost, truth)
+
+
+def test_where_nothing_explains_the_recording_little_decides_nothing(
+    flt: ContactFilter, values: dict[str, float]
+):
+    """Of 1.0 that is unexplained, a tenth less makes no candidate better."""
+    truth = at(flt, values)
+    assert alike(replace(truth, cost=1.1), replace(truth, cost=1.0))
+    assert not alike(replace(truth, cost=1.3), replace(truth, cost=1.0))
+    assert not alike(replace(truth, cost=0.11), replace(truth, cost=0.01))
