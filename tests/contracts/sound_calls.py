@@ -273,6 +273,10 @@ def _further_laws(own: dict[str, Any], wished: dict[str, Any]) -> list[Call]:
         Call(controllers.flatness, own | course | along | {"torque_limit": 5.0}),
         Call(controllers.robust_feedback, robust),
         Call(controllers.h_infinity, robust | {"torque_limit": 5.0}),
+        Call(
+            controllers.optimised_pi,
+            own | {"torque_limit": 60.0, "speed": 2.0, "torque_load": 5.0, "speed_from_counts": True},
+        ),
         Call(controllers.quadratic_poles, {"drivetrain": plant(), "torque_per_error": 1.0}),
     ]
 
