@@ -13,7 +13,7 @@ from table_i import PAPER
 import lostmotion as lm
 from lostmotion.certificates import prove_running
 from lostmotion.certificates.equilibrium import Equilibrium, equilibrium
-from lostmotion.certificates.lure import LureLoop, lure_loop
+from lostmotion.certificates.lure import LureLoop, lure_loop, with_gap_memory
 from lostmotion.certificates.static_curves import StaticCurve
 from lostmotion.systems import pruned
 
@@ -60,19 +60,28 @@ def v_of(loop: LureLoop, rest: Equilibrium, proof: dict[str, Any], states: np.nd
 
 
 def laws(plant: lm.Drivetrain) -> dict[str, lm.DiscreteSystem]:
-    parts = [lm.observers.kalman(plant, dt=DT), lm.controllers.pole_placement(plant, dt=DT)]
+    def feedback(*measured: str) -> lm.DiscreteSystem:
+        observer = lm.observers.kalman(plant, measured=measured, dt=DT)
+        parts = [observer, lm.controllers.pole_placement(plant, dt=DT)]
+        return lm.connect(parts, ("speed_reference", *measured), ("torque_motor",))
+
     return {
         "pi": lm.controllers.pi(dt=DT),
-        "observer 1": lm.connect(parts, ("speed_reference", "speed_motor"), ("torque_motor",)),
+        "observer 1": feedback("speed_motor"),
+        "observer 2": feedback("torque_shaft", "speed_motor"),
     }
 
 
-@pytest.mark.parametrize("name", ["pi", "observer 1"])
+@pytest.mark.parametrize("name", ["pi", "observer 1", "observer 2"])
 def test_v_never_rises(name: str) -> None:
     law = pruned(laws(PAPER)[name])
-    found = prove_running(PAPER, law)
+    found = prove_running(PAPER, law, speeds=(1.0, 2.5, 80.0))
     assert found.certificate is not None
     loop = lure_loop(PAPER, law)
+    remembers = found.certificate["proof"].get("gap_memory", False)
+    assert remembers == (name == "observer 2")
+    if remembers:
+        loop = with_gap_memory(loop)
     n = len(law.states)
     shown = replace(
         law, outputs=("torque_motor", *(f"state_{i}" for i in range(n))), C=np.vstack([law.C, np.eye(n)]),
@@ -81,7 +90,7 @@ def test_v_never_rises(name: str) -> None:
     rng = np.random.default_rng(7)
     touched = 0
     for _ in range(12):
-        speed = float(rng.uniform(found.speed or 0.0, 3.0))
+        speed = float(rng.uniform(found.speed or 0.0, 4.0))
         rest = equilibrium(loop, Fraction(speed))
         assert rest is not None
         start = (rng.uniform(-0.02, 0.02), rng.uniform(-8.0, 8.0), rng.uniform(-4.0, 4.0))
@@ -92,7 +101,11 @@ def test_v_never_rises(name: str) -> None:
         plant_states = np.column_stack(
             [run[name] for name in ("twist", "speed_motor", "speed_load", "torque_motor")]
         )
-        v = v_of(loop, rest, found.certificate["proof"], np.hstack([plant_states[:-1], own[1:]]))
+        states = np.hstack([plant_states[:-1], own[1:]])
+        if remembers:
+            gap = loop.Z[loop.names.index("gap"), : states.shape[1]].astype(float)
+            states = np.column_stack([states, states @ gap])
+        v = v_of(loop, rest, found.certificate["proof"], states)
         assert np.all(v > 0.0)
         # Rounding of the simulation, relative to where it starts.
         assert np.max(np.diff(v)) <= 1e-11 * v[0]

@@ -72,6 +72,21 @@ def test_with_torque_lag_and_a_sample_of_delay() -> None:
     assert proof.speed is not None and proof.speed <= 0.5
 
 
+def test_observer_2_needs_the_memory_of_the_gap() -> None:
+    plant, both = drivetrain(), ("torque_shaft", "speed_motor")
+    parts = [
+        lm.observers.kalman(plant, measured=both, dt=1e-4),
+        lm.controllers.pole_placement(plant, dt=1e-4),
+    ]
+    law = lm.connect(parts, ("speed_reference", *both), ("torque_motor",))
+    proof = prove_running(plant, law, speeds=(1.0, 3.15, 80.0))
+    assert proof.speed is not None and proof.speed <= 3.15 and proof.certificate is not None
+    numbers = proof.certificate["proof"]
+    assert numbers["gap_memory"] and verdict(proof.certificate) is None
+    without = {key: value for key, value in numbers.items() if key != "gap_memory"}
+    assert verdict({**proof.certificate, "proof": without}) is not None
+
+
 def test_an_unstable_loop_gets_no_certificate() -> None:
     plant, law = drivetrain(), lm.controllers.pi(dt=1e-4, kp=400.0, ki=200.0)
     proof = prove_running(plant, law)

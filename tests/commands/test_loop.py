@@ -63,6 +63,8 @@ def test_the_rig_has_the_parameters_of_the_drivetrain() -> None:
     assert plant.drivetrain.inertia_total == pytest.approx(PAPER.inertia_total)
     assert max(shaft.backlash for shaft in plant.drivetrain.shafts) == PAPER.backlash
     assert rig_around(plant.drivetrain, 1).drivetrain is plant.drivetrain
+    with pytest.raises(InvalidInput, match="one inertia"):
+        rig_around(lm.Drivetrain((0.1,)), 1)
 
 
 @pytest.mark.parametrize(

@@ -290,8 +290,8 @@ def box() -> certificates.BoxProof:
 
 
 def _certificates() -> list[Call]:
-    law = controllers.pi(dt=DT, kp=400.0)
-    loop = {"drivetrain": plant(), "law": law, "delay": 0}
+    shaky = controllers.pi(dt=DT, kp=400.0)
+    loop = {"drivetrain": plant(), "law": shaky, "delay": 0}
     searched = {"fastest": 10.0, "substeps": 1, "step": 1.0, "speeds": [1.0, 2.0]}
     boxed = {"box": {"stiffness": (0.9, 1.1)}, "speed": 1.0, "fastest": 10.0, "substeps": 1, "workers": 1}
     return [
@@ -302,9 +302,18 @@ def _certificates() -> list[Call]:
         Call(certificates.box_stability, {"proof": box()}),
         Call(
             certificates.simulated,
-            {"drivetrain": plant(), "law": law, "proof": replace(box(), stops_at=None), "seed": 1},
+            {"drivetrain": plant(), "law": shaky, "proof": replace(box(), stops_at=None), "seed": 1},
         ),
         Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
+        Call(certificates.continuous_state_feedback, {"drivetrain": plant(), "poles": [-400.0] * 3}),
+        Call(
+            certificates.largest_share,
+            {
+                "drivetrain": plant().with_parameters(coulomb=0.0),
+                "law": certificates.continuous_pi(kp=1e6),
+                "criterion": "circle",
+            },
+        ),
         Call(certificates.continuous_pi, {"kp": 10.0, "ki": 200.0}),
         Call(
             certificates.continuous_observer_feedback,

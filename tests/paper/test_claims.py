@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +15,16 @@ import lostmotion as lm
 from lostmotion.paper import experiments as paper
 from lostmotion.paper import published
 from lostmotion.paper.claim import Claim
-from lostmotion.paper.claims import GROUPS, control, frequency, friction_backlash, gains, modes, observers
+from lostmotion.paper.claims import (
+    GROUPS,
+    control,
+    frequency,
+    friction_backlash,
+    gains,
+    modes,
+    observers,
+    realtime,
+)
 from lostmotion.paper.experiments import LINEAR, NONLINEAR, PUSHING, RIG, Experiments
 from lostmotion.structure import Disc, ShaftSegment, assemble
 from lostmotion.structure.powertrain import PARTS
@@ -172,7 +183,9 @@ BROKEN: dict[str, Callable[[Experiments], Claim]] = {
     "a larger torque entry of R₂ improves Observer 2": lambda e: observers.larger_entry(
         observers.torque_entries(e.rig, e.model, noise=0.1)
     ),
-    "PI on the load speed fails": lambda e: control.load_side_pi({1.0: as_it_is(e)[0].step}),
+    "PI on the load speed fails": lambda e: control.load_side_pi(
+        {1.0: as_it_is(e)[0].step}, as_it_is(e)[0].step
+    ),
     "PI overshoots": lambda e: control.pi_overshoots(responded(e.rig, paper.pi_law(ki=1.0))),
     "pole placement overshoots much less": lambda e: control.less_overshoot(
         as_it_is(e)[0], responded(rig(load=0.3), paper.placed_law(e.model))
@@ -198,6 +211,9 @@ BROKEN: dict[str, Callable[[Experiments], Claim]] = {
         "DC",
         control.steady_error(e.rig, paper.placed_law(e.model)),
         control.steady_error(rig(friction=0.01), paper.placed_law(frictionless(e), compensation=False)),
+    ),
+    "observer and controller run beside the rig": lambda e: realtime.lock_step(
+        paper.speed_step(e.rig, paper.placed_law(e.model, pole=-401.0)).recording, e.placed_step.recording
     ),
 }
 
@@ -225,3 +241,11 @@ def test_a_claim_can_be_read_alone(claims: dict[str, Claim]) -> None:
         assert claim.says.endswith(".") and claim.sentence.endswith("."), claim.name
         assert claim.where and claim.quantity and claim.tolerance
         assert claim.value and all(np.isfinite(v) for v in claim.value), claim.name
+
+
+def test_the_page_of_the_docs_lists_every_claim_with_its_verdict(claims: dict[str, Claim]) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "paper.md").read_text()
+    section = page.partition("## Claims")[2].partition("## ")[0]
+    rows = dict(re.findall(r"^\| (.+?) \| (holds|partly|does not hold) \|", section, re.MULTILINE))
+    assert rows == {name: claim.verdict for name, claim in claims.items()}
+    assert f"**{sum(c.verdict == 'holds' for c in claims.values())} of {len(claims)} claims" in page

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -72,7 +73,9 @@ class LureLoop(LoopMatrices):
         return all(curve.is_odd for curve in (*self.plant_curves, *self.law_curves))
 
 
-def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) -> LureLoop:
+def lure_loop(
+    drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0, stribeck: bool = False
+) -> LureLoop:
     """The loop of a drivetrain and a connected law, without the law's input checks.
 
     Parameters
@@ -84,6 +87,8 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
         Inputs speed_reference and any of ``MEASURABLE``; an output torque_motor.
     delay : int
         Computing delay in samples of the law.
+    stribeck : bool
+        Whether friction may fall with speed (``plant.plant_of``): no proof covers that.
 
     Raises
     ------
@@ -92,7 +97,7 @@ def lure_loop(drivetrain: Drivetrain, law: DiscreteSystem, *, delay: int = 0) ->
     """
     if isinstance(delay, bool) or not isinstance(delay, int) or delay < 0:
         raise InvalidInput("certify: delay", repr(delay), "a whole number of samples", "Use 0 for none.")
-    plant, law = plant_of(drivetrain), _limited_law(drivetrain, law)
+    plant, law = plant_of(drivetrain, stribeck), _limited_law(drivetrain, law)
     limit = _own_limit(law)
     law = delayed(law, delay)
     n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)
@@ -202,3 +207,34 @@ def _beside(matrix: Matrix, size: int) -> Matrix:
     whole = zeros(matrix.shape[0], size)
     whole[:, : matrix.shape[1]] = matrix
     return whole
+
+
+def with_gap_memory(loop: LureLoop) -> LureLoop:
+    """The loop that remembers, from sample to sample, its gap's argument at the last one; nothing reads it.
+
+    A law that reads the shaft torque acts on the gap at its samples, the plant on the gap between them. The value at
+    the last sample, a curve of the new state, ties both together in a proof (docs/stability.md, equation 27).
+    """
+    p = loop.names.index("gap")
+    state, curve = len(loop.states), len(loop.law_curves)
+    jump, argument = _grown(loop.S), _grown(loop.N)
+    jump[state, :state], argument[curve, state] = loop.Z[p], Fraction(1)
+    further: dict[str, Any] = {
+        "A": _grown(loop.A),
+        "S": jump,
+        "N": argument,
+        "S_v": _grown(loop.S_v),
+        "N_v": _grown(loop.N_v),
+    }
+    for key in ("E", "L", "S_w", "R", "N_w", "M"):
+        matrix = getattr(loop, key)
+        further[key] = _below(matrix, matrix.shape[0] + 1)
+    return replace(
+        loop, **further, Z=_beside(loop.Z, state + 1), states=(*loop.states, "law: gap at the last sample"),
+        law_curves=(*loop.law_curves, loop.plant_curves[p]), names=(*loop.names, "law: gap at the last sample"),
+    )  # fmt: skip
+
+
+def _grown(matrix: Matrix) -> Matrix:
+    """The matrix with a row and a column of zeros more."""
+    return _beside(_below(matrix, matrix.shape[0] + 1), matrix.shape[1] + 1)

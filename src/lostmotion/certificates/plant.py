@@ -45,10 +45,13 @@ class Plant:
     measured: Mapping[str, Matrix]
 
 
-def plant_of(drivetrain: Drivetrain) -> Plant:
+def plant_of(drivetrain: Drivetrain, stribeck: bool = False) -> Plant:
     """The drivetrain between samples (docs/stability.md, equation 1); raises ``InvalidInput`` where it has no such
-    form."""
-    _check_drivetrain(drivetrain)
+    form.
+
+    With ``stribeck``, Stribeck friction is part of the curves, which then fall, and a breakaway level is left out.
+    """
+    _check_drivetrain(drivetrain, stribeck)
     states = ("twist", "speed_motor", "speed_load", *(("torque_actuator",) if drivetrain.lag else ()))
     j = [Fraction(inertia) for inertia in drivetrain.inertias]
     curves = [*_gap(drivetrain), *_frictions(drivetrain)]
@@ -108,17 +111,20 @@ def _frictions(drivetrain: Drivetrain) -> list[_PlantCurve]:
     found = []
     for i, friction in enumerate(drivetrain.frictions):
         plus, minus = Fraction(friction.coulomb_plus), Fraction(friction.coulomb_minus)
-        height = plus + minus
+        extra = [(Fraction(speed), Fraction(torque)) for speed, torque in friction.stribeck]
+        zero = Fraction(0)
+        above = [(speed, plus + torque) for speed, torque in extra or [(zero, zero)]]
+        below = [(-speed, -minus - torque) for speed, torque in reversed(extra or [(zero, zero)])]
+        height = above[0][1] - below[-1][1]
         if height:
-            zero = Fraction(0)
-            curve = StaticCurve(((zero, -minus / height), (zero, plus / height)))
+            curve = StaticCurve(tuple((speed, torque / height) for speed, torque in (*below, *above)))
             torques = (-height, zero) if i == 0 else (zero, -height)
             name = ("friction of the motor", "friction of the load")[i]
             found.append(_PlantCurve(name, curve, torques, rational([0, int(i == 0), int(i == 1)])))
     return found
 
 
-def _check_drivetrain(drivetrain: Drivetrain) -> None:
+def _check_drivetrain(drivetrain: Drivetrain, stribeck: bool) -> None:
     """Raise where the Lur'e form is not this drivetrain's."""
     friction = drivetrain.frictions
     actuator = drivetrain.actuator
@@ -134,9 +140,14 @@ def _check_drivetrain(drivetrain: Drivetrain) -> None:
             f"contact law {', '.join(s.contact for s in drivetrain.shafts)}",
             "Take contact = 'viscoelastic', the law of the observers.",
         ),
-        (any(f.stribeck for f in friction), "Stribeck friction", "The loop may stick and slip: simulate it."),
         (
-            any(f.breakaway is not None and f.breakaway > max(f.level_at_rest) for f in friction),
+            not stribeck and any(f.stribeck for f in friction),
+            "Stribeck friction",
+            "The loop may stick and slip: simulate it.",
+        ),
+        (
+            not stribeck
+            and any(f.breakaway is not None and f.breakaway > max(f.level_at_rest) for f in friction),
             "a breakaway level above Coulomb friction",
             "The loop may stick and slip: simulate it.",
         ),

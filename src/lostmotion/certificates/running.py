@@ -17,7 +17,7 @@ from ..systems import DiscreteSystem
 from .certificate import certificate, proof_data, short, verdict
 from .equilibrium import Equilibrium, equilibrium
 from .linear_loop import is_stable_in_sectors
-from .lure import LureLoop, lure_loop
+from .lure import LureLoop, lure_loop, with_gap_memory
 from .sampled_proof import SampledProof, sampled_proof
 from .scaling import condition_sizes, state_sizes
 from .sectors import copies, limit_region, sectors
@@ -138,11 +138,18 @@ def prove_running(
         raise InvalidInput("fastest", repr(fastest), f"more than {speeds[0]} rad/s", "Raise it.")
     if not 0.0 < step < math.inf:
         raise InvalidInput("step", repr(step), "a step of the load speed in rad/s above 0", "Raise it.")
+    loop = lure_loop(drivetrain, law, delay=delay)
     search = _Search(
-        lure_loop(drivetrain, law, delay=delay), drivetrain, law, delay, torque_load, fastest, substeps, step,
-        tuple(speeds), progress or (lambda share, text: None),
+        loop, drivetrain, law, delay, torque_load, fastest, substeps, step, tuple(speeds),
+        progress or (lambda share, text: None),
     )  # fmt: skip
-    return search.smallest()
+    proof = search.smallest()
+    if proof.speed is None and "gap" in loop.names:
+        # Slower, and needed by laws that read the shaft torque.
+        remembering = replace(search, loop=with_gap_memory(loop), gap_memory=True, _rests={}, _found={})
+        with_memory = remembering.smallest()
+        return proof if with_memory.speed is None else with_memory
+    return proof
 
 
 @dataclass(frozen=True)
@@ -175,6 +182,7 @@ class _Search:
     step: float
     speeds: tuple[float, ...]
     progress: Progress
+    gap_memory: bool = False
     reason: str = ""
     #: What has been worked out: rests by speed and load torque, candidates by speed and goal.
     _rests: dict[tuple[float, float], Equilibrium | None] = field(default_factory=dict)
@@ -280,6 +288,8 @@ class _Search:
             "limit": None if candidate.goal.step is None else asdict(candidate.goal),
         }
         rest, numbers = candidate.rest, proof_data(candidate.problem, candidate.unknowns)
+        if self.gap_memory:
+            numbers["gap_memory"] = True
         data = certificate(self.drivetrain, self.law, self.delay, claim, rest.segments, numbers)
         reason = verdict(data)
         if reason is not None:

@@ -30,7 +30,12 @@ def state_sizes(proof: SampledProof) -> Array | None:
     turn = np.max(np.abs(np.linalg.eigvals(flow[:3, :3])))
     shown = np.vstack([np.eye(flow.shape[0])[1:3], flow[1:3] / turn])
     seen = np.diag(solve_discrete_lyapunov(step.T, shown.T @ shown))
-    return power_of_two(np.sqrt(np.max(seen[1:3]) / seen))
+    # What nothing reads, the gap's memory, is as large as what it remembers.
+    read = np.any(step, axis=0)
+    sizes = np.zeros(len(seen))
+    sizes[read] = power_of_two(np.sqrt(np.max(seen[1:3]) / seen[read]))
+    sizes[~read] = power_of_two(np.abs(proof.S[~read]) @ sizes)
+    return sizes
 
 
 def condition_sizes(proof: SampledProof, sizes: Array) -> list[Array]:

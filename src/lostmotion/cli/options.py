@@ -11,6 +11,8 @@ import typer
 #: Values of ``frf --method`` and ``excite --kind``; those of ``rig.excitation.KINDS``, which is slow to load.
 METHODS = ("H1", "H2", "Hv")
 KINDS = ("levels", "step", "chirp", "multisine", "prbs", "noise")
+#: Values of ``loop --code``.
+CODES = ("c", "python")
 
 
 def completing(names: Iterable[str]) -> Callable[[str], list[str]]:
@@ -65,6 +67,6 @@ def known_method(name: str) -> Any:
 
 
 def known_code(name: str | None) -> str | None:
-    if name not in (None, "c", "python"):
-        raise typer.BadParameter(f"{name!r} is none of c, python")
+    if name is not None and name not in CODES:
+        raise typer.BadParameter(f"{name!r} is none of {', '.join(CODES)}")
     return name

@@ -9,10 +9,10 @@ import typer
 
 from .compiling import compile_kernels
 from .messages import announce, finished, interruptible
-from .options import ForceOption, completing, finite_positive, known_code
+from .options import CODES, ForceOption, completing, finite_positive, known_code
 
-#: Values of --code.
-CODES = ("c", "python")
+#: What is shown of each time, and its key in the summary.
+_LEVELS = (("median", "median"), ("99 %", "p99"), ("99.9 %", "p999"), ("largest", "largest"))
 
 
 def loop(
@@ -73,6 +73,3 @@ def _times(summary: dict[str, Any]) -> None:
         )
     elif summary["resent"]:
         typer.echo(f"    {summary['resent']} requests sent again")
-
-
-_LEVELS = (("median", "median"), ("99 %", "p99"), ("99.9 %", "p999"), ("largest", "largest"))

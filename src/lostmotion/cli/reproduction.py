@@ -15,7 +15,8 @@ from .messages import interruptible
 def paper(
     out: Annotated[Path, typer.Option(help="Output folder.")] = Path("lostmotion-paper"),
     quick: Annotated[
-        bool, typer.Option("--quick", help="A quarter of the random torque: half a minute of processor time.")
+        bool,
+        typer.Option("--quick", help="A quarter of the random torque, no proof for a box: half a minute."),
     ] = False,
     force: Annotated[
         bool,

@@ -44,7 +44,7 @@ def reproduce(
     out : path
         Output folder; that of an earlier run is replaced.
     quick : bool
-        A quarter of the random torque: the same claims with less certain coherences.
+        A quarter of the random torque, so coherences are less certain, and no proof for a box of parameters.
     force : bool
         Write although foreign files, or changed ones, lie in the folder; they are kept.
     progress : callable
@@ -85,7 +85,7 @@ def _found(e: Experiments, quick: bool, progress: Progress) -> Reproduction:
     answered: list[Answer] = []
     progress("outlook", 0.0)
     with styled():  # answers have figures
-        for answer in answers(e, identified):
+        for answer in answers(e, identified, quick):
             answered.append(answer)
             progress("outlook", min(len(answered) / 6.0, 0.99), answer.question)
     progress("outlook", 1.0)

@@ -1,4 +1,4 @@
-"""Figures: they take data and optional Axes, change no global setting, and return the Figure."""
+"""Figures of results and drawings of drives and laws: they change no global setting and return the Figure."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from .identification.identified_parameters import identified_parameters
 from .identification.prediction_fit import prediction_fit
 from .identification.ring_down_fit import ring_down_fit
 from .identification.stiffness_fit import stiffness_fit
+from .limit_cycle_map import limit_cycle_map
 from .loop_timing import loop_timing
 from .observers.estimate_errors import estimate_errors
 from .observers.leaderboard import leaderboard
@@ -39,6 +40,7 @@ __all__ = [
     "friction_fit",
     "identified_parameters",
     "leaderboard",
+    "limit_cycle_map",
     "loop_timing",
     "mode_shapes",
     "observer_step",

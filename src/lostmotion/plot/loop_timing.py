@@ -58,7 +58,9 @@ def loop_timing(
     for axis, (name, values) in zip(grid, shown.items(), strict=True):
         axis.hist(np.clip(values, SHORTEST, None), bins=edges, color=ESTIMATED["color"])
         axis.axvline(period, label="sample time", **SET_POINT)
-        axis.set(xscale="log", yscale="log", xlabel=f"{name} (s)", ylabel="samples")
+        axis.set(
+            xscale="log", yscale="log" if values.size else "linear", xlabel=f"{name} (s)", ylabel="samples"
+        )
         if values.size:
             middle, high = (quantity(float(v), "s") for v in (np.median(values), values.max()))
             axis.set_title(f"median {middle}, largest {high}", loc="left", fontsize=10)

@@ -1,4 +1,4 @@
-"""A law and the virtual rig as two processes: in lock-step, or paced by the clock."""
+"""A law and the virtual rig as two processes of one machine, in lock-step or by the clock."""
 
 from .run_loop import LoopRun, run_loop
 from .timing import Timing

@@ -24,13 +24,14 @@ def own_step(law: Law) -> Step:
 
 
 def _machine_code(law: DiscreteSystem) -> Step:
-    tables, memory = law.tables(), law.init()
     inputs, outputs = np.empty(len(law.inputs)), np.empty(len(law.outputs))
-    code, addresses = CODE(tables.code), [a.ctypes.data for a in (tables.numbers, memory, inputs, outputs)]
+    # The code knows addresses alone: the arrays must live as long as the step.
+    arrays = (law.tables().numbers, law.init(), inputs, outputs)
+    code, addresses = CODE(law.tables().code), [array.ctypes.data for array in arrays]
 
     def step(given: bytes) -> tuple[int, bytes]:
-        ctypes.memmove(addresses[2], given, len(given))
-        return code(*addresses), outputs.tobytes()
+        arrays[2][:] = np.frombuffer(given)
+        return code(*addresses), arrays[3].tobytes()
 
     return step
 

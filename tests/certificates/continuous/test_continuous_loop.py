@@ -68,5 +68,5 @@ def test_its_linear_part_is_the_design() -> None:
 def test_what_it_does_not_know_is_refused() -> None:
     with pytest.raises(InvalidInput, match="torque limit"):
         continuous_loop(PAPER.with_parameters(torque_limit=50.0), continuous_pi())
-    with pytest.raises(InvalidInput, match="continuous_observer_feedback"):
-        continuous_observer_feedback(PAPER, measured=("speed_motor", "torque_shaft"))
+    with pytest.raises(InvalidInput, match="lag"):
+        continuous_observer_feedback(PAPER.with_parameters(lag=1e-3))

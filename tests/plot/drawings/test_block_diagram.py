@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import pytest
@@ -222,3 +223,26 @@ def test_many_equal_curves_are_one_picture() -> None:
     figure = plot.block_diagram(law)
     assert len(curve_lines(figure)) <= 2
     assert max(figure.get_size_inches()) < 16.0
+
+
+def any_law(n_u: int, n_x: int, n_w: int, seed: int) -> DiscreteSystem:
+    """A law with so many inputs, states and curves, and any of its matrices left out."""
+    rng = np.random.default_rng(seed)
+    n_y = int(rng.choice([1, 4]))
+    rows = {"A": n_x, "B": n_x, "E": n_x, "C": n_y, "D": n_y, "J": n_y, "F": n_w, "G": n_w, "H": n_w}
+    columns = {"A": n_x, "C": n_x, "F": n_x, "B": n_u, "D": n_u, "G": n_u, "E": n_w, "J": n_w, "H": n_w}
+    given = {key: rng.integers(2) * rng.normal(size=(rows[key], columns[key])) for key in rows}
+    given["H"] = np.tril(given["H"], -1)
+    return DiscreteSystem(
+        inputs=[f"speed_{i}" for i in range(n_u)], outputs=[f"torque_{i}_estimated" for i in range(n_y)],
+        states=[f"twist_{i}" for i in range(n_x)], dt=1e-4, **given,
+        curves=[saturation(1.0 + i) if i % 2 else dead_zone(0.01 * (i + 1)) for i in range(n_w)],
+    )  # fmt: skip
+
+
+def test_whatever_is_left_out_the_drawing_is_readable() -> None:
+    for seed, (n_u, n_x, n_w) in enumerate(product((0, 1, 5), (0, 3), (0, 1, 6))):
+        law = any_law(n_u, n_x, n_w, seed)
+        figure = plot.block_diagram(law)
+        assert_readable(figure)
+        assert all(named(figure, signal) == 1 for signal in (*law.inputs, *law.outputs, *law.states))

@@ -34,7 +34,7 @@ class ContinuousLaw:
     Parameters
     ----------
     inputs : tuple of str
-        speed_reference, and what the law reads of the plant: speed_motor, speed_load.
+        speed_reference, and what the law reads of the plant: speeds, twist, shaft torque.
     states : tuple of str
     curves : tuple of StaticCurve
     A, B, E, F, C, D, J : arrays
@@ -85,6 +85,19 @@ def continuous_pi(kp: float = 10.0, ki: float = 200.0) -> ContinuousLaw:
 
 
 @checks_arguments
+def continuous_state_feedback(
+    drivetrain: Drivetrain, poles: Sequence[complex] = DEFAULT_POLES
+) -> ContinuousLaw:
+    """Feedback of the measured twist and speeds, without an observer (Fietzek & Rinderknecht, section V)."""
+    design = state_feedback(drivetrain, poles)
+    return ContinuousLaw(
+        inputs=("speed_reference", "twist", "speed_motor", "speed_load"), states=(), curves=(), A=np.zeros((0, 0)),
+        B=np.zeros((0, 4)), E=np.zeros((0, 0)), F=np.zeros((0, 0)), C=np.zeros((1, 0)),
+        D=np.array([[design.prefilter, *-design.gain]]), J=np.zeros((1, 0)),
+    )  # fmt: skip
+
+
+@checks_arguments
 def continuous_observer_feedback(
     drivetrain: Drivetrain,
     *,
@@ -99,18 +112,23 @@ def continuous_observer_feedback(
     Raises
     ------
     InvalidInput
-        For sensors of the shaft, a lag, and friction of the motor: then only the sampled law is there.
+        For sensors from which the state is not observable, a lag, and friction of the motor: there is only the sampled
+        law then.
     """
     motor = drivetrain.frictions[0]
-    if set(measured) - {"speed_motor", "speed_load"} or drivetrain.lag or any(motor.level_at_rest):
+    if drivetrain.lag or any(motor.level_at_rest):
         raise InvalidInput(
-            "continuous_observer_feedback", f"measured {tuple(measured)}, lag {drivetrain.lag:g} s",
-            "speeds alone, no lag and no Coulomb friction of the motor", "Prove the sampled law.",
+            "drivetrain", f"lag {drivetrain.lag:g} s, friction of the motor {motor.level_at_rest} Nm",
+            "no lag and no Coulomb friction of the motor", "Prove the sampled law.",
         )  # fmt: skip
     model, design = observer_model(drivetrain, measured), state_feedback(drivetrain, poles)
     gain = kalman_gain(drivetrain, measured)
     c = np.array([model.measurement_row(signal) for signal in measured])
     curves = _curves(model, design.gain[0], design.friction_gain if compensation else 0.0)
+    if drivetrain.shaft.has_backlash and "torque_shaft" in measured:
+        # The expected torque is stiffness times what the gap leaves.
+        by_torque = gain[:, list(measured).index("torque_shaft")] * drivetrain.stiffness
+        curves[0] = curves[0]._replace(rates=curves[0].rates + by_torque)
     n, count = len(model.states), len(curves)
     by_curve = np.array([curve.rates for curve in curves]).reshape(count, n).T
     torque = {

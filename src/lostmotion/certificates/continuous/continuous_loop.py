@@ -37,21 +37,24 @@ def continuous_loop(drivetrain: Drivetrain, law: ContinuousLaw) -> LureLoop:
         raise InvalidInput(
             "certify: drivetrain", "a torque limit", "none for a continuous law", "Leave it out."
         )
-    unknown = sorted(set(law.inputs) - {REFERENCE, *MEASURABLE} | {"torque_shaft"} & set(law.inputs))
+    unknown = sorted(set(law.inputs) - {REFERENCE, *MEASURABLE})
     if unknown:
         raise InvalidInput(
-            "certify: law", f"inputs {', '.join(unknown)}", "the set-point, speeds, twist", "Drop them."
+            "certify: law",
+            f"inputs {', '.join(unknown)}",
+            f"{REFERENCE} and any of {', '.join(MEASURABLE)}",
+            "Drop them.",
         )
     plant = plant_of(drivetrain)
     n, p, k, q = len(plant.states), len(plant.curves), len(law.states), len(law.curves)
     parts = [normalised_curve(curve) for curve in law.curves]
     exact = {key: rational(getattr(law, key)) for key in ("A", "B", "E", "F", "C", "D", "J")}
-    measured, reference = zeros(len(law.inputs), n), zeros(len(law.inputs), 1)
+    measured, reference = zeros(len(law.inputs), n + p), zeros(len(law.inputs), 1)
     for i, name in enumerate(law.inputs):
         if name == REFERENCE:
             reference[i, 0] = Fraction(1)
         else:
-            measured[i] = plant.measured[name][:n]
+            measured[i] = plant.measured[name]
     # A curve is a·z + b·σ(z).
     linear = np.array([[a] for a, _, _ in parts], dtype=object).reshape(q, 1) * exact["F"]
     height = np.diag(np.array([b for _, b, _ in parts], dtype=object)) if q else zeros(0, 0)
@@ -61,7 +64,8 @@ def continuous_loop(drivetrain: Drivetrain, law: ContinuousLaw) -> LureLoop:
         slice(n, n + k), identity(k), exact["A"], exact["B"], exact["E"],
     )  # fmt: skip
     for place, into, state, given, curve in rows:
-        flow[place, :n] += into @ given @ measured
+        flow[place, :n] += into @ given @ measured[:, :n]
+        by_curve[place, :p] += into @ given @ measured[:, n:]
         flow[place, n:] += into @ (state + curve @ linear)
         by_curve[place, p:] += into @ curve @ height
         by_reference[place] += into @ given @ reference

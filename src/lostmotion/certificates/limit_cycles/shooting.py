@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,14 +21,17 @@ Array = NDArray[np.float64]
 SETTLE = 10.0
 #: Swings of the motor speed that are none, over the set-point's size plus 1 rad/s (numerics: what rounding leaves).
 STILL = 1e-7
+#: An oscillation whose swing in the last quarter of the simulation is that of the third times less than this dies out
+#: (option).
+DYING = 0.8
 #: Most upward crossings of the mean that make one period, and how near, over its swing, the state must come to where it
 #: was (numerics: a crossing lies within a sample of its place; Newton decides).
 MOST_CROSSINGS, NEAR = 12, 0.1
 #: Signals by which a period is found.
 SEEN = ("speed_motor", "speed_load", "twist", "torque_motor")
-#: By how many samples of one period the sample time of the orbit may differ from the law's (numerics: the number of
-#: samples is rounded).
-MOST_STRETCH = 2.0
+#: Change of the sample time that is accepted for a whole number of samples, of up to so many periods together; most of
+#: an orbit that counts as the law's own (numerics: the law's matrices stay, so its gains change by as much).
+STRETCH, MOST_PERIODS, MOST_STRETCH = 2e-4, 12, 3e-3
 #: Points of a period from which the swing of each state is taken (numerics).
 POINTS = 16
 #: Steps of the difference quotients and accepted residual, over the swing of each state; most Newton steps (numerics:
@@ -42,20 +46,22 @@ class LimitCycle:
     Parameters
     ----------
     period : float, s
-    samples : int
-        In a period. They are a whole number, so the sample time is not quite the law's.
+    periods, samples : int
+        After so many periods, and so many samples, the orbit is closed. Samples are whole, so the sample time is not
+        quite the law's.
     sample_time : float, s
-        That of the orbit: period/samples.
+        That of the orbit: period·periods/samples.
     multipliers : (n,) complex array
-        Floquet multipliers, the largest first: what a small deviation has become after one period. One is 1: along the
-        orbit.
+        Floquet multipliers, the largest first: what a small deviation has become when the orbit is closed. One is 1:
+        along the orbit.
     residual : float
-        Largest deviation after one period, over the swing of each state.
+        Largest deviation then, over the swing of each state.
     recording : Recording
-        One period, from event to event.
+        The closed orbit, from event to event.
     """
 
     period: float
+    periods: int
     samples: int
     sample_time: float
     multipliers: NDArray[np.complex128]
@@ -117,26 +123,56 @@ def limit_cycle(
     -----
     Shooting and Floquet multipliers: Nayfeh & Balachandran 1995, Applied Nonlinear Dynamics, sections 3.2 and 5.5.
     """
+    return ending(drivetrain, law, reference, torque_load, delay, state, settle)[1]
+
+
+def ending(
+    drivetrain: Drivetrain,
+    law: DiscreteSystem,
+    reference: float,
+    torque_load: float,
+    delay: int,
+    state: Sequence[float] | None,
+    settle: float,
+) -> tuple[float, LimitCycle | None]:
+    """Swing of the load speed (rad/s) in the second half of the simulation, 0 if it ends at rest; and the limit cycle.
+
+    A swing without a limit cycle has no period that repeats. Arguments as for ``limit_cycle``.
+    """
     own = delayed(pruned(law, ("torque_motor",)), delay)
     loop = SampledLoop(drivetrain, own, float(reference), float(torque_load))
     first = None if state is None else loop.start(state)
     size = abs(reference) + 1.0
-    found = _period(loop.run(max(round(settle / own.dt), 100), first), size)
+    run = loop.run(max(round(settle / own.dt), 100), first)
+    third, fourth = np.array_split(run["speed_motor"][len(run) // 2 :], 2)
+    if not np.ptp(fourth) > max(STILL * size, DYING * np.ptp(third)):
+        return 0.0, None
+    swing, found = float(np.ptp(run["speed_load"][len(run) // 2 :])), _period(run)
     if found is None:
-        return None
-    begin, samples = found
-    return _closed(loop, loop.point(loop.run(begin, first)), samples, STILL * size)
+        return swing, None
+    begin, length = found
+    periods = _periods(length)
+    orbit = _closed(loop, loop.point(loop.run(begin, first)), round(periods * length), STILL * size)
+    return swing, None if orbit is None else replace(orbit, periods=periods, period=orbit.period / periods)
 
 
-def _period(run: Recording, size: float) -> tuple[int, int] | None:
-    """Sample at which the last whole period begins, and the samples that it has; None if nothing repeats.
+def _periods(length: float) -> int:
+    """How many periods of so many samples are nearly a whole number of them."""
+
+    def stretch(periods: int) -> float:
+        return abs(round(periods * length) / (periods * length) - 1.0)
+
+    tried = range(1, MOST_PERIODS + 1)
+    return next((k for k in tried if stretch(k) < STRETCH), min(tried, key=stretch))
+
+
+def _period(run: Recording) -> tuple[int, float] | None:
+    """Sample at which the last whole period begins, and the samples that it has in the mean; None if nothing repeats.
 
     It begins where the motor speed changes fastest, of all samples at which the load does not stick.
     """
     half = len(run) // 2
     speed = run["speed_motor"][half:]
-    if not np.ptp(speed) > STILL * size:
-        return None
     above = speed > 0.5 * (np.max(speed) + np.min(speed))
     crossings = np.flatnonzero(above[1:] & ~above[:-1])
     seen = np.column_stack([run[name][half:] for name in SEEN])
@@ -147,7 +183,7 @@ def _period(run: Recording, size: float) -> tuple[int, int] | None:
         apart = np.abs(seen[last : last + length] - seen[before : before + length])
         if np.median(np.max(apart, axis=1)) < NEAR:
             periods = (crossings.size - 1) // m
-            samples = round((crossings[-1] - crossings[-1 - m * periods]) / periods)
+            samples = float(crossings[-1] - crossings[-1 - m * periods]) / periods
             rate = np.abs(np.gradient(speed[last : last + length]))
             slips = run["speed_load"][half + last : half + last + length] != 0.0
             return int(half + last + np.argmax(np.where(slips, rate, -1.0))), samples
@@ -173,14 +209,14 @@ def _closed(loop: SampledLoop, start: LoopPoint, samples: int, still: float) -> 
         change = np.linalg.lstsq(system, -gap, rcond=None)[0]
         change *= min(1.0, 0.5 / float(np.max(np.abs(change))))
         values, dt = values + size * change[:n], dt * (1.0 + float(change[n]))
-    if not residual < CLOSED or abs(dt / loop.law.dt - 1.0) > MOST_STRETCH / samples:
+    if not residual < CLOSED or abs(dt / loop.law.dt - 1.0) > MOST_STRETCH:
         return None
     orbit = loop.run(samples, replace(start, values=values), dt)
     if not np.ptp(orbit["speed_motor"]) > still:
         return None
     multipliers = np.linalg.eigvals(_jacobian(loop, start, samples, values, dt, size)).astype(complex)
     return LimitCycle(
-        period=samples * dt, samples=samples, sample_time=dt,
+        period=samples * dt, periods=1, samples=samples, sample_time=dt,
         multipliers=multipliers[np.argsort(-np.abs(multipliers))], residual=residual, recording=orbit,
     )  # fmt: skip
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ..claim import Claim
 from ..experiments import Experiments
-from . import control, frequency, friction_backlash, gains, modes, observers
+from . import control, frequency, friction_backlash, gains, modes, observers, realtime
 
 #: Groups in the order of the paper.
 GROUPS: dict[str, Callable[[Experiments], list[Claim]]] = {
@@ -16,6 +16,7 @@ GROUPS: dict[str, Callable[[Experiments], list[Claim]]] = {
     "Observability and gains": gains.claims,
     "Observers": observers.claims,
     "Control": control.claims,
+    "In real time": realtime.claims,
 }
 
 __all__ = ["GROUPS"]

@@ -14,9 +14,9 @@ from .robustness import robustness
 from .stability import stability
 
 
-def answers(e: Experiments, identified: Identified) -> Iterator[Answer]:
+def answers(e: Experiments, identified: Identified, quick: bool) -> Iterator[Answer]:
     """One after the other, in the order of the paper's outlook."""
-    yield stability()
+    yield stability(quick)
     yield robustness(e)
     yield controllers(e, identified)
     yield oscillation(e)

@@ -87,7 +87,7 @@ def _places(law: DiscreteSystem) -> _Places:
     h = curves - 0.5 * curves_high - _ROW
     j = h - 2.0 * _ROW + 12.0 if present(law.H) else h
     g = j - 2.0 * _ROW + 12.0 if present(law.J) else j
-    d = max(0.5 * high, heights(len(law.inputs))[0]) + _ROW
+    d = max([0.5 * high, *heights(len(law.inputs))]) + _ROW
     return _Places(
         into_e, into_a, states, fork, c, c + 0.5 * BLOCK + 2.0 * ROOM, d, a, f, curves, h, j, g
     )  # fmt: skip

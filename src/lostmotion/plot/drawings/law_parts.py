@@ -84,6 +84,8 @@ def node(sheet: Sheet, x: float, y: float) -> None:
 
 def bus(sheet: Sheet, x: float, ports: Sequence[float], *branches: float) -> None:
     """Several signals as one vector, a bar over the heights of ports and branches; one signal is a line."""
+    if not ports:
+        return
     places = [*ports, *branches]
     high, low = max(places), min(places)
     if len(ports) > 1:
