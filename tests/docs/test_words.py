@@ -26,7 +26,6 @@ REPLACED = {
     r"\bmore than chance\b": "beyond its 95 % noise level",
     r"\bcounts? less\b|\bpulls? (little|the estimate)\b": "is down-weighted, influence",
     r"\bkinship\b": "same topology",
-    r"\bthe box\b": "the search bounds",
     r"\bnobody\b": "not given",
     r"\bHz mode\b": "eigenmode",
 }

@@ -10,13 +10,13 @@ from .continuous.continuous_law import (
     continuous_pi,
     continuous_state_feedback,
 )
-from .gap_share import largest_share
 from .limit_cycles.harmonic_balance import Harmonic, HarmonicBalance, harmonic_balance
 from .limit_cycles.parameter_map import LimitCycleMap, limit_cycle_map
 from .limit_cycles.shooting import LimitCycle, limit_cycle
 from .load_torque import prove_with_load
 from .observer.error_bound import ObserverError, observer_error, observer_verdict
 from .robustness.contact_margins import margins
+from .robustness.gap_share import largest_share
 from .robustness.loop_margins import Margins
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability

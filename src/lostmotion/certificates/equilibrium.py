@@ -37,7 +37,7 @@ class Equilibrium:
 def equilibrium(loop: LureLoop, speed: Fraction, torque_load: Fraction = Fraction(0)) -> Equilibrium | None:
     """The rest of the loop with the load at ``speed`` ≠ 0; None where there is none, or more than one.
 
-    docs/stability.md, equations 3 and 4. Each curve is a straight line on its segment, so the rest is the solution of a
+    docs/proofs.md, equations 3 and 4. Each curve is a straight line on its segment, so the rest is the solution of a
     linear system; the segments are guessed, then read off the solution until nothing changes.
     """
     curves = (*loop.plant_curves, *loop.law_curves)

@@ -19,7 +19,7 @@ SMALLEST, LARGEST = 0.35, 0.5
 def prove_with_load(drivetrain: Drivetrain, law: DiscreteSystem, **options: Any) -> RunningProof:
     """The proof without load torque; where there is none, with a constant one that resists the motion.
 
-    The shaft is then wound up further at rest, and the gap's sector is smaller (docs/stability.md, equation 7).
+    The shaft is then wound up further at rest, and the gap's sector is smaller (docs/proofs.md, equation 7).
     Arguments as for ``prove_running``, without ``torque_load``.
     """
     proof = prove_running(drivetrain, law, **options)

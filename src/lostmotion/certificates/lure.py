@@ -7,7 +7,7 @@ Between samples the plant flows while torque and law stand still; at a sample th
     ξ⁺ = S ξ + S_w w + S_v v + R·speed_reference     s = N ξ + N_w w + N_v v + M·speed_reference,
                                                     v = curve(s)                        law
 
-docs/stability.md, section 1. All numbers are exact fractions of the floats of drivetrain and law.
+docs/proofs.md, equations 1 to 3. All numbers are exact fractions of the floats of drivetrain and law.
 """
 
 from __future__ import annotations
@@ -213,7 +213,7 @@ def with_gap_memory(loop: LureLoop) -> LureLoop:
     """The loop that remembers, from sample to sample, its gap's argument at the last one; nothing reads it.
 
     A law that reads the shaft torque acts on the gap at its samples, the plant on the gap between them. The value at
-    the last sample, a curve of the new state, ties both together in a proof (docs/stability.md, equation 27).
+    the last sample, a curve of the new state, ties both together in a proof (docs/proofs.md, equation 27).
     """
     p = loop.names.index("gap")
     state, curve = len(loop.states), len(loop.law_curves)

@@ -46,7 +46,7 @@ class Plant:
 
 
 def plant_of(drivetrain: Drivetrain, stribeck: bool = False) -> Plant:
-    """The drivetrain between samples (docs/stability.md, equation 1); raises ``InvalidInput`` where it has no such
+    """The drivetrain between samples (docs/proofs.md, equation 1); raises ``InvalidInput`` where it has no such
     form.
 
     With ``stribeck``, Stribeck friction is part of the curves, which then fall, and a breakaway level is left out.

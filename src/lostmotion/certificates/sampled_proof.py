@@ -4,7 +4,7 @@
 
     V(ξ, τ) = ξᵀ P(τ) ξ + 2 Σ ηᵢ ∫wᵢ + 2 Σ θⱼ ∫vⱼ        P piecewise linear in the time τ since the last sample
 
-falls between samples and does not rise at a sample: docs/stability.md, section 4, whose equations are cited. The same
+falls between samples and does not rise at a sample: docs/proofs.md, equations 10 to 15. The same
 lines run in floats for the solver and in fractions for the check. Terms with a multiplier of zero are left out: the
 solver takes the coefficients of one unknown after the other.
 """

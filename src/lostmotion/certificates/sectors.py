@@ -41,7 +41,7 @@ class Copies(NamedTuple):
 def sectors(loop: LureLoop, corners: Sequence[Equilibrium]) -> tuple[Sector, ...] | None:
     """The sector of each curve, the same for every equilibrium between the corners; None if there is none.
 
-    docs/stability.md, section 3: on one segment the equilibrium is affine in speed and load torque, and each chord
+    docs/proofs.md, equation 6: on one segment the equilibrium is affine in speed and load torque, and each chord
     slope monotone in it.
     """
     if len({corner.segments for corner in corners}) != 1:
@@ -77,7 +77,7 @@ def _copies(curve: StaticCurve, i: int, j: int, apart: Fraction) -> Copies:
 def _apart(curve: StaticCurve, i: int, j: int, corners: Sequence[Equilibrium]) -> Fraction | None:
     """ε/room, where two copies rest at arguments ε apart, on a flat segment with room to its ends; else None.
 
-    docs/stability.md, equation 9.
+    docs/proofs.md, equation 9.
     """
     apart = [abs(corner.arguments[i] - corner.arguments[j]) for corner in corners]
     if not any(apart):
@@ -107,7 +107,7 @@ def limit_region(
 ) -> tuple[Region, tuple[Sector, ...]]:
     """The region in which the limit keeps ``share`` of its slope, and the sectors with that of the limit changed.
 
-    docs/stability.md, equation 16. The first two corners are the slowest and the fastest equilibrium at one load
+    docs/proofs.md, equation 16. The first two corners are the slowest and the fastest equilibrium at one load
     torque; ``step`` of the load speed in rad/s.
     """
     assert loop.limit is not None

@@ -4,7 +4,7 @@
 It needs nothing but Python's standard library and trusts nothing in the file but the drivetrain and the law: it builds
 the loop, its equilibria and the sectors of its curves itself, and takes from the file only the matrices P and the
 multipliers, which either satisfy the inequalities or do not. With law.json it also checks that the certificate is
-about that law. Numbers in brackets are the equations of docs/stability.md. Exit code 0: proved; 1: not proved.
+about that law. Numbers in brackets are the equations of docs/proofs.md. Exit code 0: proved; 1: not proved.
 
 A *form* is a linear expression in named variables, {name: coefficient}. A *quadratic* is {(name, name): coefficient}.
 """

@@ -1,6 +1,6 @@
 """A cell of a box of drivetrains: one V, or one family of V, that proves the loop with every drivetrain in the cell.
 
-In units of torque the parameters enter the flow alone, and each only once: docs/stability.md, equations 24 to 26.
+In units of torque the parameters enter the flow alone, and each only once: docs/proofs.md, equations 24 to 26.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ class CellProof:
 
     Every corner has numbers of its own, between corners they are interpolated. So that nothing is quadratic in a
     parameter, the plant's integrals have the same weights everywhere, and the row of P that belongs to a parameter's
-    rate does not change with that parameter (docs/stability.md, equation 25). In continuous time P stands still and
+    rate does not change with that parameter (docs/proofs.md, equation 25). In continuous time P stands still and
     nothing happens at samples.
 
     Parameters

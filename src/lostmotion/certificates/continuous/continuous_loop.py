@@ -4,7 +4,7 @@
 
     ξ = (plant, law)        ξ̇ = A ξ + E w + L·torque_load + R·speed_reference        z = Z ξ,  w = curve(z)
 
-docs/stability.md, equation 23.
+docs/proofs.md, equation 23.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ The observer in continuous time is a copy of the drivetrain with a correction::
     x̂' = A x̂ + B·torque_motor + Σ E·curve(ẑ) + gain·(measured − expected)
 
 With the whole gap no gain makes its error go to zero: within the gap the twist acts on no sensor but its own. What is
-proved instead is a set that every error enters and none leaves. docs/stability.md, equations 19 to 22.
+proved instead is a set that every error enters and none leaves. docs/proofs.md, equations 19 to 22.
 """
 
 from __future__ import annotations

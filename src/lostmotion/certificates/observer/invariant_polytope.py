@@ -4,7 +4,7 @@ The error obeys ė = A e + Σ E w, where each w, the difference of a curve betwe
 and what the difference of its argument allows, whatever the motion is: a differential inclusion. A polytope
 {|h·e| ≤ 1} is invariant if h·ė < 0 on each of its faces; it is if one step e + τ·ė of any length τ > 0 leads inside
 (Euler's approximating system: Blanchini & Miani 2008, Set-Theoretic Methods in Control, section 4).
-docs/stability.md, equations 19 to 22.
+docs/proofs.md, equations 19 to 22.
 """
 
 from __future__ import annotations

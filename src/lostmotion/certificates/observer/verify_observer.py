@@ -3,7 +3,7 @@
 
 It needs nothing but Python's standard library. From the file it takes the drivetrain, the observer's gain and
 injection, and builds the error's equations itself; the polytope and the multipliers either satisfy the inequalities or
-do not. Numbers in brackets are the equations of docs/stability.md. Exit code 0: proved; 1: not proved.
+do not. Numbers in brackets are the equations of docs/proofs.md. Exit code 0: proved; 1: not proved.
 
 A *form* is a linear expression in named variables, {name: coefficient}; the name "1" stands for the constant.
 """

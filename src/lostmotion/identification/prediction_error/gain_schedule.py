@@ -87,7 +87,7 @@ def fit(
     bandwidth: Bandwidth,
     iterations: int = ITERATIONS,
 ) -> Fit:
-    """Minimum over the free parameters, from theta on, within the box."""
+    """Minimum over the free parameters, from theta on, within its bounds."""
     start = theta.copy()
     start[free] = np.clip(theta[free], box.lower[free], box.upper[free])
     return minimise(

@@ -38,8 +38,8 @@ def within_intervals(
 ) -> Candidate:
     """The likeliest values within the intervals of the fit, in its own structure.
 
-    What the fit does not tell is free within the box. The filter's noise is fitted first: a drive that is known exactly
-    needs little. No better values are looked for once the cost is below ``enough``.
+    What the fit does not tell is free within its bounds. The filter's noise is fitted first: a drive that is known
+    exactly needs little. No better values are looked for once the cost is below ``enough``.
     """
     drivetrain, names = predictor.drivetrain(told.theta), ("coulomb_motor", "viscous_motor")
     rate = RATE * 2.0 * np.pi * drivetrain.pole_frequency
