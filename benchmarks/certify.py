@@ -144,18 +144,28 @@ def mutations(count: int) -> None:
     sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificates"))
     import test_verify_certificate as tests
 
-    plant = drivetrain(torque_limit=73.5)
-    law = lm.controllers.pi(dt=1e-4, torque_limit=73.5)
-    certificate = prove_running(plant, law, torque_load=(-1.0, 0.5), fastest=100.0).certificate
-    assert certificate is not None
-    rng, paths = random.Random(1), tests.leaves(certificate)
-    agreed = proved = 0
-    for _ in range(count):
-        data = tests.mutated(certificate, rng, paths)
-        own = tests.said(lambda d: verdict(d) is None, data)
-        agreed += own == tests.said(tests.independent, data)
-        proved += own
-    print(f"{agreed} of {count} verdicts agree; {proved} damaged certificates still prove their claim")
+    plain, plant = drivetrain(), drivetrain(torque_limit=73.5)
+    pi = lm.controllers.pi(dt=1e-4, torque_limit=73.5)
+    found = {
+        "PI": prove_running(plant, pi, torque_load=(-1.0, 0.5), fastest=100.0),
+        # Copies of the gap, and the region of a limit that acts.
+        "Observer 1 with torque limit": prove_running(
+            plain, feedback(plain, torque_limit=73.5), speeds=(0.5,)
+        ),
+    }
+    for name, proof in found.items():
+        assert proof.certificate is not None
+        rng, paths = random.Random(1), tests.leaves(proof.certificate)
+        agreed = proved = 0
+        for _ in range(count // len(found)):
+            data = tests.mutated(proof.certificate, rng, paths)
+            own = tests.said(lambda d: verdict(d) is None, data)
+            agreed += own == tests.said(tests.independent, data)
+            proved += own
+        print(
+            f"{name}: {agreed} of {count // len(found)} verdicts agree; {proved} damaged certificates still prove "
+            "their claim"
+        )
 
 
 FOUR = ("inertia_load", "stiffness", "coulomb", "backlash")

@@ -48,6 +48,15 @@ def test_the_law_beside_the_drivetrain_is_proved_and_verified(drivetrain: Path) 
     assert code == 0 and said.startswith("PROVED")
 
 
+def test_simulations_stand_beside_the_proof(drivetrain: Path) -> None:
+    lm.save_law(lm.controllers.pi(dt=1e-3), drivetrain.with_name("law.json"))
+    result = certify_file(drivetrain, drivetrain.with_name("certificate"), simulate=20, fastest=2.0)
+    assert result["proved"]
+    variants, worst = result["simulated"]
+    assert variants.startswith("0 of 20 simulated variants within ±10 % do not settle")
+    assert worst.startswith("The worst of ") and "beyond the proof" in worst
+
+
 def test_what_is_not_proved_is_written_as_such(drivetrain: Path) -> None:
     shaky = drivetrain.with_name("shaky.json")
     lm.save_law(lm.controllers.pi(dt=1e-4, kp=400.0), shaky)

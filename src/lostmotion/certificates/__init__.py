@@ -19,6 +19,9 @@ from .observer.observer_share import BestInjection, best_injection, observer_sha
 from .robustness.contact_margins import margins
 from .robustness.gap_share import largest_share
 from .robustness.loop_margins import Margins
+from .robustness.peak_bounds import PeakBounds, peak_bounds
+from .robustness.simulated_variants import VariantCount, count_variants
+from .robustness.worst_case import WorstCase, worst_case
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
@@ -32,7 +35,10 @@ __all__ = [
     "LimitCycleMap",
     "Margins",
     "ObserverError",
+    "PeakBounds",
     "RunningProof",
+    "VariantCount",
+    "WorstCase",
     "around",
     "best_injection",
     "box_headline",
@@ -41,6 +47,7 @@ __all__ = [
     "continuous_observer_feedback",
     "continuous_pi",
     "continuous_state_feedback",
+    "count_variants",
     "harmonic_balance",
     "headline",
     "largest_share",
@@ -51,10 +58,12 @@ __all__ = [
     "observer_headline",
     "observer_share",
     "observer_verdict",
+    "peak_bounds",
     "prove_box",
     "prove_running",
     "prove_with_load",
     "simulated",
     "stability",
     "verdict",
+    "worst_case",
 ]

@@ -50,6 +50,13 @@ def certify(
             "instead of the loop."
         ),
     ] = None,
+    simulate: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            help="Simulate so many variants within ±10 percent beside the proof, and search for the worst start.",
+        ),
+    ] = 0,
     force: ForceOption = False,
 ) -> None:
     """Prove from which load speed on the loop is stable, with the whole gap, and write a certificate to check it."""
@@ -67,7 +74,7 @@ def certify(
     with interruptible(), StageLines() as lines:
         result = certify_file(
             drivetrain, out, law, delay, torque_load, fastest,
-            lambda fraction, text: lines("certify", fraction, text), force,
+            lambda fraction, text: lines("certify", fraction, text), force, simulate,
         )  # fmt: skip
         lines("certify", 1.0)
     typer.echo(f"  {result['headline']}")
@@ -76,6 +83,8 @@ def certify(
         typer.echo("  valid while " + ";\n              ".join(result["conditions"]))
     if result["margins"]:
         typer.echo(text([MARGIN_COLUMNS, *margin_table(result["margins"])]))
+    for sentence in result["simulated"]:
+        typer.echo(f"  {sentence}")
     finished([], out, ".json", "_verify.py")
 
 
