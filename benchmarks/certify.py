@@ -172,6 +172,25 @@ FOUR = ("inertia_load", "stiffness", "coulomb", "backlash")
 FIVE = (*FOUR, "inertia_motor")
 
 
+def observer_mutations(count: int) -> None:
+    """The same for the bound of an observer's error; every second damage is outside of the many multipliers."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificates" / "observer"))
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fixtures"))
+    import test_error_bound as tests
+
+    certificate = observer_error(drivetrain(), BOTH, faces=20).certificate
+    assert certificate is not None
+    rng, paths = random.Random(5), tests.leaves(certificate)
+    few = [path for path in paths if "multipliers" not in path]
+    agreed = proved = 0
+    for i in range(count):
+        data = tests.mutated(certificate, rng, few if i % 2 else paths)
+        own = tests.said(lambda d: observer_verdict(d) is None, data)
+        agreed += own == tests.said(tests.independent, data)
+        proved += own
+    print(f"{agreed} of {count} verdicts agree; {proved} damaged certificates still prove their claim")
+
+
 def boxes() -> None:
     """Tolerances: cells, time of all processes, what the verifier says; where a proof stops, a simulation."""
     plant = drivetrain()
@@ -223,4 +242,4 @@ if __name__ == "__main__":
     else:
         boxes() if given.boxes else table()
     if given.mutations:
-        mutations(given.mutations)
+        (observer_mutations if given.observers else mutations)(given.mutations)
