@@ -141,7 +141,7 @@ def table() -> None:
 
 def mutations(count: int) -> None:
     """Damaged certificates: the verifier's verdict against the independent check of the tests."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificates"))
+    sys.path[:0] = [str(Path(__file__).parents[1] / "tests" / room) for room in ("certificates", "fixtures")]
     import test_verify_certificate as tests
 
     plain, plant = drivetrain(), drivetrain(torque_limit=73.5)
