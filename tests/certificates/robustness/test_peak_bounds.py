@@ -48,7 +48,7 @@ def test_no_simulation_exceeds_the_bounds_and_they_are_not_far_off() -> None:
 def test_whether_the_torque_limit_can_act() -> None:
     still = peak_bounds(PAPER.with_parameters(torque_limit=73.5), continuous_pi())
     assert still.limit_acts is False and still.torque_motor < 25.0
-    assert peak_bounds(PAPER.with_parameters(torque_limit=20.0), continuous_pi()).limit_acts is None
+    assert peak_bounds(PAPER.with_parameters(torque_limit=5.0), continuous_pi()).limit_acts is None
 
 
 def test_what_is_not_bounded_is_refused() -> None:
