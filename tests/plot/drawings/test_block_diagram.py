@@ -188,6 +188,14 @@ def test_the_loop_is_drawn_from_the_controller_over_the_plant_to_the_observer() 
     assert places["pole placement"] < places["plant"] < places["kalman"]
 
 
+def test_in_a_loop_too_the_gains_of_a_single_sum_are_told() -> None:
+    """The prefilter, the gains of the feedback and that of the friction's compensation."""
+    shown = texts(plot.block_diagram([OBSERVER_1, PLACED], plant=PAPER))
+    for signal, gain in zip(PLACED.inputs, PLACED.G[0], strict=True):
+        value = f"{gain:.3g}".replace("-", "−")
+        assert sum(text.startswith(f"{signal} (") and text.endswith(f") × {value}") for text in shown) == 1
+
+
 def test_outputs_that_leave_are_those_that_were_asked_for() -> None:
     figure = plot.block_diagram([OBSERVER_1, PLACED], outputs=["torque_motor"])
     assert named(figure, "twist_estimated") == 0

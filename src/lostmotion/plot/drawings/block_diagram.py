@@ -33,7 +33,8 @@ def block_diagram(
     """The equations of one law, or how several laws and the plant are joined by the names of their signals.
 
     One law shows inputs, outputs and states with their units, its matrices with their shapes, and a picture of every
-    curve; a matrix of zeros is left out. A connected law is one law: give its parts to see how they are joined.
+    curve; a matrix of zeros is left out. A connected law is one law: give its parts to see how they are joined. Where a
+    law without states sums its inputs once, each input shows its gain.
 
     Parameters
     ----------

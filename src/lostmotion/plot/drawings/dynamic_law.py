@@ -117,7 +117,8 @@ def _loop(sheet: Sheet, law: DiscreteSystem, at: _Places) -> None:
             x = place + SUM
         elif there:
             x, begun = place, True
-    sheet.line((x, 0.0), (left, 0.0), arrow=True)
+    if begun:
+        sheet.line((x, 0.0), (left, 0.0), arrow=True)
     small(sheet, 0.5 * (max(x, at.into_a) + left), 0.0, "x⁺")
     draw_states(sheet, law.states, at.states, 0.0)
     sheet.line((right, 0.0), (at.fork, 0.0))

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from itertools import permutations
 
 from ...curves import PiecewiseLinear
+from ...display.numbers import digits
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...recording import unit_of
 from ...systems import DiscreteSystem, Stepper
 from .curve_icons import HEIGHT, WIDTH, abreast, draw_icon, grouped
-from .law_parts import ROOM, with_unit
+from .law_parts import ROOM, single_sum, with_unit
 from .sheet import LARGE, LINE, QUIET, SMALL, Sheet, text_width
 from .symbols import rotor, rotor_height, shaft
 
@@ -34,7 +35,13 @@ class _Block:
     outputs: tuple[str, ...]
     about: str
     curves: tuple[PiecewiseLinear, ...] = ()
+    gains: tuple[float, ...] = ()
     plant: Drivetrain | None = None
+
+    def labels(self, signals: Sequence[str]) -> list[str]:
+        """Some of its inputs with their units, and with their gains where it sums them once."""
+        gains = dict(zip(self.inputs, self.gains, strict=False))
+        return [with_unit(s) + (f" × {digits(gains[s])}" if s in gains else "") for s in signals]
 
     @property
     def size(self) -> tuple[float, float]:
@@ -77,7 +84,8 @@ def _blocks(laws: Sequence[Law], plant: Drivetrain | None) -> list[_Block]:
         if isinstance(law, DiscreteSystem):
             counts = ((len(law.states), "state"), (len(curves), "curve"))
             about = ", ".join(f"{n} {word}{'s' * (n != 1)}" for n, word in counts if n) or "gains"
-        found.append(_Block(law.name.replace("_", " "), law.inputs, law.outputs, about, curves))
+        gains = tuple(single_sum(law)) if isinstance(law, DiscreteSystem) else ()
+        found.append(_Block(law.name.replace("_", " "), law.inputs, law.outputs, about, curves, gains))
     if plant is not None:
         made = {signal for law in laws for signal in law.outputs}
         needed = dict.fromkeys(signal for law in laws for signal in law.inputs if signal not in made)
@@ -121,16 +129,16 @@ class _Chart:
         }
         self.cells |= {(-1, j): [s for s in blocks[j].inputs if s not in made] for j in count}
         self.leaving = [[s for s in block.outputs if s in leaving] for block in blocks]
-        self.cells = {place: signals for place, signals in self.cells.items() if signals}
+        self.cells = {(i, j): blocks[j].labels(signals) for (i, j), signals in self.cells.items() if signals}
         self.x = _middles([self._width(j) for j in count])
         self.y = [-y for y in _middles([self._height(i) for i in (-1, *count)])]
 
     def _width(self, j: int) -> float:
-        cells = [_cell_size(signals)[0] for (_, column), signals in self.cells.items() if column == j]
+        cells = [_cell_size(lines)[0] for (_, column), lines in self.cells.items() if column == j]
         return max([self.blocks[j].size[0], *cells])
 
     def _height(self, i: int) -> float:
-        cells = [_cell_size(signals)[1] for (row, _), signals in self.cells.items() if row == i]
+        cells = [_cell_size(lines)[1] for (row, _), lines in self.cells.items() if row == i]
         own = [] if i < 0 else [self.blocks[i].size[1], _cell_size(self.leaving[i])[1]]
         return max([0.0, *own, *cells])
 
@@ -138,14 +146,14 @@ class _Chart:
         return self.y[i + 1]
 
     def draw(self) -> None:
-        for (i, j), signals in self.cells.items():
+        for (i, j), lines in self.cells.items():
             self._link(i, j)
-            wide, high = _cell_size(signals)
+            wide, high = _cell_size(lines)
             x, y = self.x[j], self._row(i)
             self.sheet.box(
                 x, y, wide, high, facecolor="white", edgecolor="#b5b5b5", linewidth=0.7, round_by=3.0
             )
-            self.sheet.column(x, y + 0.5 * high - 3.0, [with_unit(s) for s in signals], size=SMALL)
+            self.sheet.column(x, y + 0.5 * high - 3.0, lines, size=SMALL)
         for i, block in enumerate(self.blocks):
             _draw_block(self.sheet, block, self.x[i], self._row(i))
             if self.leaving[i]:
@@ -179,9 +187,9 @@ def _middles(sizes: Sequence[float]) -> list[float]:
     return found
 
 
-def _cell_size(signals: Sequence[str]) -> tuple[float, float]:
-    wide = max((text_width(with_unit(signal), SMALL) for signal in signals), default=0.0)
-    return wide + 10.0, LINE * SMALL * len(signals) + 6.0
+def _cell_size(lines: Sequence[str]) -> tuple[float, float]:
+    wide = max((text_width(line, SMALL) for line in lines), default=0.0)
+    return wide + 10.0, LINE * SMALL * len(lines) + 6.0
 
 
 def _draw_block(sheet: Sheet, block: _Block, x: float, y: float) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...curves import PiecewiseLinear
 from ...display.numbers import digits, given
 from ...recording import unit_of
+from ...systems import DiscreteSystem
 from .curve_icons import abreast, cell_size, draw_cell, grouped
 from .sheet import INK, LARGE, LINE, NORMAL, QUIET, SMALL, Sheet, text_width
 
@@ -35,6 +36,13 @@ def with_unit(signal: str) -> str:
     if name.endswith("_rate"):
         unit += "/s"
     return f"{signal} ({unit})" if unit else signal
+
+
+def single_sum(law: DiscreteSystem) -> list[float]:
+    """Gain of each input where the law has no states and sums its inputs once; else nothing."""
+    both = np.vstack([law.G, law.D])
+    rows = np.flatnonzero(np.any(both, axis=1))
+    return both[rows[0]].tolist() if rows.size == 1 and not law.states else []
 
 
 def present(matrix: NDArray[np.float64]) -> bool:
@@ -106,7 +114,7 @@ def draw_inputs(
 ) -> list[float]:
     """An arrow to x for every input, with its check and its gain where it has one; the arrows' heights."""
     places = heights(len(names))
-    wide = max((text_width(_gain(g), SMALL) for g in gains), default=0.0) + 10.0
+    wide = max((text_width(digits(g), SMALL) for g in gains), default=0.0) + 10.0
     start = x - ARROW - (wide + 20.0 if gains else 0.0) - (52.0 if checked else 0.0)
     for i, (name, y) in enumerate(zip(names, places, strict=True)):
         sheet.text(start - 5.0, y, with_unit(name), ha="right")
@@ -117,12 +125,8 @@ def draw_inputs(
         if gains:
             at = x - 0.5 * ARROW - 0.5 * wide
             sheet.box(at, y, wide, 15.0)
-            sheet.text(at, y, _gain(gains[i]), size=SMALL)
+            sheet.text(at, y, digits(gains[i]), size=SMALL)
     return places
-
-
-def _gain(value: float) -> str:
-    return digits(value).replace("-", "−")
 
 
 def draw_outputs(sheet: Sheet, names: Sequence[str], x: float) -> list[float]:

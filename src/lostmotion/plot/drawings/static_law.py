@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...systems import DiscreteSystem
 from .law_parts import (
     BLOCK,
@@ -18,6 +16,7 @@ from .law_parts import (
     draw_outputs,
     node,
     present,
+    single_sum,
     small,
     summed,
     through,
@@ -27,9 +26,7 @@ from .sheet import Sheet
 
 def draw_static(sheet: Sheet, law: DiscreteSystem) -> None:
     """u → G → curves → J → y with D above; gains stand on the inputs' arrows where there is one sum of them alone."""
-    both = np.vstack([law.G, law.D])
-    rows = np.flatnonzero(np.any(both, axis=1))
-    gains = both[rows[0]].tolist() if rows.size == 1 else []
+    gains = single_sum(law)
     ports = draw_inputs(sheet, law.inputs, 0.0, checked=[c.input for c in law.checks], gains=gains)
     beside = bool(law.curves) and present(law.D) and not gains
     above = 0.5 * (max(curves_size(law.curves)[1], HIGH) + HIGH) + 10.0 if beside else 0.0

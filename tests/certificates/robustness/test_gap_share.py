@@ -16,9 +16,9 @@ from lostmotion.certificates import (
     largest_share,
 )
 from lostmotion.certificates.continuous.continuous_loop import continuous_loop
-from lostmotion.certificates.gap_share import Question, share_of_loop
 from lostmotion.certificates.lure import LureLoop
 from lostmotion.certificates.rational import identity, rational, zeros
+from lostmotion.certificates.robustness.gap_share import Question, share_of_loop
 from lostmotion.certificates.static_curves import StaticCurve
 from lostmotion.errors import InvalidInput
 

@@ -11,20 +11,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ..argument_checks import checks_arguments
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from .box.cell import CellProof
-from .certificate import short
-from .continuous.continuous_law import ContinuousLaw
-from .continuous.continuous_loop import continuous_loop
-from .equilibrium import Equilibrium
-from .lure import LureLoop
-from .rational import Matrix, is_positive_definite, rational, zeros
-from .sampled_proof import SampledProof, sampled_proof
-from .scaling import condition_sizes, state_sizes
-from .sectors import Copies, Sector
-from .semidefinite import Inequalities, Unknowns
+from ...argument_checks import checks_arguments
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ..box.cell import CellProof
+from ..certificate import short
+from ..continuous.continuous_law import ContinuousLaw
+from ..continuous.continuous_loop import continuous_loop
+from ..equilibrium import Equilibrium
+from ..lure import LureLoop
+from ..rational import Matrix, is_positive_definite, rational, zeros
+from ..sampled_proof import SampledProof, sampled_proof
+from ..scaling import condition_sizes, state_sizes
+from ..sectors import Copies, Sector
+from ..semidefinite import Inequalities, Unknowns
 
 #: The criteria, each stronger than the one before: circle (quadratic V), Popov (with integrals), and with the cross
 #: condition of two arguments of one curve.
