@@ -96,11 +96,10 @@ def test_what_the_model_lacks_is_not_grossly_wrong(plant: lm.Drivetrain, kept: t
 
 
 def test_ten_times_the_stiffness():
-    """Inertia and backlash were twice too large: nothing is told, and the report says so."""
+    """Inertia and backlash were twice too large with ±58 %, Coulomb friction a fifth too small with ±1 %."""
     plant = TABLE_I.with_parameters(stiffness=62_858.96, damping=3.97)
     found = lm.identify(recorded(plant, 1e-4, 2.0), start=plant)
-    assert found.intervals == {}
-    assert any("times the sensor's noise" in problem.got for problem in found.problems)
+    assert gross(found, plant.parameters()) == {}
 
 
 def test_a_load_torque_takes_the_friction_alone():

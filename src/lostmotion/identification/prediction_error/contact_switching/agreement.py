@@ -31,9 +31,9 @@ def confirmed(
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
     Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
-    Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does
-    and finds something else, its own values are told if it explains the recording. If nothing does, the difference is
-    part of the intervals, and too large a one leaves nothing.
+    Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does,
+    its own values are told if it explains the recording. If nothing does, the difference is part of the intervals, and
+    too large a one leaves nothing.
     """
     fit = Fit(predictor, stage, told, start)
     try:
@@ -52,8 +52,7 @@ def confirmed(
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
     # Where the recording is explained, whatever predicts alike may be right as well.
     others = [*better, *(one for one in rivals if explained and alike(one, best))]
-    found = search.estimate(rivals) if better and any(fit.shift(others)[fit.core]) else None
-    if found is not None:
+    if better and (found := search.estimate(rivals)) is not None:
         return fit.replaced_by(found)
     if not explained and (excess := fit.excess(flt)) > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))

@@ -34,6 +34,9 @@ SHARE, COMPLIANCE = 0.1, 0.3
 #: Candidates that differ by less than this in all logarithms are one (numerics: below an interval).
 SAME = 0.01
 
+#: Descents whose inertias, stiffness and backlash are within this, in the logarithm, have found the same (calibrated on
+#: development drives: right values agree within a tenth).
+AGAIN = 0.1
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
@@ -158,17 +161,19 @@ class Search:
         if not -NOISE_ALONE < finished[0].cost < EXPLAINED:
             return None
         estimate = _told(finished[0], [*plausible(finished), *others], self.box, self.fixed)
-        return estimate if self._found_again(estimate, others) else None
+        return estimate if self._found_again(estimate, others[0], found) else None
 
-    def _found_again(self, estimate: Estimate, others: Sequence[Candidate]) -> bool:
+    def _found_again(self, estimate: Estimate, best: Candidate, found: Sequence[Candidate]) -> bool:
         """Whether a second start leads to the estimate: one of the others, or half way from the nameplate."""
-        if len({one.start for one in others}) > 1:
+
+        def same(one: Candidate) -> bool:
+            return bool(np.max(np.abs(told_vector(one) - estimate.theta)[CORE]) < AGAIN)
+
+        if any(same(one) for one in found if one.start != best.start):
             return True
-        theta = 0.5 * (self.begun["nameplate"] + others[0].theta)
-        again = descend("half way", self.part, theta, others[0].free, self.box)
-        again = polish(again, again.flt, self.box)
-        off = np.abs(told_vector(again) - estimate.theta)
-        return alike(again, others[0]) and bool(np.all(off[CORE] <= estimate.half[CORE]))
+        theta = 0.5 * (self.begun["nameplate"] + best.theta)
+        again = descend("half way", self.part, theta, best.free, self.box)
+        return same(polish(again, again.flt, self.box))
 
 
 def _finished(

@@ -156,9 +156,9 @@ class ContactFilter:
             np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None], self.level,
             tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip
-        scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))
-        weighted = residuals[:, 0] * scale
         with np.errstate(all="ignore"):
+            scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))
+            weighted = residuals[:, 0] * scale
             size = np.mean(weighted**2)
             rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variances[:, 0]))
             rows += np.log(self.level / self.floor)

@@ -52,8 +52,9 @@ class Fit:
 
     def shift(self, found: Sequence[Candidate]) -> Array:
         """How far candidates are from each told value at most, in the logarithm; 0 where all are in its interval."""
-        away = [np.abs(told_vector(one) - self.told.theta)[self.stage.free] for one in found]
-        largest = np.max(away, axis=0) if away else np.zeros(len(self.stage.free))
+        free = self.stage.free
+        away = [np.abs(told_vector(one)[free] - self.told.theta[free]) for one in found]
+        largest = np.max(away, axis=0) if away else np.zeros(len(free))
         return np.where(largest > self.told.half, largest, 0.0)
 
     @property

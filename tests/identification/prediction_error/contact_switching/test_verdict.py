@@ -1,0 +1,73 @@
+"""What becomes of a fit beside candidates that predict better."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from table_i import PAPER
+
+from lostmotion.identification.prediction_error.contact_switching.filter import NAMES, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
+from lostmotion.identification.prediction_error.contact_switching.verdict import APART, Fit
+from lostmotion.identification.prediction_error.gain_schedule import LADDER, Stage, bandwidth_for
+from lostmotion.identification.prediction_error.identifiability import Told
+from lostmotion.identification.prediction_error.innovations import NAMES as TOLD
+from lostmotion.identification.prediction_error.innovations import Predictor, to_theta
+from lostmotion.identification.statistics.levenberg_marquardt import Fit as Minimum
+
+DT = 1e-4
+PLANT = PAPER.with_parameters(lag=3e-4)
+THETA = to_theta([getattr(PLANT, name) for name in TOLD], DT)
+HALF = 0.02
+CORE = ["inertia_motor", "inertia_load", "stiffness", "backlash"]
+
+
+@pytest.fixture(scope="module")
+def fit() -> Fit:
+    """A fit at the truth of a recording of noise, every value known to 2 %."""
+    torque, speed = np.random.default_rng(1).standard_normal((2, 500))
+    predictor = Predictor(torque, speed, DT, False, PLANT, skip=0)
+    bandwidth = bandwidth_for(PLANT, LADDER[-1])
+    residual = predictor.residual(THETA, bandwidth)
+    stage = Stage(Minimum(THETA, residual, float(residual @ residual), 1, True), bandwidth, list(range(8)), 1)
+    told = Told(THETA.copy(), 1e-4 * np.eye(8), np.full(8, HALF))
+    return Fit(predictor, stage, told, PLANT.with_parameters(stiffness=9000.0))
+
+
+def away(fit: Fit, **factors: float) -> Candidate:
+    """A candidate whose values differ from the fit's by these factors."""
+    flt = ContactFilter.of(fit.predictor, 100.0)
+    values = {name: value for name, value in PLANT.parameters().items() if name in NAMES}
+    theta = flt.theta(values | {name: factor * values[name] for name, factor in factors.items()})
+    return Candidate("elsewhere", theta, 0.0, flt, [])
+
+
+def test_a_candidate_within_the_intervals_changes_nothing(fit: Fit):
+    _, stage, told, problems = fit.with_room_for([away(fit, stiffness=1.01)], explained=False)
+    assert stage is fit.stage and told is fit.told and problems == []
+
+
+def test_an_interval_has_room_for_a_candidate_beside_it(fit: Fit):
+    _, stage, told, problems = fit.with_room_for([away(fit, stiffness=1.1)], explained=True)
+    wider = dict(zip((TOLD[i] for i in stage.free), told.half, strict=True))
+    assert wider.pop("stiffness") == pytest.approx(np.hypot(HALF, np.log(1.1)), rel=1e-6)
+    assert len(wider) == 7 and set(wider.values()) == {HALF}
+    assert [problem.where for problem in problems] == ["stiffness"]
+
+
+def test_where_nothing_explains_the_recording_only_the_core_is_told(fit: Fit):
+    """Friction, damping and lag make up for what the model lacks."""
+    _, stage, told, _ = fit.with_room_for([away(fit, backlash=0.9)], explained=False)
+    assert [TOLD[i] for i in stage.free] == CORE
+    assert told.covariance.shape == (4, 4) and told.half.shape == (4,)
+
+
+def test_values_too_far_apart_leave_nothing(fit: Fit):
+    _, stage, told, problems = fit.with_room_for([away(fit, backlash=np.exp(1.1 * APART))], explained=True)
+    assert stage.free == [] and told.half.size == 0 and len(problems) == 1
+    assert np.exp(stage.fit.theta[TOLD.index("stiffness")]) == pytest.approx(9000.0)
+
+
+def test_a_friction_that_may_be_anything_is_not_told(fit: Fit):
+    _, stage, _, _ = fit.with_room_for([away(fit, viscous=4.0)], explained=True)
+    assert [name for name in TOLD if TOLD.index(name) not in stage.free] == ["viscous"]
