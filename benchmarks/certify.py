@@ -1,6 +1,6 @@
 """What is proved of the paper's loops, how long it takes, and whether the verifier says the same.
 
-python benchmarks/certify.py [--mutations 1000] [--boxes]
+python benchmarks/certify.py [--mutations 1000] [--boxes] [--observers]
 """
 
 from __future__ import annotations
@@ -15,8 +15,11 @@ from typing import Any
 import lostmotion as lm
 from lostmotion.certificates import (
     around,
+    best_injection,
     continuous_observer_feedback,
     continuous_pi,
+    observer_error,
+    observer_verdict,
     prove_box,
     prove_running,
     simulated,
@@ -33,11 +36,18 @@ def drivetrain(**changes: Any) -> lm.Drivetrain:
     return lm.Drivetrain.two_mass(**{**TABLE_I, **changes})
 
 
+BOTH = ("torque_shaft", "speed_motor")
+
+
 def feedback(
-    plant: lm.Drivetrain, measured: tuple[str, ...] = ("speed_motor",), dt: float = 1e-4, **options: Any
+    plant: lm.Drivetrain,
+    measured: tuple[str, ...] = ("speed_motor",),
+    dt: float = 1e-4,
+    observer: dict[str, Any] | None = None,
+    **options: Any,
 ) -> lm.DiscreteSystem:
     parts = [
-        lm.observers.kalman(plant, measured=measured, dt=dt),
+        lm.observers.kalman(plant, measured=measured, dt=dt, **(observer or {})),
         lm.controllers.pole_placement(plant, dt=dt, **options),
     ]
     return lm.connect(parts, ("speed_reference", *measured), ("torque_motor",))
@@ -46,7 +56,8 @@ def feedback(
 def cases() -> dict[str, tuple[lm.Drivetrain, lm.DiscreteSystem, dict[str, Any]]]:
     """Loop → drivetrain, law, options of ``prove_running``."""
     plain, lagging, paper = drivetrain(), drivetrain(lag=3e-4), drivetrain(contact="dead_zone")
-    both = ("torque_shaft", "speed_motor")
+    less_torque = {"measurement_covariance": {"torque_shaft": 100.0}}
+    injected = {**less_torque, "injection": {"speed_motor": 2e-4}}
     return {
         "PI, 0.1 ms": (plain, lm.controllers.pi(dt=1e-4), {}),
         "PI with torque limit, 0.1 ms": (plain, lm.controllers.pi(dt=1e-4, torque_limit=73.5), {}),
@@ -65,8 +76,47 @@ def cases() -> dict[str, tuple[lm.Drivetrain, lm.DiscreteSystem, dict[str, Any]]
             lagging, feedback(lagging, torque_limit=73.5), {"delay": 1},
         ),
         "Observer 1, 1 ms": (plain, feedback(plain, dt=1e-3), {"substeps": 2}),
-        "Observer 2, 0.1 ms": (plain, feedback(plain, both), {}),
+        "Observer 1, 0.5 ms": (plain, feedback(plain, dt=5e-4), {}),
+        "Observer 2, 0.1 ms": (plain, feedback(plain, BOTH), {}),
+        "Observer 2, dead_zone, 0.1 ms": (paper, feedback(paper, BOTH), {}),
+        "Observer 2, torque covariance 100, 0.1 ms": (
+            plain, feedback(plain, BOTH, observer=less_torque), {},
+        ),
+        "the same with injection of 2e-4 s of the motor speed": (
+            plain, feedback(plain, BOTH, observer=injected), {},
+        ),
     }  # fmt: skip
+
+
+def observers() -> None:
+    """Bounds of the observers' errors, and the shares of the gap that the circle criterion proves."""
+    plain, paper = drivetrain(), drivetrain(contact="dead_zone")
+    print("| measured, injection | twist, mrad | speeds, rad/s | prove, s of CPU | verify |")
+    print("|---|---|---|---|---|")
+    for measured, injection, options in (
+        (("speed_motor",), {}, {}),
+        (("speed_motor",), {}, {"faces": 200}),
+        (("speed_motor",), {"speed_motor": 1.43e-3}, {}),
+        (BOTH, {}, {}),
+    ):
+        start = os.times().user
+        found = observer_error(plain, measured, injection=injection, **options)
+        proved = os.times().user
+        agrees = found.certificate is not None and observer_verdict(found.certificate) is None
+        bounds = dict(found.bounds or {})
+        print(
+            f"| {', '.join(measured)}, {injection} {options} | {1e3 * bounds['twist']:.1f} | "
+            f"{bounds['speed_motor']:.2f}, {bounds['speed_load']:.2f} | {proved - start:.1f} | "
+            f"{'proved' if agrees else 'REFUSED'}, {os.times().user - proved:.2f} s |"
+        )
+    known = paper.with_parameters(coulomb=0.0)
+    for name, plant, measured, signal, largest in (
+        ("motor speed", paper, ("speed_motor",), "speed_motor", 3e-3),
+        ("motor speed, friction known", known, ("speed_motor",), "speed_motor", 3e-3),
+        ("shaft torque and motor speed", paper, BOTH, "torque_shaft", 1.55e-4),
+    ):
+        best = best_injection(plant, measured, signal=signal, largest=largest)
+        print(f"| {name} | {best.without:.4f} | {best.share:.5f} | {best.factor:.3g} |")
 
 
 def table() -> None:
@@ -94,18 +144,28 @@ def mutations(count: int) -> None:
     sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "certificates"))
     import test_verify_certificate as tests
 
-    plant = drivetrain(torque_limit=73.5)
-    law = lm.controllers.pi(dt=1e-4, torque_limit=73.5)
-    certificate = prove_running(plant, law, torque_load=(-1.0, 0.5), fastest=100.0).certificate
-    assert certificate is not None
-    rng, paths = random.Random(1), tests.leaves(certificate)
-    agreed = proved = 0
-    for _ in range(count):
-        data = tests.mutated(certificate, rng, paths)
-        own = tests.said(lambda d: verdict(d) is None, data)
-        agreed += own == tests.said(tests.independent, data)
-        proved += own
-    print(f"{agreed} of {count} verdicts agree; {proved} damaged certificates still prove their claim")
+    plain, plant = drivetrain(), drivetrain(torque_limit=73.5)
+    pi = lm.controllers.pi(dt=1e-4, torque_limit=73.5)
+    found = {
+        "PI": prove_running(plant, pi, torque_load=(-1.0, 0.5), fastest=100.0),
+        # Copies of the gap, and the region of a limit that acts.
+        "Observer 1 with torque limit": prove_running(
+            plain, feedback(plain, torque_limit=73.5), speeds=(0.5,)
+        ),
+    }
+    for name, proof in found.items():
+        assert proof.certificate is not None
+        rng, paths = random.Random(1), tests.leaves(proof.certificate)
+        agreed = proved = 0
+        for _ in range(count // len(found)):
+            data = tests.mutated(proof.certificate, rng, paths)
+            own = tests.said(lambda d: verdict(d) is None, data)
+            agreed += own == tests.said(tests.independent, data)
+            proved += own
+        print(
+            f"{name}: {agreed} of {count // len(found)} verdicts agree; {proved} damaged certificates still prove "
+            "their claim"
+        )
 
 
 FOUR = ("inertia_load", "stiffness", "coulomb", "backlash")
@@ -156,7 +216,11 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mutations", type=int, default=0)
     parser.add_argument("--boxes", action="store_true", help="tolerances instead of the nominal loops")
+    parser.add_argument("--observers", action="store_true", help="errors of observers instead of the loops")
     given = parser.parse_args()
-    boxes() if given.boxes else table()
+    if given.observers:
+        observers()
+    else:
+        boxes() if given.boxes else table()
     if given.mutations:
         mutations(given.mutations)

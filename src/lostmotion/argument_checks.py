@@ -248,6 +248,7 @@ _CLASSES = {
     "FrictionFit": ", as torque_step and rigid_drive return it",
     "RunningProof": ", as prove_running returns it",
     "BoxProof": ", as prove_box returns it",
+    "ObserverError": ", as observer_error returns it",
     "ContinuousLaw": "; continuous_pi() is one",
     "Recording": "; read_recording and simulate return one",
     "Sensor": '; Sensor("speed_motor") is a perfect one',

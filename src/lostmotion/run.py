@@ -15,7 +15,7 @@ from .plot import source_of
 from .report import write_report
 from .stages.code import write_code
 from .stages.design import Design, design
-from .stages.figures import figures
+from .stages.figures import figures, stability_figure
 from .stages.material import Material, from_configuration, from_rig
 from .stages.parameters import Found, find_parameters
 from .stages.proof import prover
@@ -98,7 +98,7 @@ def run(
             write_report(
                 folder / "report.html",
                 {**results, **_report_only(material)},
-                drawn,
+                [*drawn, *stability_figure(stability)],
                 command=_command(configuration, material.seed),
             )
         save_json(folder / "results.json", "results", results)

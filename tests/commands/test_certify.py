@@ -8,9 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import lostmotion as lm
+from lostmotion.certificates import ObserverError, observer_headline
+from lostmotion.cli import app
 from lostmotion.commands.certify import certify_file
+from lostmotion.commands.certify_observer import certify_observer
 from lostmotion.errors import InvalidInput
 
 
@@ -42,6 +46,15 @@ def test_the_law_beside_the_drivetrain_is_proved_and_verified(drivetrain: Path) 
     }  # fmt: skip
     code, said = verified(drivetrain.parent, "certificate.json", "law.json")
     assert code == 0 and said.startswith("PROVED")
+
+
+def test_simulations_stand_beside_the_proof(drivetrain: Path) -> None:
+    lm.save_law(lm.controllers.pi(dt=1e-3), drivetrain.with_name("law.json"))
+    result = certify_file(drivetrain, drivetrain.with_name("certificate"), simulate=20, fastest=2.0)
+    assert result["proved"]
+    variants, worst = result["simulated"]
+    assert variants.startswith("0 of 20 simulated variants within ±10 % do not settle")
+    assert worst.startswith("The worst of ") and "beyond the proof" in worst
 
 
 def test_what_is_not_proved_is_written_as_such(drivetrain: Path) -> None:
@@ -83,3 +96,16 @@ def test_an_observer_alone_is_refused(drivetrain: Path) -> None:
     lm.save_law(lm.observers.kalman(plant, dt=1e-4), drivetrain.with_name("law.json"))
     with pytest.raises(InvalidInput, match="torque_motor"):
         certify_file(drivetrain, drivetrain.with_name("certificate"))
+
+
+def test_the_bound_of_an_observer_is_proved_and_verified(drivetrain: Path) -> None:
+    done = CliRunner().invoke(
+        app, ["certify", str(drivetrain), "--out", str(drivetrain.with_name("certificate")),
+              "--observer", "torque_shaft", "--observer", "speed_motor"],
+    )  # fmt: skip
+    assert done.exit_code == 0 and "Proved: whatever the drive does" in done.output
+    code, said = verified(drivetrain.parent, "certificate.json")
+    assert code == 0 and "PROVED: during every motion" in said
+    proof = certify_observer(drivetrain, drivetrain.with_name("wrong"), ["speed_motor"], force=True)
+    assert "while its parameters are right" in observer_headline(proof)
+    assert "No bound" in observer_headline(ObserverError(None, None, None, "nothing found"))

@@ -273,6 +273,10 @@ def _further_laws(own: dict[str, Any], wished: dict[str, Any]) -> list[Call]:
         Call(controllers.flatness, own | course | along | {"torque_limit": 5.0}),
         Call(controllers.robust_feedback, robust),
         Call(controllers.h_infinity, robust | {"torque_limit": 5.0}),
+        Call(
+            controllers.optimised_pi,
+            own | {"torque_limit": 60.0, "speed": 2.0, "torque_load": 5.0, "speed_from_counts": True},
+        ),
         Call(controllers.quadratic_poles, {"drivetrain": plant(), "torque_per_error": 1.0}),
     ]
 
@@ -291,8 +295,15 @@ def box() -> certificates.BoxProof:
 
 def _certificates() -> list[Call]:
     shaky = controllers.pi(dt=DT, kp=400.0)
+    rigid = plant().with_parameters(backlash=0.0, coulomb=0.0)
     loop = {"drivetrain": plant(), "law": shaky, "delay": 0}
     searched = {"fastest": 10.0, "substeps": 1, "step": 1.0, "speeds": [1.0, 2.0]}
+    unstable = {
+        "drivetrain": plant(),
+        "measured": ("speed_motor",),
+        "gain": np.array([[0.0], [-50.0], [0.0]]),
+    }
+    swings = {"reference": 1.0, "torque_load": 0.0}
     boxed = {"box": {"stiffness": (0.9, 1.1)}, "speed": 1.0, "fastest": 10.0, "substeps": 1, "workers": 1}
     return [
         Call(certificates.prove_running, loop | searched | {"torque_load": (0.0, 0.0)}),
@@ -305,6 +316,10 @@ def _certificates() -> list[Call]:
             {"drivetrain": plant(), "law": shaky, "proof": replace(box(), stops_at=None), "seed": 1},
         ),
         Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
+        Call(
+            certificates.peak_bounds,
+            {"drivetrain": rigid, "law": certificates.continuous_pi(), "reference": 1.0},
+        ),
         Call(certificates.continuous_state_feedback, {"drivetrain": plant(), "poles": [-400.0] * 3}),
         Call(
             certificates.largest_share,
@@ -323,12 +338,37 @@ def _certificates() -> list[Call]:
         Call(certificates.conditions, {"proof": proof()}),
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
-        Call(certificates.margins, loop | {"law": law(), "speed": 1.0, "torque_load": 0.0}),
+        Call(certificates.margins, loop | {"law": controllers.pi(dt=DT), "speed": 1.0, "torque_load": 0.0}),
+        Call(
+            certificates.count_variants,
+            loop | swings | {"count": 2, "spread": 0.1, "duration": 0.05, "seed": 1},
+        ),
+        Call(
+            certificates.worst_case,
+            {"drivetrain": plant(), "law": shaky, "proof": proof(), "rounds": 1, "seed": 1},
+        ),
+        Call(certificates.limit_cycle, loop | swings | {"state": (0.0, 1.0, 0.0), "settle": 0.05}),
+        Call(certificates.harmonic_balance, loop | swings | {"amplitudes": [0.1, 1.0]}),
+        Call(
+            certificates.limit_cycle_map,
+            {
+                "build": lambda kp, ki: (plant(), controllers.pi(dt=DT, kp=kp, ki=ki), 1.0),
+                "first": ("kp", "Nm s/rad"),
+                "first_values": [1.0],
+                "second": ("ki", "Nm/rad"),
+                "second_values": [2.0],
+                "delay": 0,
+                "settle": 0.05,
+            },
+        ),
         Call(
             certificates.observer_error,
             {"drivetrain": plant(), "measured": ("speed_motor",), "gain": np.ones((3, 1)), "faces": 3},
         ),
         Call(certificates.observer_verdict, {"data": {}}),
+        Call(certificates.observer_headline, {"proof": certificates.ObserverError(None, None, None)}),
+        Call(certificates.observer_share, unstable | {"injection": {"speed_motor": 1e-3}}),
+        Call(certificates.best_injection, unstable | {"signal": "speed_motor", "largest": 1e-3}),
     ]
 
 

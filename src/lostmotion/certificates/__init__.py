@@ -14,14 +14,19 @@ from .limit_cycles.harmonic_balance import Harmonic, HarmonicBalance, harmonic_b
 from .limit_cycles.parameter_map import LimitCycleMap, limit_cycle_map
 from .limit_cycles.shooting import LimitCycle, limit_cycle
 from .load_torque import prove_with_load
-from .observer.error_bound import ObserverError, observer_error, observer_verdict
+from .observer.error_bound import ObserverError, observer_error, observer_headline, observer_verdict
+from .observer.observer_share import BestInjection, best_injection, observer_share
 from .robustness.contact_margins import margins
 from .robustness.gap_share import largest_share
 from .robustness.loop_margins import Margins
+from .robustness.peak_bounds import PeakBounds, peak_bounds
+from .robustness.simulated_variants import VariantCount, count_variants
+from .robustness.worst_case import WorstCase, worst_case
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
 __all__ = [
+    "BestInjection",
     "BoxProof",
     "ContinuousLaw",
     "Harmonic",
@@ -30,14 +35,19 @@ __all__ = [
     "LimitCycleMap",
     "Margins",
     "ObserverError",
+    "PeakBounds",
     "RunningProof",
+    "VariantCount",
+    "WorstCase",
     "around",
+    "best_injection",
     "box_headline",
     "box_stability",
     "conditions",
     "continuous_observer_feedback",
     "continuous_pi",
     "continuous_state_feedback",
+    "count_variants",
     "harmonic_balance",
     "headline",
     "largest_share",
@@ -45,11 +55,15 @@ __all__ = [
     "limit_cycle_map",
     "margins",
     "observer_error",
+    "observer_headline",
+    "observer_share",
     "observer_verdict",
+    "peak_bounds",
     "prove_box",
     "prove_running",
     "prove_with_load",
     "simulated",
     "stability",
     "verdict",
+    "worst_case",
 ]

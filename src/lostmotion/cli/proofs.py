@@ -43,9 +43,26 @@ def certify(
     box_speed: Annotated[
         float, typer.Option(callback=finite_positive, help="Smallest load speed of a box, rad/s.")
     ] = 1.0,
+    observer: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Sensor (speed_motor, torque_shaft, …; repeat for more): prove how wrong its observer can be, "
+            "instead of the loop."
+        ),
+    ] = None,
+    simulate: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            help="Simulate so many variants within ±10 percent beside the proof, and search for the worst start.",
+        ),
+    ] = 0,
     force: ForceOption = False,
 ) -> None:
     """Prove from which load speed on the loop is stable, with the whole gap, and write a certificate to check it."""
+    if observer:
+        certify_an_observer(drivetrain, out, observer, force)
+        return
     if box is not None:
         certify_a_box(drivetrain, law, out, delay, torque_load, fastest, box, box_speed, force)
         return
@@ -57,7 +74,7 @@ def certify(
     with interruptible(), StageLines() as lines:
         result = certify_file(
             drivetrain, out, law, delay, torque_load, fastest,
-            lambda fraction, text: lines("certify", fraction, text), force,
+            lambda fraction, text: lines("certify", fraction, text), force, simulate,
         )  # fmt: skip
         lines("certify", 1.0)
     typer.echo(f"  {result['headline']}")
@@ -66,6 +83,19 @@ def certify(
         typer.echo("  valid while " + ";\n              ".join(result["conditions"]))
     if result["margins"]:
         typer.echo(text([MARGIN_COLUMNS, *margin_table(result["margins"])]))
+    for sentence in result["simulated"]:
+        typer.echo(f"  {sentence}")
+    finished([], out, ".json", "_verify.py")
+
+
+def certify_an_observer(drivetrain: Path, out: Path, measured: list[str], force: bool) -> None:
+    """How wrong an observer can be."""
+    from ..certificates import observer_headline
+    from ..commands.certify_observer import certify_observer
+
+    with interruptible():
+        proof = certify_observer(drivetrain, out, measured, force)
+    typer.echo(f"  {observer_headline(proof)}")
     finished([], out, ".json", "_verify.py")
 
 

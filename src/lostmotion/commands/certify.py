@@ -7,7 +7,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..certificates import RunningProof, margins, prove_running, prove_with_load, stability
+from ..certificates import (
+    RunningProof,
+    count_variants,
+    margins,
+    prove_running,
+    prove_with_load,
+    stability,
+    worst_case,
+)
 from ..certificates.robustness.contact_margins import SPEED, margin_data
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
@@ -31,6 +39,7 @@ def certify_file(
     fastest: float = 1000.0,
     progress: Callable[[float, str], None] | None = None,
     force: bool = False,
+    simulate: int = 0,
 ) -> dict[str, Any]:
     """Prove what can be proved, write OUT.json and OUT_verify.py; returns the section "Stability".
 
@@ -41,6 +50,8 @@ def certify_file(
         nameplate's own law is designed.
     torque_load : (float, float), Nm, optional
         See ``prove_running``; default: none, or if nothing is proved then, one that resists the motion.
+    simulate : int
+        Variants of the drivetrain to simulate beside the proof, and then a search for the worst start; 0: neither.
     """
     drive = read_drive(drivetrain)
     plant, law = drive.drivetrain, law_beside(drive, law)
@@ -53,7 +64,8 @@ def certify_file(
         else:
             proof = prove_running(plant, system, torque_load=torque_load, **options)
         save_certificate(proof, file, script)
-        return {**stability(proof), "margins": margins_of(plant, system, proof)}
+        result = {**stability(proof), "margins": margins_of(plant, system, proof)}
+        return {**result, "simulated": simulated_beside(plant, system, proof, simulate) if simulate else []}
 
 
 def margins_of(plant: Drivetrain, law: DiscreteSystem, proof: RunningProof) -> dict[str, dict[str, Any]]:
@@ -64,6 +76,16 @@ def margins_of(plant: Drivetrain, law: DiscreteSystem, proof: RunningProof) -> d
         return margin_data(margins(plant, law, delay=proof.delay, speed=speed, torque_load=load))
     except InvalidInput:
         return {}
+
+
+def simulated_beside(plant: Drivetrain, law: DiscreteSystem, proof: RunningProof, count: int) -> list[str]:
+    """What simulations say beside the proof, a sentence each."""
+    speed = max(proof.reference or 0.0, SPEED)
+    found = count_variants(
+        plant, law, reference=speed, count=count, torque_load=proof.torque_load[0], delay=proof.delay
+    )
+    worst = worst_case(plant, law, proof)
+    return [str(found), *([] if worst is None else [str(worst)])]
 
 
 def law_beside(drive: DriveFile, law: Path | None) -> Path | None:

@@ -17,6 +17,7 @@ from ..observers.filters.unscented_kalman import unscented_kalman
 from ..observers.motor_speed.neural_network import neural_network
 from ..observers.motor_speed.sliding_mode import sliding_mode
 from ..observers.motor_speed.super_twisting import super_twisting
+from ..observers.scale import mode_rate
 from ..recording import Recording
 
 
@@ -97,6 +98,15 @@ def _fast(d: Drivetrain, s: Sensing) -> Runs:
     return _kalman(d, s, load_torque=True, process_covariance=FAST)
 
 
+#: κ of "injection" times the closed shaft's angular frequency (calibrated on Table I by
+#: ``certificates.best_injection``: the largest share of the gap's slope with known friction).
+INJECTION = 0.94
+
+
+def _injection(d: Drivetrain, s: Sensing) -> Runs:
+    return _kalman(d, s, injection={"speed_motor": INJECTION / mode_rate(d)})
+
+
 def _stepper(make: Callable[..., Runs], **options: Any) -> Callable[[Drivetrain, Sensing], Runs]:
     """A stepper that takes the noise of its sensors from the data sheets."""
 
@@ -132,6 +142,7 @@ CONTESTANTS: tuple[Contestant, ...] = (
         lambda d, s: _kalman(d, s, load_torque=True, contact_scheduling=True),
     ),
     Contestant("load torque, fast", "fixed gain", _fast),
+    Contestant("injection", "fixed gain", _injection),
     Contestant(
         "H∞", "fixed gain", lambda d, s: observers.h_infinity(d, dt=s.dt, speed_from_counts=s.averaged)
     ),

@@ -7,15 +7,17 @@ from .h_infinity import RobustFeedback, h_infinity, robust_feedback
 from .lqi import lqi, quadratic_feedback
 from .notch import notch
 from .pi import pi
-from .pi_tuning import PiTuning, symmetrical_optimum
 from .pole_placement import StateFeedback, pole_placement, state_feedback
 from .predictive import predictive
 from .quadratic_poles import quadratic_poles
 from .sliding_mode import sliding_mode, super_twisting
 from .soft_landing import soft_landing
+from .tuning.optimised_pi import OptimisedPi, optimised_pi
+from .tuning.symmetrical_optimum import PiTuning, symmetrical_optimum
 
 __all__ = [
-    "PiTuning", "QuadraticFeedback", "RobustFeedback", "StateFeedback", "active_damping", "flatness", "h_infinity",
-    "lqi", "notch", "pi", "pole_placement", "predictive", "quadratic_feedback", "quadratic_poles", "robust_feedback",
-    "sliding_mode", "soft_landing", "speed_course", "state_feedback", "super_twisting", "symmetrical_optimum",
+    "OptimisedPi", "PiTuning", "QuadraticFeedback", "RobustFeedback", "StateFeedback", "active_damping", "flatness",
+    "h_infinity", "lqi", "notch", "optimised_pi", "pi", "pole_placement", "predictive", "quadratic_feedback",
+    "quadratic_poles", "robust_feedback", "sliding_mode", "soft_landing", "speed_course", "state_feedback",
+    "super_twisting", "symmetrical_optimum",
 ]  # fmt: skip

@@ -17,6 +17,11 @@ SYMBOLS: Mapping[str, str] = MappingProxyType({
     "inertia_motor": "θ_e", "inertia_load": "θ_w", "stiffness": "k", "damping": "d", "backlash": "β_max",
     "coulomb": "M_c", "viscous": "d_v",
 })  # fmt: skip
+#: What they are called.
+WORDS: Mapping[str, str] = MappingProxyType({
+    "inertia_motor": "motor inertia", "inertia_load": "load inertia", "stiffness": "stiffness", "damping": "damping",
+    "backlash": "backlash", "coulomb": "Coulomb friction", "viscous": "viscous friction",
+})  # fmt: skip
 #: First zero, second and third eigenfrequency, Hz; damping ratio; total inertia, kg m² (section II, Table I).
 ZERO, POLE, THIRD, DAMPING_RATIO, INERTIA_TOTAL = 38.0, 100.0, 750.0, 0.02, 0.1292
 

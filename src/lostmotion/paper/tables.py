@@ -10,7 +10,7 @@ from ..drivetrain import PARAMETER_UNITS
 from . import published
 from .claims.control import response
 from .experiments import Experiments, Identified, pi_law, speed_step
-from .published import SYMBOLS, TABLE_I, paper_drivetrain
+from .published import SYMBOLS, TABLE_I, WORDS, paper_drivetrain
 
 Row = dict[str, Any]
 Ends = tuple[float | None, float | None]
@@ -35,7 +35,7 @@ def _parameter(name: str, e: Experiments, identified: Identified) -> Row:
     told = identified.found
     return {
         "symbol": SYMBOLS[name],
-        "parameter": name.replace("_", " "),
+        "parameter": WORDS[name],
         "given": given(TABLE_I[name], unit),
         "way": way,
         "own": with_interval(getattr(e.model, name), *interval, unit),

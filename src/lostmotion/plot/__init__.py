@@ -25,6 +25,7 @@ from .observers.observer_step import observer_step
 from .observers.sensor_worth import sensor_worth
 from .quantile_bands import quantile_bands
 from .recording_overview import recording_overview
+from .stability_range import stability_range
 from .style import source_of, words
 
 __all__ = [
@@ -51,6 +52,7 @@ __all__ = [
     "ring_down_fit",
     "sensor_worth",
     "source_of",
+    "stability_range",
     "stiffness_fit",
     "words",
 ]

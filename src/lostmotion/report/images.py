@@ -18,7 +18,7 @@ MAX_SVG_BYTES = 300_000
 DPI = 150
 
 #: Sections of the page that can have figures.
-SECTIONS = ("recording", "parameters", "fits", "observers", "controllers", "other")
+SECTIONS = ("recording", "parameters", "fits", "observers", "controllers", "stability", "other")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class ReportFigure:
     title, caption : str
     image : matplotlib Figure, or str
         A string is taken as the text of an SVG.
-    section : {"recording", "parameters", "fits", "observers", "controllers", "other"}
+    section : {"recording", "parameters", "fits", "observers", "controllers", "stability", "other"}
         Section of the page.
     """
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from .. import plot
@@ -41,6 +44,15 @@ def figures(
         *_observers(material, validation),
         *_controllers(laws, validation),
     ]
+
+
+def stability_figure(section: Mapping[str, Any]) -> list[ReportFigure]:
+    """The range of load speeds that is proved; none where the proof was skipped."""
+    if "proved" not in section:
+        return []
+    caption = "From standstill up to the bar nothing is proved: there the loop may rest anywhere in the gap, or stick."
+    drawn = plot.stability_range({"these parameters": section})
+    return [ReportFigure("Load speeds at which the loop is proved stable", caption, drawn, "stability")]
 
 
 def _recordings(material: Material) -> list[ReportFigure]:

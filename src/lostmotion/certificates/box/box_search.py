@@ -20,7 +20,7 @@ from .cell_tree import Node, cut, open_cells, proved, share_proved
 #: proved needed a sixteenth).
 SMALLEST_SIDE = 1.0 / 64.0
 
-#: Parameters that are cut. The backlash is not: a cell's proof is that of its largest one (docs/stability.md, 26).
+#: Parameters that are cut. The backlash is not: a cell's proof is that of its largest one (docs/proofs.md, 26).
 CUT = ("stiffness", "inertia_load", "inertia_motor", "coulomb")
 
 #: Half-width at which the effect of each parameter on the margin is measured (numerics).

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
 from ...systems import DiscreteSystem
 from ..linear_loop import exponential
 from ..lure import LureLoop, lure_loop
@@ -109,6 +110,10 @@ def harmonic_balance(
         if amplitudes is None
         else np.asarray(amplitudes)
     )
+    if tried.ndim != 1 or not tried.size or not np.all((tried > 0.0) & np.isfinite(tried)):
+        raise InvalidInput(
+            "harmonic_balance.amplitudes", repr(amplitudes), "positive numbers in rad/s", "Leave it out."
+        )
     found = [loop.growth(float(amplitude)) for amplitude in tried]
     return HarmonicBalance(tried, np.array([g for g, _ in found]), np.array([f for _, f in found]))
 

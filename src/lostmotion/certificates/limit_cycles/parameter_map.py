@@ -75,6 +75,8 @@ def limit_cycle_map(
     InvalidInput
         Without values, and as ``limit_cycle`` and ``harmonic_balance``.
     """
+    if not callable(build):
+        raise InvalidInput("limit_cycle_map.build", repr(build), "a function of two numbers", "Give one.")
     shape = len(second_values), len(first_values)
     if not all(shape):
         raise InvalidInput("limit_cycle_map", f"{shape} values", "one or more of each", "Give the values.")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
 from ...recording import Recording
 from ...systems import DiscreteSystem, pruned
 from ..lure import delayed
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 
 #: Time that a loop is given to reach its limit cycle, s (option: some hundred periods of the slowest drives).
 SETTLE = 10.0
+#: Longest simulation, s (option: a minute of computing).
+LONGEST = 3600.0
 #: Swings of the motor speed that are none, over the set-point's size plus 1 rad/s (numerics: what rounding leaves).
 STILL = 1e-7
 #: An oscillation whose swing in the last quarter of the simulation is that of the third times less than this dies out
@@ -119,6 +122,11 @@ def limit_cycle(
     settle : float, s
         Length of the simulation.
 
+    Raises
+    ------
+    InvalidInput
+        As ``simulate``; for a law without set-point or torque, and a time that is not positive.
+
     Notes
     -----
     Shooting and Floquet multipliers: Nayfeh & Balachandran 1995, Applied Nonlinear Dynamics, sections 3.2 and 5.5.
@@ -139,6 +147,17 @@ def ending(
 
     A swing without a limit cycle has no period that repeats. Arguments as for ``limit_cycle``.
     """
+    if not 0.0 < settle <= LONGEST:
+        raise InvalidInput(
+            "limit_cycle.settle", repr(settle), f"a time in s up to {LONGEST:g}", "Give seconds."
+        )
+    if delay < 0:
+        raise InvalidInput("limit_cycle.delay", repr(delay), "zero or more samples", "Use 0 for none.")
+    if "torque_motor" not in law.outputs or "speed_reference" not in law.inputs:
+        raise InvalidInput(
+            "limit_cycle.law", f"{law.inputs} → {law.outputs}", "speed_reference → torque_motor",
+            "Connect observer and controller.",
+        )  # fmt: skip
     own = delayed(pruned(law, ("torque_motor",)), delay)
     loop = SampledLoop(drivetrain, own, float(reference), float(torque_load))
     first = None if state is None else loop.start(state)

@@ -198,6 +198,19 @@ def observer_verdict(data: Mapping[str, Any]) -> str | None:
     return None
 
 
+@checks_arguments
+def observer_headline(proof: ObserverError) -> str:
+    """One sentence that is read in ten seconds."""
+    if proof.bounds is None:
+        return f"No bound of the observer's error is proved: {proof.reason}."
+    twist, motor, load = (proof.bounds[name] for name in STATES)
+    return (
+        f"Proved: whatever the drive does, the observer's errors come and stay within {1e3 * twist:.1f} mrad (twist), "
+        f"{motor:.3g} rad/s (motor) and {load:.3g} rad/s (load), with the whole gap and friction, while its parameters "
+        "are right."
+    )
+
+
 def _multipliers(model: ErrorModel, rows: Array) -> tuple[list[list[dict[str, Any]]], float]:
     """Multipliers of equation 21 for each face and each choice of signs, and the decay that they prove.
 

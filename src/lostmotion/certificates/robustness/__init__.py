@@ -1,1 +1,1 @@
-"""How far a loop is from instability: margins in every contact state, simulated variants, the worst start."""
+"""How far a loop is from instability: margins in every contact state, shares of the gap, peaks."""

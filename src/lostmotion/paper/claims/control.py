@@ -19,9 +19,8 @@ from ..experiments import Experiments, Run, pi_law, placed_law, speed_step, with
 SEEN, MUCH_LESS = 5.0, 0.25
 #: Load and oscillation are "higher" from this factor on (option).
 HIGHER = 1.2
-#: The load speed is smooth if it travels at most this share of the step too far, and the motor at least so many
-#: times as
-#: far too far (option).
+#: The load speed is smooth if it travels at most this share of the step too far, and the motor at least so many times
+#: as far too far (option).
 SMOOTH, TIMES = 0.05, 5.0
 #: Poles of the sweep, 1/s (option), and how close the fastest within the torque limit must be to the paper's (option).
 SWEEP = (-100.0, -200.0, -300.0, -350.0, -400.0, -450.0, -500.0, -600.0)
@@ -153,11 +152,9 @@ def more_oscillation(pi: Response, placed: Response) -> Claim:
         value=value,
         tolerance=f"pole placement at least {HIGHER:g} times PI's",
         verdict=judged(value[1] >= HIGHER * value[0]),
-        sentence=f"Once the load has arrived the motor swings by {value[1]:.2f} rad/s against it, under PI by "
-        f"{value[0]:.2f} rad/s. "
-        f"Over the whole step, with the crossing of the gap, its speed travels {pi.travel_motor:.1f} steps under PI "
-        "and "
-        f"{placed.travel_motor:.1f} under pole placement.",
+        sentence=f"Once the load has arrived the motor swings by {value[1]:.2f} rad/s against it, under PI "
+        f"by {value[0]:.2f} rad/s. Over the whole step, with the crossing of the gap, its speed travels "
+        f"{pi.travel_motor:.1f} steps under PI and {placed.travel_motor:.1f} under pole placement.",
     )
 
 
@@ -171,9 +168,8 @@ def smooth_load(placed: Response) -> Claim:
         value=(100.0 * load, 100.0 * motor),
         tolerance=f"load at most {100 * SMOOTH:g} %, motor at least {TIMES:g} times as much",
         verdict=judged(load <= SMOOTH, motor >= TIMES * load),
-        sentence=f"All ups and downs of the load speed together are {100 * load:.1f} % longer than the step, those "
-        "of the motor "
-        f"speed {100 * motor:.0f} %.",
+        sentence=f"All ups and downs of the load speed together are {100 * load:.1f} % longer than the step, "
+        f"those of the motor speed {100 * motor:.0f} %.",
     )
 
 
@@ -202,9 +198,9 @@ def load_side_pi(by_share: Mapping[float, StepMetrics], motor_side: StepMetrics)
         value=tuple(step.overshoot for step in by_share.values()),
         tolerance="none settles within 2 % in 0.5 s",
         verdict=judged(*(step.settling_time is None for step in by_share.values())),
-        sentence=f"With Table II's gains the load speed swings by {first.overshoot:.0f} % of the step. {rest} The "
-        "same controller on "
-        f"the motor speed settles in {motor_side.settling_time or float('nan'):.2f} s.",
+        sentence=f"With Table II's gains the load speed swings by {first.overshoot:.0f} % of the step. "
+        f"{rest} The same controller on the motor speed settles in "
+        f"{motor_side.settling_time or float('nan'):.2f} s.",
     )
 
 
@@ -269,6 +265,5 @@ def needs(part: str, complete: float, without: float) -> Claim:
         tolerance=f"at most {100 * ACCURATE:g} % with both, at least {100 * INACCURATE:g} % without",
         verdict=judged(complete <= ACCURATE, without >= INACCURATE),
         sentence=f"The load settles {100 * complete:.2f} % of the step beside the set-point with both, "
-        f"{100 * without:.1f} % without "
-        f"the {what}.",
+        f"{100 * without:.1f} % without the {what}.",
     )

@@ -23,8 +23,7 @@ COMPARED, MEDIAN_DB, MEDIAN_DEGREES = (5.0, 150.0), 1.0, 15.0
 #: "In the area of the zero": within this share of it (option).
 AREA = 0.2
 #: Bands in which the paper's measurement is less coherent than its nonlinear model, Hz (section II; the upper end of
-#: the
-#: second is that of the random torque's flat part).
+#: the second is that of the random torque's flat part).
 LOW_BAND, HIGH_BAND = (10.0, 20.0), (100.0, 250.0)
 #: Standard errors by which a mean difference must exceed zero (numerics: 95 %).
 CERTAIN = 2.0
@@ -59,8 +58,7 @@ def lower(which: str, responses: Mapping[str, FrequencyResponse]) -> Claim:
         tolerance=f"rig and nonlinear model at least {100 * LOWER:g} % below the linear model",
         verdict=judged(*(value[name] <= (1.0 - LOWER) * linear for name in (RIG, NONLINEAR))),
         sentence=f"The {which} is at {value[RIG]:.1f} Hz on the rig and at {value[NONLINEAR]:.1f} Hz in the "
-        "nonlinear model, "
-        f"at {linear:.1f} Hz without backlash. The smaller the torque, the lower.",
+        f"nonlinear model, at {linear:.1f} Hz without backlash. The smaller the torque, the lower.",
     )
 
 
@@ -82,9 +80,8 @@ def alike(output: str, rig: FrequencyResponse, model: FrequencyResponse) -> Clai
         value=value,
         tolerance=f"at most {MEDIAN_DB:g} dB and {MEDIAN_DEGREES:g}° from {COMPARED[0]:g} to {COMPARED[1]:g} Hz",
         verdict=judged(value[0] <= MEDIAN_DB, value[1] <= MEDIAN_DEGREES),
-        sentence=f"Half of all frequencies differ by less than {value[0]:.2f} dB and {value[1]:.1f}°; the largest "
-        "difference is "
-        f"{decibels.max():.0f} dB, at {worst:.1f} Hz.",
+        sentence=f"Half of all frequencies differ by less than {value[0]:.2f} dB and {value[1]:.1f}°; the "
+        f"largest difference is {decibels.max():.0f} dB, at {worst:.1f} Hz.",
     )
 
 
@@ -123,16 +120,15 @@ def less_coherent(
     return Claim(
         name=f"rig less coherent than the model, {_words(band)}",
         says="The coherence of the measurement is lower than that of the nonlinear model, so some nonlinear "
-        "phenomenon is not "
-        "in the model.",
+        "phenomenon is not in the model.",
         where="section II, Fig. 9",
-        quantity="mean of coherence of the nonlinear model minus that of the rig, and its standard error, 1",
+        quantity="mean of coherence of the nonlinear model minus that of the rig, and its standard error",
         value=(mean, error),
         tolerance=f"above zero (partly), by at least {CERTAIN:g} standard errors (holds)",
         verdict=judged(mean > 0.0, mean > CERTAIN * error) if mean > 0.0 else "does not hold",
-        sentence=f"The rig's mean coherence is {abs(mean):.3f} ± {CERTAIN * error:.3f} {_side(mean)} than that of "
-        "the nonlinear "
-        f"model. Against a model whose damper does not act inside the gap it is {abs(other):.3f} {_side(other)}.",
+        sentence=f"The rig's mean coherence is {abs(mean):.3f} ± {CERTAIN * error:.3f} {_side(mean)} than "
+        "that of the nonlinear model. Against a model whose damper does not act inside the gap it is "
+        f"{abs(other):.3f} {_side(other)}.",
     )
 
 

@@ -24,17 +24,15 @@ def friction(found: FrictionFit, truth: Mapping[str, float | None]) -> Claim:
     off = tuple(_off(found.values[name], truth[name]) for name in names)
     return Claim(
         name="friction from the torque step",
-        says="With total inertia and torque known, M_c and d_v can be adjusted so that the simulated torque step "
-        "matches "
-        "the measured one.",
+        says="With total inertia and torque known, M_c and d_v can be adjusted so that the simulated torque "
+        "step matches the measured one.",
         where="section II, Fig. 5",
         quantity="errors of Coulomb and viscous friction, %",
         value=tuple(100.0 * x for x in off),
         tolerance=f"both at most {100 * FRICTION:g} %",
         verdict=judged(*(abs(x) <= FRICTION for x in off)),
-        sentence=f"M_c is {signed(100 * off[0], '+.2f')} % and d_v {signed(100 * off[1], '+.2f')} % off the straight "
-        "line through the rig's "
-        "friction, which rises towards rest as the model's does not.",
+        sentence=f"M_c is {signed(100 * off[0], '+.2f')} % and d_v {signed(100 * off[1], '+.2f')} % off the "
+        "straight line through the rig's friction, which rises towards rest as the model's does not.",
     )
 
 
@@ -52,9 +50,8 @@ def backlash(found: LockedBacklash, truth: Mapping[str, float | None]) -> Claim:
         value=(100.0 * off,),
         tolerance=f"at most {100 * BACKLASH:g} %",
         verdict=judged(abs(off) <= BACKLASH),
-        sentence=f"The locked wheel gives the free angle {signed(100 * off, '+.2f')} % off. The wind-up of the shaft "
-        "must be removed: "
-        f"at {LOCKED_TORQUE:g} Nm it would add {100 * wind_up:.0f} %.",
+        sentence=f"The locked wheel gives the free angle {signed(100 * off, '+.2f')} % off. The wind-up of "
+        f"the shaft must be removed: at {LOCKED_TORQUE:g} Nm it would add {100 * wind_up:.0f} %.",
     )
 
 

@@ -61,13 +61,12 @@ def observable(name: str, drivetrain: Drivetrain, c: Floats) -> Claim:
         name=f"observable with {name}",
         says=f"The linear system has full observability for the matrix {name}.",
         where="section III",
-        quantity="rank and condition number of the observability matrix, 1",
+        quantity="rank and condition number of the observability matrix",
         value=(float(rank), condition),
         tolerance=f"rank 3, condition number at most {CONDITION:g}",
         verdict=judged(rank == 3, condition <= CONDITION) if rank == 3 else "does not hold",
-        sentence=f"Rank {rank}, condition number {condition:.3g} in units of the drive. This is the closed shaft: "
-        "inside the gap "
-        "no sensor on the motor's side shows the twist.",
+        sentence=f"Rank {rank}, condition number {condition:.3g} in units of the drive. This is the closed "
+        "shaft: inside the gap no sensor on the motor's side shows the twist.",
     )
 
 

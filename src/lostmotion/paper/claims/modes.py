@@ -13,9 +13,8 @@ from ..experiments import Experiments
 
 #: "approx." in the paper's frequencies, as a share (option).
 ABOUT = 0.02
-#: Where the reduction is judged: up to this frequency, Hz, from a decade below the zero on, and not within this
-#: share of
-#: zero and pole; largest error, dB (option).
+#: Where the reduction is judged: up to this frequency, Hz, from a decade below the zero on, and not within this share
+#: of zero and pole; largest error, dB (option).
 FROM, UP_TO, AROUND, LARGEST_DB = 4.0, 200.0, 0.03, 1.0
 #: Bodies that swing against the rest in the 100 Hz eigenmode (section II).
 AGAINST = ("joint", "hub", "brake disc")
@@ -44,9 +43,9 @@ def two_modes(structure: TorsionalModel) -> Claim:
         value=tuple(map(float, found)),
         tolerance=f"exactly two, within {100 * ABOUT:g} % of 100 and 750 Hz",
         verdict=judged(frequency[0] == 0.0 and found.size == 2, all(near)),
-        sentence=f"The finite elements have {_listed(found)} Hz below 1 kHz. The paper gives no geometry: diameters "
-        "and "
-        "inertias were solved for these frequencies, so this shows that such a powertrain exists, not more.",
+        sentence=f"The finite elements have {_listed(found)} Hz below 1 kHz. The paper gives no geometry: "
+        "diameters and inertias were solved for these frequencies, so this shows that such a powertrain "
+        "exists, not more.",
     )
 
 
@@ -60,7 +59,7 @@ def shape(structure: TorsionalModel) -> Claim:
         name="disc, hub and joint against the rest",
         says="At about 100 Hz brake disc, wheel hub and CV joint oscillate against the rest of the powertrain.",
         where="section II, Fig. 2",
-        quantity="angle of the brake disc over that of the motor, 1",
+        quantity="angle of the brake disc over that of the motor",
         value=(last,),
         tolerance="negative at joint, hub and brake disc, positive at all other nodes",
         verdict=judged(against == set(AGAINST)),
@@ -76,11 +75,10 @@ def four_numbers(table: Drivetrain) -> Claim:
     off = [abs(v / w - 1.0) for v, w in zip(value, wanted, strict=True)]
     return Claim(
         name="Table I follows from four numbers",
-        says="Stiffness, damping and both inertias follow from the first zero (38 Hz), the second pole (100 Hz), the "
-        "damping "
-        "ratio 0.02 and the total inertia.",
+        says="Stiffness, damping and both inertias follow from the first zero (38 Hz), the second pole (100 "
+        "Hz), the damping ratio 0.02 and the total inertia.",
         where="section II, Table I",
-        quantity="zero, Hz; pole, Hz; damping ratio, 1; total inertia, kg m²",
+        quantity="zero, Hz; pole, Hz; damping ratio; total inertia, kg m²",
         value=value,
         tolerance=f"each within {100 * ABOUT:g} % of 38, 100, 0.02, 0.1292",
         verdict=judged(*(x <= ABOUT for x in off)),

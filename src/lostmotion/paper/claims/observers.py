@@ -36,9 +36,8 @@ NOISES = (0.3, 1.0, 3.0, 5.0, 7.0, 10.0)
 SEEDS = range(STEP_NOISE, STEP_NOISE + 5)
 #: Factors by which entries of Q are changed (option: a decade either way).
 FACTORS = (0.1, 10.0)
-#: Entries of R₂ for the torque that are tried (option: the paper's, and a decade or two more), and the sensor's
-#: noise, Nm
-#: (option: one that makes Observer 2 clearly worse).
+#: Entries of R₂ for the torque that are tried (option: the paper's, and a decade or two more), and the sensor's noise,
+#: Nm (option: one that makes Observer 2 clearly worse).
 ENTRIES, NOISY = (10.0, 100.0, 1000.0), 10.0
 
 
@@ -77,9 +76,8 @@ def follows(signal: str, law: DiscreteSystem, run: Run) -> Claim:
         value=(100.0 * off,),
         tolerance=f"at most {100 * FOLLOWS:g} %, from {published.SPAN[0]:g} to {published.SPAN[1]:g} s",
         verdict=judged(off <= FOLLOWS),
-        sentence=f"From motor torque and motor speed alone the {STATES[signal]} is {100 * off:.2f} % of its range "
-        "off, with "
-        "parameters that come from finite elements and two tests, as in the paper.",
+        sentence=f"From motor torque and motor speed alone the {STATES[signal]} is {100 * off:.2f} % of its "
+        "range off, with parameters that come from finite elements and two tests, as in the paper.",
     )
 
 
@@ -111,7 +109,7 @@ def torque_sensor(levels: Sequence[Level]) -> Claim:
         says="The high noise level on the torque signal M_s leads to a slightly worse result of observer 2.",
         where="section IV, Fig. 13",
         quantity=f"error of the load speed, Observer 2 over Observer 1, at {', '.join(f'{n:g}' for n in noise)} Nm "
-        "of noise, 1",
+        "of noise",
         value=tuple(map(float, ratio)),
         tolerance="above 1: from the rig's own sensor on (holds), or with more noise (partly)",
         verdict=judged(*map(bool, worse)),
@@ -162,8 +160,8 @@ def first_entry(changes: Mapping[str, float]) -> Claim:
         tolerance="that of the twist is the largest",
         verdict=judged(largest == "twist"),
         sentence=f"A decade on the twist's entry moves the estimates by {100 * first:.2f} % of their range, "
-        f"{first / max(others):.1f} "
-        f"times as far as on the next one. Largest is the entry of the {STATES[largest]}.",
+        f"{first / max(others):.1f} times as far as on the next one. Largest is the entry of the "
+        f"{STATES[largest]}.",
     )
 
 
@@ -190,6 +188,6 @@ def larger_entry(errors: Mapping[float, float]) -> Claim:
         tolerance="falls with every decade",
         verdict=judged(*map(bool, falls)),
         sentence=f"With a sensor of {NOISY:g} Nm of noise the error goes from {100 * values[0]:.2f} to "
-        f"{100 * values[-1]:.2f} % of the "
-        "range as the entry grows a hundredfold: what remains is an observer that hardly reads the sensor.",
+        f"{100 * values[-1]:.2f} % of the range as the entry grows a hundredfold: what remains is an "
+        "observer that hardly reads the sensor.",
     )

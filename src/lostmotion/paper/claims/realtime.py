@@ -35,8 +35,7 @@ def lock_step(run: Recording, simulated: Recording) -> Claim:
         value=(float(sum(same.values())),),
         tolerance="all",
         verdict=judged(*same.values()),
-        sentence=f"Law and rig as two processes in lock-step: in {len(simulated)} samples of {1e3 * published.DT:g} ms "
-        f"{sum(same.values())} of {len(same)} signals equal the simulation bit for bit. How punctual a machine is "
-        "tells lostmotion "
-        "loop --paced; nothing is claimed of that.",
+        sentence=f"Law and rig as two processes in lock-step: in {len(simulated)} samples of "
+        f"{1e3 * published.DT:g} ms {sum(same.values())} of {len(same)} signals equal the simulation bit for "
+        "bit. How punctual a machine is tells lostmotion loop --paced; nothing is claimed of that.",
     )

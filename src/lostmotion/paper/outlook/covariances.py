@@ -22,11 +22,10 @@ def from_data(e: Experiments, identified: Identified) -> Answer:
     better = "better" if computed < guess else "no better"
     return Answer(
         question="Covariance matrices of process and observation noise could be calculated instead of guessed.",
-        text=f"They are {better} here: with the covariances under which a step under PI control is most likely the "
-        "load speed of "
-        f"Observer 1 is {100 * computed:.3f} % of its range off, with those of equation (8) {100 * guess:.3f} %. The "
-        "likelihood looks "
-        "at the motor speed alone, and what the model leaves out on the motor's side is not noise on the load.",
+        text=f"They are {better} here: with the covariances under which a step under PI control is most "
+        f"likely the load speed of Observer 1 is {100 * computed:.3f} % of its range off, with those of "
+        f"equation (8) {100 * guess:.3f} %. The likelihood looks at the motor speed alone, and what the "
+        "model leaves out on the motor's side is not noise on the load.",
         page="observers.md",
         numbers={
             "error with covariances from data, % of range": 100.0 * computed,

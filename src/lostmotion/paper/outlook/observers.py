@@ -40,15 +40,13 @@ def other_observers(e: Experiments, identified: Identified) -> Answer:
     first, errors = found["Observer 1"], [100.0 * pair[0] for pair in found.values()]
     return Answer(
         question="Sliding mode, super-twisting, neural network, H∞ and hybrid observers: other approaches.",
-        text=f"With identified parameters all are level: {min(errors):.3f} to {max(errors):.3f} % of the load "
-        "speed's range, "
-        f"Observer 1 at {100 * first[0]:.3f} %, the best ({NAMED[known]}) at {100 * found[known][0]:.3f} %. With a "
-        "load inertia "
-        f"that is {100 * (WRONG - 1):.0f} % wrong Observer 1 has {100 * first[1]:.2f} %. The filter that estimates "
-        "the inertia stays at "
-        f"{100 * found['extended Kalman'][1]:.2f} %; sliding mode ({100 * found['sliding mode'][1]:.2f} %) and "
-        "interacting models "
-        f"({100 * found['interacting models'][1]:.2f} %) take it for an unknown torque. Best is then: {NAMED[off]}.",
+        text=f"With identified parameters all are level: {min(errors):.3f} to {max(errors):.3f} % of the "
+        f"load speed's range, Observer 1 at {100 * first[0]:.3f} %, the best ({NAMED[known]}) at "
+        f"{100 * found[known][0]:.3f} %. With a load inertia that is {100 * (WRONG - 1):.0f} % wrong "
+        f"Observer 1 has {100 * first[1]:.2f} %. The filter that estimates the inertia stays at "
+        f"{100 * found['extended Kalman'][1]:.2f} %; sliding mode ({100 * found['sliding mode'][1]:.2f} %) "
+        f"and interacting models ({100 * found['interacting models'][1]:.2f} %) take it for an unknown "
+        f"torque. Best is then: {NAMED[off]}.",
         page="leaderboard.md",
         numbers={f"error of {NAMED[name]}, % of range": 100.0 * values[0] for name, values in found.items()}
         | {

@@ -29,13 +29,11 @@ def oscillation(e: Experiments) -> Answer:
     slower = response(speed_step(e.rig, placed_law(e.model, pole=SLOWER))).swing
     return Answer(
         question="The oscillations of the motor speed have to be analysed in further research.",
-        text="The poles require them. The shaft torque alone accelerates the load, so motor − load speed is θ_w/k "
-        "times the second "
-        f"derivative of the load speed: with three poles at −400 1/s the motor must fall {asked:.2f} rad/s behind "
-        "the load "
-        f"while it is braked into its set-point. On the rig it is {swing:.2f} rad/s; with poles at −200 1/s "
-        f"{slower:.2f} rad/s. No "
-        "observer, filter or sensor removes it; slower poles or a law that weighs the oscillation do.",
+        text="The poles require them. The shaft torque alone accelerates the load, so motor − load speed is "
+        "θ_w/k times the second derivative of the load speed: with three poles at −400 1/s the motor must "
+        f"fall {asked:.2f} rad/s behind the load while it is braked into its set-point. On the rig it is "
+        f"{swing:.2f} rad/s; with poles at −200 1/s {slower:.2f} rad/s. No observer, filter or sensor "
+        "removes it; slower poles or a law that weighs the oscillation do.",
         page="motor-oscillation.md",
         numbers={
             "swing required by the poles, rad/s": asked,

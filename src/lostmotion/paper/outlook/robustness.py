@@ -34,12 +34,10 @@ def robustness(e: Experiments) -> Answer:
     worst = max(placed, key=lambda what: placed[what])
     return Answer(
         question="The robustness with respect to parameter changes has also to be tested.",
-        text=f"With any one parameter of the rig changed by {100 * CHANGE:g} % and the law left as it is, pole "
-        "placement overshoots by at "
-        f"most {placed[worst]:.1f} % ({worst}); PI by {min(found['PI'].values()):.1f} to "
-        f"{max(found['PI'].values()):.1f} %. The load "
-        "inertia decides. This is simulated on the rig, at these points; what is proved of a box of parameters "
-        "stands above.",
+        text=f"With any one parameter of the rig changed by {100 * CHANGE:g} % and the law left as it is, "
+        f"pole placement overshoots by at most {placed[worst]:.1f} % ({worst}); PI by "
+        f"{min(found['PI'].values()):.1f} to {max(found['PI'].values()):.1f} %. The load inertia decides. "
+        "This is simulated on the rig, at these points; what is proved of a box of parameters stands above.",
         page="controller-leaderboard.md",
         numbers={
             "largest overshoot of pole placement, %": placed[worst],

@@ -12,8 +12,7 @@ from .. import published
 from .answer import Answer
 
 #: Half-width of the box of parameters, as a share, and the load speed from which it is proved, rad/s (option: one
-#: cell, ten
-#: seconds of processor time).
+#: cell, ten seconds of processor time).
 HALF_WIDTH, BOX_SPEED = 0.1, 1.0
 
 
@@ -24,11 +23,10 @@ def stability(quick: bool) -> Answer:
     box = None if quick else prove_box(plant, proved_law(), around(HALF_WIDTH), speed=BOX_SPEED)
     return Answer(
         question="The stability of this nonlinear system has yet to be theoretically proved.",
-        text=f"{headline(proof)} This is Observer 1 with pole placement at {1e3 * published.DT:g} ms, the torque "
-        "limit of "
-        f"{published.TORQUE_LIMIT:g} Nm, on Table I; every inequality is checked in exact fractions. {_said(box)} "
-        "Nothing is proved "
-        "at standstill: all of the gap, and all that friction holds, are equilibria.",
+        text=f"{headline(proof)} This is Observer 1 with pole placement at {1e3 * published.DT:g} ms, the "
+        f"torque limit of {published.TORQUE_LIMIT:g} Nm, on Table I; every inequality is checked in exact "
+        f"fractions. {_said(box)} Nothing is proved at standstill: all of the gap, and all that friction "
+        "holds, are equilibria.",
         page="stability.md",
         numbers={
             "proved from load speed, rad/s": proof.speed,
@@ -45,13 +43,11 @@ def _said(box: BoxProof | None) -> str:
     """What is proved of the box, in a sentence."""
     if box is None:
         return "A box of parameters around it is proved by the run that is not quick."
-    names = ", ".join(name.replace("_", " ") for name in box.box)
-    where = f"with each of {names} anywhere within ±{100 * HALF_WIDTH:g} %"
+    names = ", ".join(published.WORDS[name] for name in box.box)
+    where = f"with {names} each anywhere within ±{100 * HALF_WIDTH:g} %"
     if not box.proved:
         return f"It is not proved {where}: {box.reason}."
-    return (
-        f"Without the torque limit it is proved {where}, from {box.speed:g} rad/s on, in {box.cells} cell(s)."
-    )
+    return f"Without the torque limit it is proved {where}, from {box.speed:g} rad/s on."
 
 
 def proved_law(torque_limit: float = math.inf) -> DiscreteSystem:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..argument_checks import checks_arguments
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..systems import design_model, loop_margin
-from ..systems.checks import sample_time
-from .pi import pi
+from ...argument_checks import checks_arguments
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...systems import DesignModel, design_model, loop_margin
+from ...systems.checks import sample_time
+from ..pi import pi
 
 #: Share of the stiffness that a shaft with backlash shows to a small oscillation (its describing function): closed,
 #: half open, at the edges of the gap, and the motor all but alone (numerics: a grid).
@@ -147,12 +147,8 @@ def _tuning(
     kp = drivetrain.inertia_total / (spread * time)
     ki = kp / (spread**2 * time)
     law = pi(dt=dt, kp=kp, ki=ki, speed_filter_time=filtered)
-    shares = GAP_SHARES if drivetrain.backlash > 0.0 else GAP_SHARES[:1]
-    softer = (
-        drivetrain.with_parameters(stiffness=s * drivetrain.stiffness, damping=s * drivetrain.damping)
-        for s in shares
-    )
-    margins = [loop_margin(law, design_model(d, dt, delay), speed_from_counts) for d in softer]
+    models = in_contact_states(drivetrain, dt, delay)
+    margins = [loop_margin(law, model, speed_from_counts) for model in models]
     tuning = PiTuning(
         kp=kp,
         ki=ki,
@@ -166,3 +162,13 @@ def _tuning(
         sensitivity=max(margin.sensitivity for margin in margins),
     )
     return tuning, max(margin.torque_per_speed_noise for margin in margins)
+
+
+def in_contact_states(drivetrain: Drivetrain, dt: float, delay: int) -> tuple[DesignModel, ...]:
+    """The drive as a small oscillation sees it with the gap closed, and, where there is one, at its edges."""
+    shares = GAP_SHARES if drivetrain.backlash > 0.0 else GAP_SHARES[:1]
+    softer = (
+        drivetrain.with_parameters(stiffness=s * drivetrain.stiffness, damping=s * drivetrain.damping)
+        for s in shares
+    )
+    return tuple(design_model(d, dt, delay) for d in softer)
