@@ -42,6 +42,9 @@ STEP = 0.5
 #: that the limit leaves (option: larger regions allow larger steps, and are proved more seldom).
 SHARES = (0.2, 0.5)
 
+#: So many speeds below the smallest that bisection finds are tried as well (numerics).
+NEAR = 3
+
 #: Load speed up to which a proof holds, rad/s (option).
 FASTEST = 1000.0
 
@@ -186,7 +189,7 @@ class _Search:
     reason: str = ""
     #: What has been worked out: rests by speed and load torque, candidates by speed and goal.
     _rests: dict[tuple[float, float], Equilibrium | None] = field(default_factory=dict)
-    _found: dict[tuple[float, _Goal], _Candidate] = field(default_factory=dict)
+    _found: dict[tuple[float, _Goal], _Candidate | Unproved] = field(default_factory=dict)
 
     def smallest(self) -> RunningProof:
         """Bisection over ``speeds``: the sectors nest, so what holds from one speed on holds from any larger one.
@@ -211,11 +214,14 @@ class _Search:
             middle = (low + high) // 2
             self.progress(0.8 * done / tries, f"load speed from {speeds[middle]:g} rad/s")
             done += 1
-            try:
-                found[middle] = self.at(speeds[middle], goal)
+            if self._solves(speeds[middle], goal, middle, found):
                 high = middle
-            except Unproved as error:
-                low, self.reason = middle, str(error)
+            else:
+                low = middle
+        # Near its limit the solver fails here and there: a smaller speed may do where a larger one did not.
+        for place in range(max(0, high - NEAR), high):
+            if found and self._solves(speeds[place], goal, place, found):
+                break
         for place in sorted(found):
             for candidate in self.with_larger_steps(speeds[place], found[place]):
                 self.progress(0.95, f"exact check from {speeds[place]:g} rad/s")
@@ -224,6 +230,14 @@ class _Search:
                 except Unproved as error:
                     self.reason = str(error)
         raise Unproved(self.reason)
+
+    def _solves(self, speed: float, goal: _Goal, place: int, found: dict[int, _Candidate]) -> bool:
+        """Whether the solver finds numbers from a speed on; they go into ``found``."""
+        try:
+            found[place] = self.at(speed, goal)
+        except Unproved as error:
+            self.reason = str(error)
+        return place in found
 
     def _goal(self, speed: float) -> _Goal:
         """What can be proved at the highest speed: stability from every state, else within the torque limit's region.
@@ -255,8 +269,14 @@ class _Search:
     def at(self, speed: float, goal: _Goal) -> _Candidate:
         """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
         if (speed, goal) not in self._found:
-            self._found[speed, goal] = self._solved_at(speed, goal)
-        return self._found[speed, goal]
+            try:
+                self._found[speed, goal] = self._solved_at(speed, goal)
+            except Unproved as error:
+                self._found[speed, goal] = error
+        found = self._found[speed, goal]
+        if isinstance(found, Unproved):
+            raise found
+        return found
 
     def _rest(self, speed: float, torque: float) -> Equilibrium | None:
         if (speed, torque) not in self._rests:
