@@ -167,7 +167,7 @@ class Search:
         """Whether a second start leads to the estimate: one of the others, or half way from the nameplate."""
 
         def same(one: Candidate) -> bool:
-            return bool(np.max(_distance(told_vector(one), estimate.theta)[CORE]) < AGAIN)
+            return bool(np.max(np.abs(told_vector(one) - estimate.theta)[CORE]) < AGAIN)
 
         if any(same(one) for one in found if one.start != best.start):
             return True
@@ -212,15 +212,15 @@ def _apart(found: Sequence[Candidate]) -> list[Candidate]:
     """The candidates without those that are a better one again."""
     kept: list[Candidate] = []
     for one in found:
-        if all(np.max(_distance(told_vector(one), told_vector(other))[:5]) > SAME for other in kept):
+        if all(_difference(one, other) > SAME for other in kept):
             kept.append(one)
     return kept
 
 
-def _distance(one: Array, other: Array) -> Array:
-    """Between two vectors of logarithms; zero where neither has a value."""
-    equal = one == other
-    return np.asarray(np.abs(np.where(equal, 0.0, one) - np.where(equal, 0.0, other)))
+def _difference(one: Candidate, other: Candidate) -> float:
+    """Largest of inertias, stiffness, damping and backlash; what neither has is no difference."""
+    a, b = told_vector(one)[:5], told_vector(other)[:5]
+    return float(np.max(np.abs(np.where(a == b, 0.0, a - b))))
 
 
 def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
@@ -232,7 +232,7 @@ def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collect
     covariance = gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
     spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
     theta = told_vector(best)
-    apart = np.max([_distance(told_vector(one), theta) for one in others], axis=0)
+    apart = np.max([np.abs(told_vector(one) - theta) for one in others], axis=0)
     half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * abs(best.cost))
     for i, name in enumerate(TOLD):
         place = INDEX[name]
