@@ -12,8 +12,11 @@ from hypothesis import HealthCheck, settings
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# A shell that runs the tests in the background lets them ignore Ctrl-C, and so would the commands that they start.
+# A shell that runs the tests in the background lets them ignore Ctrl-C or the end of
+# its terminal, and so would the commands that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP"):
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # How long an example takes to make says something about a busy machine, nothing about the code.
 settings.register_profile("any machine", suppress_health_check=[HealthCheck.too_slow])

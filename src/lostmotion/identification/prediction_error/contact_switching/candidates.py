@@ -167,7 +167,7 @@ class Search:
         """Whether a second start leads to the estimate: one of the others, or half way from the nameplate."""
 
         def same(one: Candidate) -> bool:
-            return bool(np.max(np.abs(told_vector(one) - estimate.theta)[CORE]) < AGAIN)
+            return bool(np.max(_distance(told_vector(one), estimate.theta)[CORE]) < AGAIN)
 
         if any(same(one) for one in found if one.start != best.start):
             return True
@@ -223,6 +223,12 @@ def _difference(one: Candidate, other: Candidate) -> float:
     return float(np.max(np.abs(np.where(a == b, 0.0, a - b))))
 
 
+def _distance(one: Array, other: Array) -> Array:
+    """Between two vectors of logarithms; infinite where one has no value, so that nothing agrees on it."""
+    known = np.isfinite(one) & np.isfinite(other)
+    return np.where(known, np.abs(np.where(known, one, 0.0) - np.where(known, other, 0.0)), np.inf)
+
+
 def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
     """Values of the best candidate; half widths from the sandwich covariance, and where plausible ones disagree."""
     run = best.flt.run(best.theta, best.free)
@@ -232,7 +238,7 @@ def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collect
     covariance = gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
     spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
     theta = told_vector(best)
-    apart = np.max([np.abs(told_vector(one) - theta) for one in others], axis=0)
+    apart = np.max([_distance(told_vector(one), theta) for one in others], axis=0)
     half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * (1.0 + INFLATION * abs(best.cost))
     for i, name in enumerate(TOLD):
         place = INDEX[name]
