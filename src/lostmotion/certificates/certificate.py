@@ -90,10 +90,15 @@ def certificate(
 @checks_arguments
 def verdict(data: Mapping[str, Any]) -> str | None:
     """None if the certificate is proved in exact fractions, else why not; the verifier's own word."""
+    return word_of(verify_certificate, data)
+
+
+def word_of(verifier: Any, data: Mapping[str, Any]) -> str | None:
+    """What a verifier, a module, says of a certificate: None where it is proved, else the reason."""
     try:
-        verify_certificate.verify(verify_certificate.parsed(json.dumps(data)))
-    except verify_certificate.NotProved as reason:
+        verifier.verify(verifier.parsed(json.dumps(data)))
+    except verifier.NotProved as reason:
         return str(reason)
-    except verify_certificate.NO_CERTIFICATE as error:
+    except verifier.NO_CERTIFICATE as error:
         return f"no certificate ({type(error).__name__}: {error})"
     return None

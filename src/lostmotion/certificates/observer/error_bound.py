@@ -11,7 +11,6 @@ proved instead is a set that every error enters and none leaves. docs/proofs.md,
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -25,7 +24,7 @@ from ...errors import InvalidInput
 from ...observers import kalman_gain
 from ...observers.fixed_gain.injection import injection_of
 from ...observers.model import observer_model
-from ..certificate import drivetrain_data, short
+from ..certificate import drivetrain_data, short, word_of
 from ..plant import plant_of
 from . import verify_observer
 from .invariant_polytope import Difference, invariant_polytope
@@ -189,13 +188,7 @@ def observer_error(
 @checks_arguments
 def observer_verdict(data: Mapping[str, Any]) -> str | None:
     """None if the certificate is proved in exact fractions, else why not; the verifier's own word."""
-    try:
-        verify_observer.verify(verify_observer.parsed(json.dumps(data)))
-    except verify_observer.NotProved as reason:
-        return str(reason)
-    except verify_observer.NO_CERTIFICATE as error:
-        return f"no certificate ({type(error).__name__}: {error})"
-    return None
+    return word_of(verify_observer, data)
 
 
 @checks_arguments
