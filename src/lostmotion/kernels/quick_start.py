@@ -49,7 +49,8 @@ def load_without_tables(ours: type) -> None:
 @cache
 def _tell_of_compiling() -> None:
     """Once: why the first call takes long. Commands compile beforehand, and show which step of how many."""
-    if "ipykernel" in sys.modules or sys.stderr.isatty():
+    # A program without a console has no standard error.
+    if sys.stderr is not None and ("ipykernel" in sys.modules or sys.stderr.isatty()):
         print(
             "lostmotion compiles its kernels for this processor, once; that can take a minute.",
             file=sys.stderr,

@@ -100,9 +100,10 @@ class ContactFilter:
         dt, counted = predictor.dt, predictor.speed_from_counts
         measured = np.cumsum(predictor.speed) * dt if counted else predictor.speed
         step = count_step(predictor.speed) if counted else None
-        # Recordings of several sensors are judged by the noisiest.
-        white = max(white_noise(measured[piece]) for piece in predictor.pieces)
-        floor = white if step is None else step * dt / np.sqrt(12.0)
+        if step is not None:
+            floor = step * dt / np.sqrt(12.0)
+        else:  # recordings of several sensors are judged by the noisiest
+            floor = max(white_noise(measured[piece]) for piece in predictor.pieces)
         if not floor > 0.0:
             raise InvalidInput("speed_motor", "no noise", "a sensor's noise", "Check the channel.")
         halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
