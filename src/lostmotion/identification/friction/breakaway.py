@@ -9,7 +9,7 @@ import numpy as np
 
 from ...argument_checks import checks_arguments, not_negative
 from ...recording import Recording
-from ..statistics.estimates import Estimates, Interval, sources_of
+from ..statistics.estimates import Estimates, Interval
 from . import problems as problem
 from .result import Floats, torque_to_use
 
@@ -98,7 +98,6 @@ def breakaway(
     return Breakaway(
         values=values,
         intervals=intervals,
-        sources=sources_of(values),
         problems=problems,
         starts=found[:, :3],
         at_rest=at_rest,

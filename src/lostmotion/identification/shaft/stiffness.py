@@ -12,7 +12,7 @@ from ...errors import InvalidInput
 from ...recording import Recording
 from ..backlash.torque_reversals import backlash_excited
 from ..frequency.spectra import Complexes, Floats, gain_and_coherence, segment_spectra
-from ..statistics.estimates import Estimates, Interval, Source, sources_of
+from ..statistics.estimates import Estimates, Interval, Source
 from . import problems as problem
 
 #: What is looked for.
@@ -156,7 +156,7 @@ def shaft_stiffness(
     return ShaftStiffness(
         values=found,
         intervals=intervals,
-        sources=sources_of(found) | given,
+        sources=given,
         frequency=frequency,
         response=response,
         coherence=coherence,
