@@ -18,7 +18,7 @@ Scores = dict[str, Score]
 #: Sources that no score depends on: the layers above, and the modules that make tables of scores.
 ABOVE = (
     "cli", "run", "commands", "terminal", "interruption", "precompile", "stages", "experiment", "report",
-    "plot", "export", "io",
+    "plot", "export", "io", "paper", "realtime",
 )  # fmt: skip
 TABLES = tuple(
     f"compare/{name}"

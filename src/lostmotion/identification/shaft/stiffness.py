@@ -157,13 +157,13 @@ def shaft_stiffness(
         values=found,
         intervals=intervals,
         sources=given,
+        problems=tuple(problems),
         frequency=frequency,
         response=response,
         coherence=coherence,
         used=used,
         segments=len(x),
         torque_reverses=reverses,
-        problems=tuple(problems),
     )
 
 
