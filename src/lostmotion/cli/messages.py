@@ -21,9 +21,13 @@ def announce(sentence: str) -> None:
 
 
 def finished(problems: list[dict[str, str]], out: Path, *endings: str) -> None:
-    """Warnings on standard error, then the files written."""
+    """Warnings on standard error, then the files written: in a folder (``/…``), or of one name with several endings."""
+    from ..commands.outputs import stem
+
     show([Problem(**p) for p in problems])  # type: ignore[arg-type]
-    typer.echo("  written: " + ", ".join(f"{out}{ending}" for ending in endings))
+    typer.echo(
+        "  written: " + ", ".join(f"{out if ending[0] == '/' else stem(out)}{ending}" for ending in endings)
+    )
 
 
 @contextmanager

@@ -131,9 +131,7 @@ def simulate(
     drivetrain: Annotated[
         Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML of the main job.")
     ],
-    out: Annotated[Path, typer.Option(help="CSV to write; a picture, .png, goes beside it.")] = Path(
-        "simulated.csv"
-    ),
+    out: Annotated[Path, typer.Option(help="Name of the files to write: .csv, .png.")] = Path("simulated"),
     torque: Annotated[Path | None, typer.Option(help="CSV with time and torque_motor.")] = None,
     duration: Annotated[
         float,
@@ -166,7 +164,7 @@ def simulate(
     with interruptible():
         recording = simulate_file(drivetrain, out, torque, duration, dt, seed, force, announce)
     typer.echo(f"  {len(recording)} samples, {len(recording.events)} events")
-    finished([], out.with_suffix(""), out.suffix, ".png")
+    finished([], out, ".csv", ".png")
 
 
 def _simulate_variants(
@@ -190,4 +188,4 @@ def _simulate_variants(
     for index, message in made.failures.items():
         typer.secho(f"variant {index} failed: {message}", fg="yellow", err=True)
     typer.echo(f"  {int(made.done.sum())} of {count} variants")
-    finished([], out.with_suffix(""), out.suffix, *([".png"] if made.done.any() else []))
+    finished([], out, ".csv", *([".png"] if made.done.any() else []))
