@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .compiling import compile_kernels
-from .messages import announce, finished, interruptible
+from .messages import announce, finished, interruptible, say
 from .options import (
     KINDS,
     METHODS,
@@ -73,8 +73,8 @@ def frf(
         )
     fit = result["two_mass_fit"]
     if fit is not None:
-        typer.echo(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
-        typer.echo("  If the gap opens during the test, both are too low: see docs/frequency-response.md.")
+        say(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
+        say("  If the gap opens during the test, both are too low: see docs/frequency-response.md.")
     finished(result["problems"], out, ".json", ".png")
 
 
@@ -119,11 +119,11 @@ def excite(
         )  # fmt: skip
     for name, unit in (("torque", "Nm"), ("speed", "rad/s"), ("angle", "rad")):
         peak, limit = result["peaks"][name], result["limits"][name]
-        typer.echo(f"  {name:<15} up to {peak:.3g} of {limit:.3g} {unit}")
+        say(f"  {name:<15} up to {peak:.3g} of {limit:.3g} {unit}")
     for name, half in result["half_widths"].items():
-        typer.echo(f"  {name:<15} ± {100.0 * half:.2g} % expected")
+        say(f"  {name:<15} ± {100.0 * half:.2g} % expected")
     for name in result["not_excited"]:
-        typer.echo(f"  {name:<15} will not be identified")
+        say(f"  {name:<15} will not be identified")
     finished(result["problems"], out, ".csv", ".json", ".png")
 
 
@@ -163,7 +163,7 @@ def simulate(
 
     with interruptible():
         recording = simulate_file(drivetrain, out, torque, duration, dt, seed, force, announce)
-    typer.echo(f"  {len(recording)} samples, {len(recording.events)} events")
+    say(f"  {len(recording)} samples, {len(recording.events)} events")
     finished([], out, ".csv", ".png")
 
 
@@ -186,6 +186,6 @@ def _simulate_variants(
             drivetrain, out, count, spread, torque, duration, dt, seed, bar, force, announce
         )
     for index, message in made.failures.items():
-        typer.secho(f"variant {index} failed: {message}", fg="yellow", err=True)
-    typer.echo(f"  {int(made.done.sum())} of {count} variants")
+        say(f"variant {index} failed: {message}", fg="yellow", err=True)
+    say(f"  {int(made.done.sum())} of {count} variants")
     finished([], out, ".csv", *([".png"] if made.done.any() else []))
