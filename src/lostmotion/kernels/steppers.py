@@ -19,6 +19,9 @@ MODULES = {
     "unscented_kalman": f"{_ESTIMATORS}.unscented_kalman",
 }
 
+#: Kind → place of the parameter that no output exceeds. (Layout.)
+LIMITS = {"hybrid_predictive": predictive.LIMIT}
+
 #: Numbers of parameters and outputs: a step reads and writes its arrays at fixed places, whatever their lengths are.
 #: (Layout.)
 SIZES = {

@@ -185,6 +185,9 @@ def best_share(q, most, s):
     if high_slope <= 0.0:
         return most
     low, low_slope, high = 0.0, slope_along(q, 0.0, curvature, s), most
+    if low_slope >= 0.0:
+        # Rounding alone: the slope at the start is that of a way down.
+        return 0.0
     for r in range(ROWS):
         if s[CHANGE + r] != 0.0:
             for side in range(2):
