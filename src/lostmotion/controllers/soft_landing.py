@@ -124,7 +124,7 @@ def soft_landing(
     Notes
     -----
     Friction of the motor and the load's acceleration are left out: on the paper's rig 10 Nm at the load shift the
-    contact speed by 0.03 rad/s.
+    contact speed by 0.03 rad/s, and of the motor's friction see ``motor_friction_speed``.
     """
     braking_torque = BRAKING_SHARE * torque_limit if braking_torque is None else braking_torque
     rate = approach_rate(drivetrain.lag, dt) if rate is None else rate
@@ -163,6 +163,15 @@ def soft_landing(
         acting = np.array([[float(name == "torque_motor_acting") for name in inputs]])
         state = {"states": ("torque_actuator",), "A": np.array([[decay]]), "B": (1.0 - decay) * acting}
     return net.system(torque, inputs, dt, state)
+
+
+def motor_friction_speed(drivetrain: Drivetrain, rate: float) -> float:
+    """Speed (rad/s) that the motor's Coulomb friction takes off the approach; rate (1/s) is that of its control.
+
+    The control is proportional: with a contact speed below this the motor may come to rest in the gap.
+    """
+    friction = drivetrain.frictions[0]
+    return max(friction.coulomb_plus, friction.coulomb_minus) / (rate * drivetrain.inertia_motor)
 
 
 class _Curves:
