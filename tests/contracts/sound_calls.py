@@ -528,6 +528,7 @@ def _rig() -> list[Call]:
             {"rig": 1, "torque_motor": np.ones(50), "dt": DT, "noise_seed": 0, "channels": ("speed_motor",)},
         ),
         Call(rig.varied_rig, {"seed": 1}),
+        Call(rig.bench, {"seed": 1}),
         Call(rig.eigenfrequencies, {"drivetrain": plant()}),
         Call(rig.motor_zeros, {"drivetrain": plant()}),
         Call(rig.two_mass_equivalent, {"drivetrain": plant(), "speed_load": np.ones(9)}),
