@@ -23,7 +23,7 @@ from .child_process import end_python, start_python
 from .drivetrain import Actuator, Drivetrain
 from .errors import InvalidInput
 from .kernels.compiled import is_compiled, mark_compiled
-from .kernels.estimators import MODULES
+from .kernels.steppers import MODULES
 from .recording import Recording
 from .simulation import Sensor, simulate, simulate_batch
 from .simulation.sensors import measure
@@ -83,7 +83,7 @@ def _innovations() -> None:
 def _estimator(kind: str) -> Callable[[], None]:
     def compile_it() -> None:
         # Its functions have one signature each, for which they are compiled here.
-        import_module(f"lostmotion.kernels.estimators.{MODULES[kind]}")
+        import_module(MODULES[kind])
 
     return compile_it
 

@@ -15,6 +15,7 @@ from ..metrics import compare, step_metrics
 from ..recording import Recording
 from ..systems import DiscreteSystem
 from .design import GIVEN, OBSERVERS, Design, is_averaged, observer
+from .fitness import STEADY
 from .material import Material
 from .parameters import Found
 from .speed_step import PAPER_STEP, SpeedStep
@@ -50,8 +51,6 @@ WITHHELD = ("speed_load", "torque_shaft", "twist")
 SETTLING = 0.3
 #: A step that has not settled is shown with twice the time, at most so often (option: 16 times).
 DOUBLINGS = 4
-#: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target (option).
-STEADY = 0.01
 #: A load speed beyond this many times the set-point counts as unstable (option).
 RUNAWAY = 20.0
 
