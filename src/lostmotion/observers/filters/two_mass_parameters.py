@@ -33,9 +33,8 @@ EIGENMODE_TURN = 1e-5
 EIGENMODE_TWIST = 1.6e-4
 
 #: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit. Calibration:
-#: the virtual rigs 1 to 4, of whose good samples 0.1 % are refused at most where nothing is wrong; of jumps of 8 rad/s
-#: for 20 ms the extended Kalman filter refuses the first 19.9 ms, with half of it all, with double 18 ms
-#: (benchmarks/calibrations.py).
+#: the virtual rigs 1 to 4, where of jumps of 8 rad/s for 20 ms the extended Kalman filter refuses the first 19.9 ms,
+#: with half of it all, with double 18 ms (benchmarks/calibrations.py).
 GATE = 4.0
 #: Calibration: the same.
 MISMATCH: Mapping[str, float] = MappingProxyType(
