@@ -242,10 +242,8 @@ def observer_error(make: Callable[..., Any], fault: str = "", size: float = 8.0,
             )
     if not fault:
         return spread(errors)
-    told, false = np.mean(flagged, axis=0)
-    return (
-        f"{np.median(ratios):.3g} / {max(ratios):.3g} times, flagged {100 * told:.3g} and {100 * false:.2g} %"
-    )
+    of_bad, of_good = 100.0 * np.mean(flagged, axis=0)
+    return f"{np.median(ratios):.3g} / {max(ratios):.3g} times, flagged {of_bad:.3g} and {of_good:.2g} %"
 
 
 def h_infinity_error() -> str:

@@ -12,12 +12,13 @@ from ..friction.result import Floats
 
 #: Torque reversals smaller than this part of its range count as noise (calibrated, as all four).
 REVERSAL = 0.05
-#: Left out on both sides of a crossing and of the end of sticking, as part of the torque's range (calibrated).
+#: Left out on both sides of a crossing and of the end of sticking, as part of the torque's range (calibrated, as all).
 CLEARANCE = 0.02
 #: Jumps of the torque by this part of its range within a sample are steps, after which the motor oscillates
-#: (calibrated).
+#: (calibrated, as all).
 JUMP = 0.02
-#: The angle oscillates where it varies by this many times the usual amount within the settling time (calibrated).
+#: The angle oscillates where it varies by this many times the usual amount within the settling time (calibrated, as
+#: all).
 SWING = 2.0
 
 

@@ -21,9 +21,9 @@ from . import problems as problem
 
 #: Cut-off of the smoothed speed and torque over the sample rate (calibrated, as all three).
 CUTOFF = 0.1
-#: Speeds below this part of the largest have no sure direction and are left out (calibrated).
+#: Speeds below this part of the largest have no sure direction and are left out (calibrated, as all).
 TURNING = 0.02
-#: Torques below this part of the largest may lie inside a gap: they have no sure flank (calibrated).
+#: Torques below this part of the largest may lie inside a gap: they have no sure flank (calibrated, as all).
 IN_CONTACT = 0.1
 #: Rows further than this many standard deviations (by their median) from the fit bounce and are left out; so often.
 #: (Numerics: of normal errors 0.3 % are.)
