@@ -72,16 +72,16 @@ def locked_loads() -> list[tuple[Recording, float]]:
     return made
 
 
-def locked_backlash_error() -> str:
-    errors = []
-    for recording, gap in locked_loads():
-        value = locked_backlash(recording).values["backlash"]
-        errors.append(np.inf if value is None else abs(value / gap - 1.0))
-    return spread(errors)
+def identified(
+    find: Callable[[Recording], Any], name: str, recordings: Callable[[], list[tuple[Recording, float]]]
+) -> str:
+    """Errors of one value, found in recordings that come with the true one."""
+    found = [(find(recording).values[name], truth) for recording, truth in recordings()]
+    return spread([np.inf if value is None else abs(value / truth - 1.0) for value, truth in found])
 
 
 @cache
-def two_encoders() -> list[Recording]:
+def two_encoders() -> list[tuple[Recording, float]]:
     made = []
     t = np.arange(15_000) * DT
     for seed in SEEDS:
@@ -97,13 +97,8 @@ def two_encoders() -> list[Recording]:
             "angle_motor": counted(run["angle_motor"], 16, rng),
             "angle_load": counted(np.interp(t - 3.2e-3, t, run["angle_load"]), 16, rng),
         }
-        made.append(Recording(t, signals))
+        made.append((Recording(t, signals), 0.003))
     return made
-
-
-def lost_motion_error() -> str:
-    found = [lost_motion(recording).values["backlash"] for recording in two_encoders()]
-    return spread([np.inf if value is None else abs(value / 0.003 - 1.0) for value in found])
 
 
 @cache
@@ -117,14 +112,6 @@ def starts() -> list[tuple[Recording, float]]:
         level = max(truth.drivetrain.frictions[-1].level_at_rest)
         made.append((recording.with_signals("derived", angle_motor=angle), level))
     return made
-
-
-def breakaway_error() -> str:
-    errors = []
-    for recording, level in starts():
-        value = breakaway(recording).values["breakaway_plus"]
-        errors.append(np.inf if value is None else abs(value / level - 1.0))
-    return spread(errors)
 
 
 def ladder_error() -> str:
@@ -356,9 +343,18 @@ TORQUE, TWO_MASS = "observers.fixed_gain.shaft_torque", "observers.filters.two_m
 BREAK, LADDER = "identification.friction.breakaway", "identification.friction.constant_speeds"
 #: Module, constant, what is measured (median / largest error).
 ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
-    *((RAMPS, name, locked_backlash_error) for name in ("REVERSAL", "CLEARANCE", "JUMP", "SWING")),
-    *((ENCODERS, name, lost_motion_error) for name in ("CUTOFF", "TURNING", "IN_CONTACT")),
-    *((BREAK, name, breakaway_error) for name in ("SMOOTHING", "MOVING", "LATE")),
+    *(
+        (RAMPS, name, partial(identified, locked_backlash, "backlash", locked_loads))
+        for name in ("REVERSAL", "CLEARANCE", "JUMP", "SWING")
+    ),
+    *(
+        (ENCODERS, name, partial(identified, lost_motion, "backlash", two_encoders))
+        for name in ("CUTOFF", "TURNING", "IN_CONTACT")
+    ),
+    *(
+        (BREAK, name, partial(identified, breakaway, "breakaway_plus", starts))
+        for name in ("SMOOTHING", "MOVING", "LATE")
+    ),
     (LADDER, "STEADY", ladder_error),
     ("identification.friction.torque_step", "CONSTANT", torque_step_error),
     ("identification.friction.inverse_dynamics", "SIGN_CUTOFF", emps_error),

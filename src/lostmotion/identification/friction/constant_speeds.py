@@ -130,15 +130,9 @@ def friction_ladder(
         values = {"coulomb": None, "viscous": None}
     values |= {n: None for n in ("stribeck", "stribeck_speed") if n not in values}
     return FrictionLadder(
-        values=values,
-        intervals=intervals,
-        problems=problems,
-        exponent=exponent,
-        speed=w,
-        torque=m,
-        margin=margin,
-        steady=steady,
-    )
+        values=values, intervals=intervals, problems=problems, exponent=exponent,
+        speed=w, torque=m, margin=margin, steady=steady,
+    )  # fmt: skip
 
 
 def _windows(recording: Recording, reference: str) -> list[tuple[float, float]]:
