@@ -13,6 +13,7 @@ from .predictive import predictive
 from .quadratic_poles import quadratic_poles
 from .sliding_mode import sliding_mode, super_twisting
 from .soft_landing import soft_landing
+from .torque_ramp import torque_ramp
 from .tuning.optimised_pi import OptimisedPi, optimised_pi
 from .tuning.symmetrical_optimum import PiTuning, symmetrical_optimum
 
@@ -20,5 +21,5 @@ __all__ = [
     "OptimisedPi", "PiTuning", "QuadraticFeedback", "RobustFeedback", "StateFeedback", "active_damping", "flatness",
     "h_infinity", "hybrid_predictive", "lqi", "notch", "optimised_pi", "pi", "pole_placement", "predictive",
     "quadratic_feedback", "quadratic_poles", "robust_feedback", "sliding_mode", "soft_landing", "speed_course",
-    "state_feedback", "super_twisting", "symmetrical_optimum",
+    "state_feedback", "super_twisting", "symmetrical_optimum", "torque_ramp",
 ]  # fmt: skip
