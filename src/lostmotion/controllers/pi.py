@@ -36,9 +36,9 @@ def pi(
         integral⁺ = integral + dt·ki·e + dt·(ki/kp)·(torque_motor − (integral + kp·e + friction(reference)))
 
     The last term is the anti-windup by back-calculation: it is zero within the limit, and beyond it
-    returns the integral with the time constant kp/ki of the controller's own zero (chosen). With ``realised_torque`` it is
-    the torque that acts less the one that was wished for it a sample before: so a drive that gives less than it is asked
-    for, hot or at low voltage, does not wind the integral up either.
+    returns the integral with the time constant kp/ki of the controller's own zero (chosen). With ``realised_torque`` it
+    is the torque that acts less the one that was wished for it a sample before: so a drive that gives less than it is
+    asked for, hot or at low voltage, does not wind the integral up either.
 
     Parameters
     ----------
@@ -99,9 +99,9 @@ def pi(
     unlimited, step, n = integral + kp * (reference - motor), dt * (ki / kp), len(states)
     curves: list[PiecewiseLinear] = [] if friction_of is None else [_friction(friction_of)]
     z, w = [reference] * len(curves), np.ones((1, len(curves)))
-    wished, by_friction = unlimited, 1.0
+    wished, by_friction = unlimited, np.ones_like(w)
     # The integral goes towards what the torque leaves for it: with a limit that is the anti-windup.
-    free, kept = integral + dt * ki * (reference - motor), []
+    free = integral + dt * ki * (reference - motor)
     follows, by_curves = free, 0.0 * w
     if math.isfinite(torque_limit):
         curves.append(saturation(torque_limit))
@@ -110,9 +110,9 @@ def pi(
         unlimited, by_friction = np.zeros(len(signals)), 1.0 - w
     if realised_torque:
         missing = one["torque_motor_acting"] - one["torque_wished"]
-        follows, by_curves, kept = free + step * missing, 0.0 * w, [wished]
+        follows, by_curves = free + step * missing, 0.0 * w
     arguments = np.array(z).reshape(len(z), len(signals))
-    update = np.array([follows, *updated.values(), *kept])
+    update = np.array([follows, *updated.values(), *([wished] if realised_torque else [])])
     by_others = np.zeros((n - 1, len(curves)))
     by_others[len(filters) :] = by_friction
     return DiscreteSystem(
