@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..argument_checks import checks_arguments, not_negative
 from ..curves import PiecewiseLinear, saturation
@@ -87,7 +88,7 @@ def pi(
     states = ("torque_integral", *filters, *(("torque_wished",) if realised_torque else ()))
     inputs = ("speed_reference", "speed_motor", *(("torque_motor_acting",) if realised_torque else ()))
     signals = (*states, *inputs)
-    one = dict(zip(signals, np.eye(len(signals)), strict=True))
+    one: dict[str, NDArray[np.float64]] = dict(zip(signals, np.eye(len(signals)), strict=True))
     integral, reference = one["torque_integral"], one.get("speed_reference_filtered", one["speed_reference"])
     decay = {name: math.exp(-dt / time) for name, time in filters.items()}
     updated = {
