@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from lostmotion.compare import compare_controllers
-from lostmotion.compare.controllers import CASES, CONTESTANTS
+from lostmotion.compare.controllers import CASES, CONTESTANTS, ControlTable
 from lostmotion.compare.controllers.cases import WORKS
 from lostmotion.compare.controllers.experiment import experiment, run, zoo_drive
 from lostmotion.compare.controllers.scores import score
@@ -147,6 +147,17 @@ def test_tables(small):
     text = (folder / "leaderboard.md").read_text()
     assert text.count("| pole placement |") == 5 and "encoder 10 to 18 bit" in text
     assert (folder / "leaderboard.svg").stat().st_size > 5000
+
+
+def test_what_is_told_of_unstable_runs_is_their_share():
+    scores = {
+        "step": {seed: {"LQI": {"unstable": float(seed == 1), "overshoot": 2.0}} for seed in (1, 2, 3, 4)}
+    }
+    table = ControlTable({"LQI": "speed"}, (CASE["step"],), (1, 2, 3, 4), scores, {})
+    found = table.median("LQI", "step", "unstable")
+    assert found.value == 0.25 and found.low == 0.0 and found.high > 0.25
+    assert table.median("LQI", "step", "overshoot").value == 2.0
+    assert "| 2 |" in table.to_markdown() and "| 25 |" in table.to_markdown()
 
 
 def test_it_goes_on_where_it_was_stopped(small):

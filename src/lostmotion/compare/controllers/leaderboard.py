@@ -6,6 +6,7 @@ from typing import Any
 
 from ...version import VERSION
 from ..score_table import ScoreTable, plain
+from ..statistics import Estimate, share
 from .cases import Case
 from .scores import METRICS
 
@@ -42,6 +43,13 @@ class ControlTable(ScoreTable[Case]):
 
     ENTRY = "controller"
     METRICS = METRICS
+
+    def median(self, entry: str, case: str, metric: str) -> Estimate | None:
+        """Median over seeds with its 95 % interval; of ``unstable`` the share."""
+        values = self.values(entry, case, metric)
+        if metric == "unstable" and values:
+            return share(list(values.values()))
+        return super().median(entry, case, metric)
 
     def worst(self, entry: str, case: str, metric: str) -> float | None:
         """The largest value over the seeds."""
@@ -110,7 +118,8 @@ class ControlTable(ScoreTable[Case]):
         if found is None or worst is None:
             return "–"
         middle, largest = _number(factor * found.value), _number(factor * worst)
-        return middle if middle == largest or metric == "time_per_step" else f"{middle} ({largest})"
+        alone = middle == largest or metric in ("time_per_step", "unstable")
+        return middle if alone else f"{middle} ({largest})"
 
     def _group_table(self, metric: str, groups: tuple[str, ...]) -> str:
         heading, factor = COLUMNS[metric]
