@@ -178,6 +178,13 @@ def _predictive(s: Setting) -> DiscreteSystem:
     return controllers.predictive(s.model, **_wishes(s, error=1.0))
 
 
+def _hybrid_predictive(s: Setting, **options: Any) -> list[Law]:
+    """The linear one where there is no gap to plan."""
+    if s.model.backlash == 0.0:
+        return [controllers.predictive(s.model, **_wishes(s, 1.0, 6.0))]
+    return [controllers.hybrid_predictive(s.model, **_wishes(s, 1.0, 6.0), **options)]
+
+
 def _flat(s: Setting, acceleration: float, jerk: float) -> list[Law]:
     # At a long sample time the course is slower.
     jerk = min(jerk, 0.9 * acceleration / s.dt)
@@ -242,6 +249,9 @@ BOUNDED: dict[str, Any] = {
 #: virtual rigs 1 to 4).
 FAST: dict[str, Any] = {"contact_speed": 0.45, "release": 100.0, "braking_torque": 73.5}
 
+#: Hybrid predictive control: impact speed of its plans, rad/s (calibrated on the virtual rigs 1 to 4).
+HYBRID: dict[str, Any] = {"contact_speed": 0.4}
+
 CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("PI, Table II", "speed", _pi, None),
     Contestant("PI, symmetrical optimum", "speed", _pi_optimum, None),
@@ -254,6 +264,7 @@ CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("LQI", "speed", lambda s: [_lqi(s)], load_observer),
     Contestant("H∞", "speed", _h_infinity, load_observer),
     Contestant("predictive", "speed", lambda s: [_predictive(s)], load_observer),
+    Contestant("hybrid predictive", "speed", lambda s: _hybrid_predictive(s, **HYBRID), load_observer),
     Contestant("flat, 300 rad/s²", "speed", lambda s: _flat(s, 300.0, 1e5), load_observer),
     Contestant("flat, 100 rad/s²", "speed", lambda s: _flat(s, 100.0, 1e4), load_observer),
     Contestant("sliding mode", "speed", _sliding_mode, load_observer),
