@@ -13,6 +13,7 @@ from lostmotion.compare import compare_controllers
 from lostmotion.compare.controllers import CASES, CONTESTANTS, ControlTable
 from lostmotion.compare.controllers.cases import WORKS
 from lostmotion.compare.controllers.experiment import experiment, run, zoo_drive
+from lostmotion.compare.controllers.score_controllers import score_controllers
 from lostmotion.compare.controllers.scores import score
 from lostmotion.compare.controllers.work import work
 from lostmotion.errors import InvalidInput
@@ -145,8 +146,19 @@ def test_tables(small):
     rows = list(csv.DictReader((folder / "leaderboard.csv").open()))
     assert [row["controller"] for row in rows] == 2 * ["PI, Table II", "pole placement"]
     text = (folder / "leaderboard.md").read_text()
-    assert text.count("| pole placement |") == 5 and "encoder 10 to 18 bit" in text
+    assert text.count("| pole placement |") == 6 and "encoder 10 to 18 bit" in text
     assert (folder / "leaderboard.svg").stat().st_size > 5000
+
+
+def test_a_law_that_cannot_be_designed_is_refused_and_the_rest_goes_on(monkeypatch):
+    def impossible(setting):
+        raise InvalidInput("controller", "this drive", "another", "None.")
+
+    entries = [replace(ENTRY["PI, Table II"], control=impossible), ENTRY["pole placement"]]
+    monkeypatch.setattr("lostmotion.compare.controllers.score_controllers.CONTESTANTS", entries)
+    _, _, found = score_controllers(("true states", 1, None, ("PI, Table II", "pole placement")))
+    assert found["PI, Table II"]["refused"] == 1.0 and found["PI, Table II"]["overshoot"] is None
+    assert found["pole placement"]["refused"] == 0.0 and found["pole placement"]["overshoot"] < 2.0
 
 
 def test_what_is_told_of_unstable_runs_is_their_share():
