@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.commands.certify import certify_file
 from lostmotion.commands.excite import excitation_file
 from lostmotion.commands.frf import frequency_response_file
 from lostmotion.commands.identify import identify_file
@@ -107,11 +108,27 @@ def plant_file(folder: Path) -> Path:
     return folder / "plant.toml"
 
 
-@pytest.mark.parametrize("name", ["run.png", "run", "run.txt"])
-def test_simulate_refuses_a_name_that_its_picture_would_take(tmp_path: Path, name: str) -> None:
-    with pytest.raises(lm.InvalidInput, match="ending"):
-        simulate_file(plant_file(tmp_path), tmp_path / name, duration=0.1)
-    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml"}
+@pytest.mark.parametrize("name", ["run", "run.csv", "run.png", "run.json"])
+def test_an_ending_of_the_files_is_left_out_of_their_name(tmp_path: Path, name: str) -> None:
+    plant = plant_file(tmp_path)
+    simulate_file(plant, tmp_path / name, duration=0.1)
+    law = tmp_path / "law.json"
+    lm.save_law(lm.controllers.pi(dt=1e-4), law)
+    certify_file(plant, tmp_path / "proofs" / name, law)
+    found = {p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("[!.]*.*")}
+    assert found - {"plant.toml", "law.json"} == {
+        "run.csv",
+        "run.png",
+        "proofs/run.json",
+        "proofs/run_verify.py",
+    }
+
+
+@pytest.mark.parametrize("name", ["v1.2", "run.txt", ".json"])
+def test_another_ending_belongs_to_the_name(tmp_path: Path, name: str) -> None:
+    simulate_file(plant_file(tmp_path), tmp_path / name, duration=0.1)
+    assert (tmp_path / f"{name}.csv").exists() and (tmp_path / f"{name}.png").exists()
+    assert len(list(tmp_path.glob("*.???"))) == 2 and not (tmp_path / name).exists()
 
 
 def test_an_interrupted_batch_of_variants_goes_on(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ..controllers import pole_placement, quadratic_poles, soft_landing
 from ..controllers.pole_placement import DEFAULT_POLES
-from ..controllers.soft_landing import approach_rate
+from ..controllers.soft_landing import approach_rate, motor_friction_speed
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..observers import kalman
@@ -175,15 +175,12 @@ def target_law(
 
 
 def _landing(drivetrain: Drivetrain, torque_limit: float, dt: float) -> DiscreteSystem:
-    inertia, friction = drivetrain.inertia_motor, drivetrain.frictions[0]
-    crossing = math.sqrt(2.0 * torque_limit / inertia * drivetrain.backlash)
-    # The approach-speed control is proportional: the motor's friction takes this speed off, and must not stop it.
+    crossing = math.sqrt(2.0 * torque_limit / drivetrain.inertia_motor * drivetrain.backlash)
     rate = approach_rate(drivetrain.lag, dt)
-    slower = max(friction.coulomb_plus, friction.coulomb_minus) / (rate * inertia)
     return soft_landing(
         drivetrain,
         dt=dt,
-        contact_speed=LANDING_SHARE * crossing + slower,
+        contact_speed=LANDING_SHARE * crossing + motor_friction_speed(drivetrain, rate),
         rate=rate,
         torque_limit=torque_limit,
         tolerance=TOLERANCE,
