@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -123,6 +124,19 @@ def test_counts_that_are_too_coarse() -> None:
     assert "faster motion with more torque" in told(coarse, "Nothing is identified").remedy
     helped = find_parameters(material(recorded(step=60.0, size=6.0), START))
     assert not [p for p in helped.problems if "Nothing is identified" in p.remedy]
+
+
+def test_counts_that_are_too_coarse_are_one_message(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the second estimator says besides: it saw the same counts."""
+    from lostmotion.identification.prediction_error import problems
+
+    # The package's function hides the module of its name.
+    module = sys.modules["lostmotion.identification.prediction_error.identify"]
+    monkeypatch.setattr(module, "confirmed", lambda *fit: (*fit[:3], [problems.rigid()]))
+    coarse = find_parameters(material(recorded(1.0, step=15.0), START))
+    assert told(coarse, "Nothing is identified").where == "speed_motor"
+    fine = find_parameters(material(recorded(1.0), START))
+    assert told(fine, "Nothing is identified").where == "identification"
 
 
 @pytest.mark.parametrize("name", ["inertia_motor", "inertia_load", "stiffness"])
