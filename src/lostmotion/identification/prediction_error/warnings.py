@@ -119,6 +119,11 @@ def too_coarse(level: float, deviation: float) -> bool:
     return level > COARSE * deviation
 
 
+def is_too_coarse(prediction: Prediction) -> bool:
+    """Whether the noise of the motor speed leaves too little of it."""
+    return too_coarse(prediction.levels.get("speed_motor", 0.0), prediction.deviation)
+
+
 def low_frequency_excess(residual: NDArray[np.float64]) -> float:
     """Power of a residual in the lower tenth of the band, as a multiple of what white noise would have there.
 
@@ -175,8 +180,8 @@ def _of_prediction(prediction: Prediction) -> list[Problem]:
     excess = low_frequency_excess(prediction.residual)
     if excess > NOT_WHITE and prediction.rms > NEGLIGIBLE * float(np.std(prediction.speed_motor)):
         problems.append(problem.not_white(excess, NOT_WHITE))
-    level = prediction.levels.get("speed_motor", 0.0)
-    if too_coarse(level, prediction.deviation):
+    if is_too_coarse(prediction):
+        level = prediction.levels["speed_motor"]
         problems.append(problem.too_coarse(level, prediction.deviation, COARSE))
     if prediction.unmodelled_frequency is not None:
         problems.append(problem.unmodelled_mode(prediction.unmodelled_frequency))
