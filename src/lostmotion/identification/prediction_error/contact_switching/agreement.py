@@ -41,7 +41,7 @@ def confirmed(
     except InvalidInput:
         return fit.stays()
     search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece)
-    if not stage.free or _stands(search.glimpse(), fit):
+    if stage.free and _stands(search.glimpse(), fit):
         return fit.stays()
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
     rivals = search.rivals(own)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ....drivetrain import Drivetrain
 from ...statistics.block_covariance import sandwich, student_factor
 from ..innovations import NAMES as TOLD
+from . import grid
 from .filter import INDEX, LAWS, NAMES, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, Box, Candidate, descend, inverse_hessian, minimise, polish
 from .likelihood_ratio import alike
@@ -52,8 +53,8 @@ FREED_STEPS = 10
 LITTLE = 10.0
 #: Part of the rows of a descent that show whether the fit stands, and rows at least (numerics: 20 torsional periods).
 GLIMPSE, LEAST = 4, 2000
-#: Descents whose rates are fitted (numerics).
-POLISHED = 2
+#: Steps from a point of the grid; descents that go on to the end (numerics).
+FIRST_STEPS, POLISHED = 3, 8
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 #: A value is told if a cost this factor away would be clearly higher (numerics, as ``identifiability.NOT_EXCITED``).
@@ -119,6 +120,15 @@ class Search:
         free, first = free_places(self.start, self.fixed), FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
         return descend(name, self.part, self.begun[name], free, self.box, first)
 
+    def from_grid(self) -> list[Candidate]:
+        """Short descents from the best of each plane of the grid."""
+        free = free_places(self.start, self.fixed)
+        found = []
+        for number, theta in enumerate(grid.best(self.part, self.start, self.fixed)):
+            theta, run = minimise(self.part, theta, free, self.box, FIRST_STEPS)
+            found.append(Candidate(f"grid {number}", theta, run.cost, self.part, free))
+        return found
+
     def rigid(self) -> Candidate:
         """One inertia with friction and lag."""
         theta, free = rigid_start(self.flt, self.start)
@@ -140,7 +150,7 @@ class Search:
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
-        found = [self.descent(name) for name in self.begun]
+        found = [*(self.descent(name) for name in self.begun), *self.from_grid()]
         found += [
             polish(one, one.flt, self.box)
             for one in _apart(sorted(found, key=lambda one: one.cost))[:POLISHED]
@@ -155,19 +165,22 @@ class Search:
     def estimate(self, found: Sequence[Candidate]) -> Estimate | None:
         """What the best of the candidates tell; None where it does not explain the recording or is not found again."""
         others = plausible(found)
-        if not others[0].cost < 2.0 * EXPLAINED:
+        if not np.isfinite(others[0].cost):
             return None
         finished = _finished(others, self.flt.liveliest(ROWS), self.piece, self.box)
-        if not -NOISE_ALONE < finished[0].cost < EXPLAINED:
-            return None
         estimate = _told(finished[0], [*plausible(finished), *others], self.box, self.fixed)
         return estimate if self._found_again(estimate, others[0], found) else None
 
     def _found_again(self, estimate: Estimate, best: Candidate, found: Sequence[Candidate]) -> bool:
         """Whether a second start leads to the estimate: one of the others, or half way from the nameplate."""
+        told = [i for i in CORE if np.isfinite(estimate.half[i])]
 
         def same(one: Candidate) -> bool:
-            return bool(np.max(_distance(told_vector(one), estimate.theta)[CORE]) < AGAIN)
+            away = _distance(told_vector(one), estimate.theta)
+            return bool(np.all(away[told] < np.maximum(AGAIN, estimate.half[told])))
+
+        if not told:
+            return False
 
         if any(same(one) for one in found if one.start != best.start):
             return True

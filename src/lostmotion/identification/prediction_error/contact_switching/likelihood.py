@@ -27,6 +27,12 @@ GAIN, LARGE_GAIN = 1e-4, 0.02
 FIRST_LEVEL, LEVEL_FACTOR = 0.03, 5.0
 #: Rates of the filter's unknown torques, and the factor by which they are searched (numerics).
 RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
+#: Rounds of fitting the parameters and the rates in turn at most; a round that lowers the cost by less is the last one.
+#: (Numerics: what the filter follows with an unknown torque it does not follow with its parameters, so that both
+#: change together, and slowly.)
+ROUNDS, ROUND_GAIN = 12, 5e-4
+#: Constant load torque at most, over the torque's standard deviation (numerics).
+MOST_LOAD = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +50,7 @@ class Box:
         lower[INDEX["delay"]], upper[INDEX["delay"]] = -0.6, 0.02 / flt.dt
         for name in ("asymmetry", "asymmetry_motor"):
             lower[INDEX[name]], upper[INDEX[name]] = -0.95, 0.95
+        lower[INDEX["load_torque"]], upper[INDEX["load_torque"]] = -MOST_LOAD, MOST_LOAD
         for name in ("share", "compliance"):
             lower[INDEX[name]], upper[INDEX[name]] = np.log(2e-3), np.log(0.95)
         return cls(lower, upper)
@@ -188,8 +195,12 @@ def descend(
 def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int = 8) -> Candidate:
     """The candidate on other rows or under another law, with the rates of its unknown torques fitted as well."""
     at = replace(flt, level=candidate.flt.level)
-    theta, _ = minimise(at, candidate.theta, candidate.free, box, iterations)
-    theta, run = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
+    theta, run = minimise(at, candidate.theta, candidate.free, box, iterations)
+    for _ in range(ROUNDS):
+        before = run.cost
+        theta, run = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
+        if not before - run.cost > ROUND_GAIN:
+            break
     return replace(candidate, theta=theta, cost=run.cost, flt=at)
 
 
