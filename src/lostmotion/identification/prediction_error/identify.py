@@ -34,7 +34,7 @@ FURTHER = ("speed_load", "twist", "torque_shaft", "angle_motor")
 CONTACTS = ("viscoelastic", "dead_zone")
 
 #: Fewest rows and shortest time that are accepted (numerics: five periods of a 10 Hz mode).
-MIN_ROWS, MIN_TIME = 2000, 0.5
+MIN_ROWS, MIN_TIME = 1000, 0.5
 
 #: Time before the innovations count, s (numerics), and after a gap: there the observer knows less than at rest, and its
 #: slowest pole is at about 14 1/s.

@@ -6,14 +6,15 @@ import numpy as np
 
 from lostmotion.identification.prediction_error.contact_switching import grid
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, pole_of
-from lostmotion.identification.prediction_error.contact_switching.likelihood import minimise
-from lostmotion.identification.prediction_error.contact_switching.likelihood import Box
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, minimise
 from lostmotion.identification.prediction_error.contact_switching.starts import free_places
 
 from .conftest import PLANT
 
 #: A nameplate that is off by two either way.
-NAMEPLATE = PLANT.with_parameters(inertia_motor=0.03, inertia_load=0.2, stiffness=3500.0, backlash=0.03, coulomb=0.0)
+NAMEPLATE = PLANT.with_parameters(
+    inertia_motor=0.03, inertia_load=0.2, stiffness=3500.0, backlash=0.03, coulomb=0.0
+)
 
 
 def test_all_points_have_the_same_total_inertia(flt: ContactFilter):

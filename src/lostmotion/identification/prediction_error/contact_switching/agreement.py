@@ -52,10 +52,12 @@ def confirmed(
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
     # Where the recording is explained, whatever predicts alike may be right as well.
     others = [*better, *(one for one in rivals if explained and alike(one, best))]
-    if better and (found := search.estimate(rivals)) is not None:
+    if (better or not stage.free) and (found := search.estimate(rivals)) is not None:
         return fit.replaced_by(found)
     if not explained and (excess := fit.excess(flt)) > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
+    if not stage.free:
+        return fit.stays()
     return fit.with_room_for(others, explained)
 
 

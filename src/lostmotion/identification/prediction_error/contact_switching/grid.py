@@ -68,7 +68,10 @@ def best(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> list[
     """
     coarse = replace(flt, halvings=min(flt.halvings, HALVINGS))
     found = sorted(
-        ((coarse.run(point.theta).cost, number, point) for number, point in enumerate(points(flt, start, fixed))),
+        (
+            (coarse.run(point.theta).cost, number, point)
+            for number, point in enumerate(points(flt, start, fixed))
+        ),
     )
     kept: dict[tuple[int, ...], Array] = {}
     seen: set[tuple[int, int]] = set()

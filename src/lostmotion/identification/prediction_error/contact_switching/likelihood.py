@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
+from ..innovations import THREADS
 from .filter import INDEX, ContactFilter, Run, pole_of
 
 Array = NDArray[np.float64]
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 #: Leverage that a row may have in a step, in multiples of the mean one (numerics): all, then ever less. A row after an
 #: impact may have a thousand times the sensitivity of others, and be right in a small neighbourhood alone.
@@ -30,7 +35,7 @@ RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
 #: Rounds of fitting the parameters and the rates in turn at most; a round that lowers the cost by less is the last one.
 #: (Numerics: what the filter follows with an unknown torque it does not follow with its parameters, so that both
 #: change together, and slowly.)
-ROUNDS, ROUND_GAIN = 12, 5e-4
+ROUNDS, ROUND_GAIN = 10, 1e-3
 #: Constant load torque at most, over the torque's standard deviation (numerics).
 MOST_LOAD = 5.0
 
@@ -58,6 +63,12 @@ class Box:
     def including(self, theta: Array, far: float) -> Box:
         """Wide enough for a factor ``far`` around another θ, too."""
         return Box(np.minimum(self.lower, theta - np.log(far)), np.maximum(self.upper, theta + np.log(far)))
+
+
+def side_by_side(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+    """The function of each, on two threads: the passes of the filter leave the interpreter free."""
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(function, items))
 
 
 def minimise(

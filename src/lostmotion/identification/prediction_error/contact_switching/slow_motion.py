@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 SLOW, SLOW_DT = 0.1, 0.1
 #: Rows per period of the upper edge (numerics: ten times what a band needs).
 ROWS_PER_PERIOD = 20
-#: The nameplate is right within this factor (issue of any drive: off by up to three either way).
+#: The nameplate's total inertia is right within this factor (option: what the second estimator promises to bear).
 NAMEPLATE = 3.0
 #: Friction at least and at most, over the torque's deviation (numerics: a start may have any, but not none).
 FRICTION = (0.005, 2.0)
@@ -35,7 +35,10 @@ class SlowMotion:
 
     @classmethod
     def of(cls, flt: ContactFilter, start: Drivetrain) -> SlowMotion:
-        """Least squares of torque = J·acceleration + M_c·sgn(speed) + d_v·speed + M_L; the nameplate's inertia if wild."""
+        """By least squares of torque = J·acceleration + M_c·sgn(speed) + d_v·speed + M_L.
+
+        An inertia beyond ``NAMEPLATE`` is none: little acceleration, or a wrong sign. Then the nameplate's is taken.
+        """
         edge = min(SLOW * start.pole_frequency, SLOW_DT / flt.dt)
         every = max(1, int(1.0 / (ROWS_PER_PERIOD * edge * flt.dt)))
         columns, torques = [], []
@@ -68,4 +71,5 @@ def _slow(flt: ContactFilter, rows: slice, edge: float) -> tuple[Array, Array]:
     measured = flt.measured[rows]
     speed = np.gradient(measured, flt.dt) if flt.counted else measured
     padding = min(int(3.0 / (edge * flt.dt)), speed.size - 1)
-    return tuple(sosfiltfilt(low, s, padlen=padding) for s in (flt.torque[rows], speed))  # type: ignore[return-value]
+    torque, speed = (sosfiltfilt(low, s, padlen=padding) for s in (flt.torque[rows], speed))
+    return torque, speed

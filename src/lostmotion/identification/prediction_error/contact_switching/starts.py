@@ -47,7 +47,15 @@ def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]
     given |= dict.fromkeys(("backlash", "coulomb", "viscous", "torque_rate"), 0.0)
     given |= {"stiffness": own**2 * load, "damping": 2.0 * own * load}
     given |= {"inertia_motor": start.inertia_total, "inertia_load": load}
-    names = ("inertia_motor", "coulomb_motor", "viscous_motor", "asymmetry_motor", "load_torque", "lag", "delay")
+    names = (
+        "inertia_motor",
+        "coulomb_motor",
+        "viscous_motor",
+        "asymmetry_motor",
+        "load_torque",
+        "lag",
+        "delay",
+    )
     return flt.theta(given), sorted(INDEX[name] for name in names)
 
 
