@@ -32,8 +32,8 @@ def confirmed(
 
     Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
     Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does,
-    its own values are told if it explains the recording. If nothing does, the difference is part of the intervals, and
-    too large a one leaves nothing.
+    or the fit tells nothing, its own values are told if other starts lead there as well. Else the difference is part of
+    the intervals, and too large a one leaves nothing.
     """
     fit = Fit(predictor, stage, told, start)
     try:
