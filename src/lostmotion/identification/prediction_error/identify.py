@@ -167,7 +167,7 @@ def identify(
         say(0.9, "comparing with the contact-switching filter")
         predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed)
     result = _result(pieces, predictor, stage, values, start, fixed, total)
-    if warnings.is_too_coarse(result.prediction):
+    if not result.names and warnings.is_too_coarse(result.prediction):
         doubts = []  # one reason why nothing is identified is enough: no model explains what is lost in the counts
     result = replace(result, problems=(*result.problems, *doubts, *ambiguous, *coarse))
     say(1.0, "identified")
