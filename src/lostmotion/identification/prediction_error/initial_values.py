@@ -33,8 +33,8 @@ RIVAL_COST, RIVAL_DISTANCE = 1.1, 0.2
 #: Damping ratio where the nameplate has no damping (Fietzek & Rinderknecht, section II).
 DAMPING_RATIO = 0.02
 
-#: Upper edge of the band in which the drivetrain turns as one rigid body, Hz (calibrated on the virtual rig, whose zero
-#: is at 38 Hz, seeds not recorded).
+#: Upper edge of the band in which the drivetrain turns as one rigid body, Hz (calibrated on the virtual rigs 1 and 2,
+#: whose zero is at 38 Hz: half and double give the same; benchmarks/calibrations.py).
 RIGID_BAND = 8.0
 
 

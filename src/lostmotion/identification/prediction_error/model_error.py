@@ -13,8 +13,8 @@ Array = NDArray[np.float64]
 #: mean density (numerics: seven standard deviations of the spectrum's estimate over 10 s).
 PEAK_HEIGHT = 0.5
 
-#: And if its rms is more than this share of the rms of the torsional oscillation of the speed (calibrated, data not
-#: recorded).
+#: And if its rms is more than this share of the rms of the torsional oscillation of the speed (calibrated on the
+#: virtual rigs 1 and 2: half and double give the same; benchmarks/calibrations.py).
 PEAK_SHARE = 0.005
 
 #: Modes above this multiple of the torsional frequency are not looked for: they would add less than 1 %
