@@ -131,12 +131,13 @@ def test_the_equilibrium_is_where_the_simulation_settles(compensation: str) -> N
         {"friction": lm.drivetrain.Friction(2.0, 0.0175, stribeck=((0.0, 1.0), (0.1, 0.0)))},
         {"friction": lm.drivetrain.Friction(2.0, 0.0175, breakaway=3.0)},
         {"contact": "limited"},
+        {"rate_limit": 1000.0},
     ],
 )
 def test_a_drivetrain_without_a_proof_is_refused(changes: dict[str, Any]) -> None:
     from dataclasses import replace
 
-    plant = drivetrain(**{k: v for k, v in changes.items() if k == "contact"})
+    plant = drivetrain(**{k: v for k, v in changes.items() if k != "friction"})
     if "friction" in changes:
         plant = replace(plant, frictions=(lm.drivetrain.Friction(), changes["friction"]))
     with pytest.raises(InvalidInput, match="certify: drivetrain"):
