@@ -119,7 +119,7 @@ def check_inertia(recording: Recording, nameplate: float) -> tuple[Problem, ...]
         f"an acceleration as of {shown:.2g} kg m2",
         f"about {nameplate:.2g} kg m2, as on the nameplate",
     )
-    remedy = "Check unit and scale in the channels of torque and speed, and inertia_motor and inertia_load under [nameplate]."
+    remedy = "Check unit and scale in the channels of torque and speed, and the inertias under [nameplate]."
     return (Problem.warning(f"{where}, torque_motor and speed_motor", got, expected, remedy),)
 
 
