@@ -43,10 +43,11 @@ class Layout:
         made: dict[str, Array] = {}
         start = 0
         for name, n in self.symmetric.items():
-            upper = np.triu_indices(n)
+            upper = _upper(n)
             matrix = np.zeros((n, n))
             matrix[upper] = vector[start : start + upper[0].size]
-            made[name] = matrix + np.triu(matrix, 1).T
+            matrix[upper[::-1]] = matrix[upper]
+            made[name] = matrix
             start += upper[0].size
         for name, count in self.multipliers.items():
             made[name] = vector[start : start + count]
@@ -82,6 +83,40 @@ class Inequalities:
     def largest_margin(self) -> tuple[dict[str, Array], float] | None:
         """Unknowns of total trace 1 at most for which every condition minus margin·I is positive semidefinite, with the
         largest margin; None if the solver ends without numbers."""
+        size = self.layout.size
+        margins = [_packed(np.eye(scale.size)) for scale in self.scales]
+        found = self._solution(np.append(np.zeros(size), -1.0), np.append(self.trace, 0.0), margins)
+        return None if found is None else (self._unknowns(found[:-1]), float(found[-1]))
+
+    def largest(self, wanted: str, bounded: str, margin: float) -> dict[str, Array] | None:
+        """Unknowns with the largest multiplier ``wanted`` where the multiplier ``bounded`` is 1 at most and every
+        condition minus margin·I is positive semidefinite; None if the solver ends without numbers."""
+        cost = -np.sign(self._weighted(wanted))
+        found = self._solution(cost, self._weighted(bounded), [], margin)
+        return None if found is None else self._unknowns(found)
+
+    def _weighted(self, name: str) -> Array:
+        """The row that reads one multiplier from the scaled vector."""
+        places = dict.fromkeys(self.layout.symmetric, 0) | {
+            n: int(n == name) for n in self.layout.multipliers
+        }
+        counts = {n: k * (k + 1) // 2 for n, k in self.layout.symmetric.items()} | dict(
+            self.layout.multipliers
+        )
+        return (
+            np.concatenate([np.full(counts[n], float(place)) for n, place in places.items()]) * self.weights
+        )
+
+    def _unknowns(self, scaled: Array) -> dict[str, Array]:
+        values = scaled * self.weights
+        start = self.layout.size - sum(self.layout.multipliers.values())
+        values[start:] = np.maximum(values[start:], 0.0)
+        return self.layout.unknowns(values)
+
+    def _solution(
+        self, cost: Array, bounded: Array, further: Sequence[Array], margin: float = 0.0
+    ) -> Array | None:
+        """The cheapest scaled unknowns with bounded·x ≤ 1; ``further``: columns of one unknown more."""
         import clarabel
         from scipy.sparse import csc_matrix, vstack
 
@@ -89,27 +124,27 @@ class Inequalities:
         count = sum(self.layout.multipliers.values())
         blocks: list[Any] = []
         cones: list[Any] = []
+        right: list[Array] = []
         for i, scale in enumerate(self.scales):
-            columns = [-column[i] for column in self.columns]
-            blocks.append(csc_matrix(np.column_stack([*columns, _packed(np.eye(scale.size))])))
+            columns = [*(-column[i] for column in self.columns), *further[i : i + 1]]
+            blocks.append(csc_matrix(np.column_stack(columns)))
             cones.append(clarabel.PSDTriangleConeT(scale.size))
-        positive = np.hstack([np.zeros((count, size - count)), -np.eye(count), np.zeros((count, 1))])
-        blocks += [csc_matrix(positive), csc_matrix(np.append(self.trace, 0.0)[np.newaxis])]
+            right.append(-margin * _packed(np.eye(scale.size)))
+        positive = np.hstack(
+            [np.zeros((count, size - count)), -np.eye(count), np.zeros((count, cost.size - size))]
+        )
+        blocks += [csc_matrix(positive), csc_matrix(bounded[np.newaxis])]
         cones += [clarabel.NonnegativeConeT(count), clarabel.NonnegativeConeT(1)]
-        matrix = csc_matrix(vstack(blocks))
-        right = np.append(np.zeros(matrix.shape[0] - 1), 1.0)
-        cost = np.append(np.zeros(size), -1.0)
+        right += [np.zeros(count), np.ones(1)]
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.max_threads = 1
-        nothing = csc_matrix((size + 1, size + 1))
-        solution = clarabel.DefaultSolver(nothing, cost, matrix, right, cones, settings).solve()
+        nothing = csc_matrix((cost.size, cost.size))
+        solution = clarabel.DefaultSolver(
+            nothing, cost, csc_matrix(vstack(blocks)), np.concatenate(right), cones, settings
+        ).solve()
         found = np.asarray(solution.x)
-        if found.size != size + 1 or not np.all(np.isfinite(found)):
-            return None
-        values = found[:-1] * self.weights
-        values[size - count :] = np.maximum(values[size - count :], 0.0)
-        return self.layout.unknowns(values), float(found[-1])
+        return found if found.size == cost.size and np.all(np.isfinite(found)) else None
 
 
 def _diagonal(layout: Layout) -> Array:
@@ -122,6 +157,12 @@ def _packed(matrix: Matrix) -> Array:
     given = np.asarray(matrix, dtype=float)
     rows, columns, weights = _triangle(given.shape[0])
     return np.asarray(weights * given[columns, rows])
+
+
+@cache
+def _upper(size: int) -> tuple[Any, Any]:
+    """Rows and columns of the upper triangle."""
+    return np.triu_indices(size)
 
 
 @cache
