@@ -35,7 +35,7 @@ def test_a_known_orbit_of_stick_and_slip(orbit: LimitCycle) -> None:
 
 
 def test_its_period_differs_by_what_the_freed_sample_time_makes_of_the_gain() -> None:
-    """Of 1567 samples each is 7 ppm short of 0.1 ms at the prototype's period; the law's data add ki·0.1 ms in it. With a ki
+    """Of 1567 samples in the prototype's period each is 7 ppm short of 0.1 ms; the law adds ki·0.1 ms in it. With a ki
     less by as much the integral gain per second is the loop's, and the period that of the prototype."""
     period = 156.698873e-3
     law = lm.controllers.pi(dt=DT, ki=200.0 * (period / 1567) / DT)
