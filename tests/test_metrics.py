@@ -188,6 +188,7 @@ def test_a_crossing_by_hand():
     assert found.oscillation == pytest.approx(0.3 / np.sqrt(2.0), rel=1e-2)
     assert found.swing == pytest.approx(0.3 * np.sin(0.4 * np.pi), rel=1e-3)
     assert found.motor_overshoot == pytest.approx(0.3 * np.sin(0.4 * np.pi), rel=1e-3)
+    assert found.motor_deviation == pytest.approx(0.12 + 0.3 * np.sin(0.6 * np.pi), rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -207,6 +208,7 @@ def test_time_in_the_gap_counts_from_the_step_to_the_end(events, apart):
 def test_a_load_that_never_arrives_has_no_oscillation():
     found = crossing([], ramp, lambda t: -2.0 + 0.0 * t)
     assert found.arrival_time is None and found.oscillation is None and found.impact_speed == 0.0
+    assert found.motor_deviation is None
 
 
 def test_recovery_from_a_disturbance():

@@ -6,8 +6,10 @@ import signal
 
 def main() -> None:
     _exit_at_once()  # before the imports, which take a third of a second
+    from .child_process import use_one_blas_thread
     from .cli import main as run_command
 
+    use_one_blas_thread()
     run_command()
 
 

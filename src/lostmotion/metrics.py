@@ -271,6 +271,8 @@ class CrossingMetrics:
         From the step to the first crossing of 90 %: unlike the rise time it holds the crossing of the gap.
     motor_overshoot : float, rad/s
         Largest excursion of the motor speed beyond the new set-point; zero if there is none.
+    motor_deviation : float or None, rad/s
+        Largest distance of the motor speed from the new set-point, from the arrival on.
     oscillation, swing : float or None, rad/s
         RMS and largest size of motor speed − load speed over ``OSCILLATION_TIME`` from the arrival on.
     impacts : int
@@ -282,6 +284,7 @@ class CrossingMetrics:
 
     arrival_time: float | None
     motor_overshoot: float
+    motor_deviation: float | None
     oscillation: float | None
     swing: float | None
     impacts: int
@@ -321,13 +324,16 @@ def crossing_metrics(
     """
     motor = step_metrics(time, speed_motor, step_time, before, after, stop_time=stop_time)
     times, load = _pair(time, speed_load)
-    slip = load - _pair(time, speed_motor)[1]
+    turning = _pair(time, speed_motor)[1]
+    slip = load - turning
     part = (times >= step_time) & (times < stop_time)
     arrival = _first_crossing(times[part] - step_time, (load[part] - before) / (after - before), 0.9)
-    oscillation = swing = None
+    oscillation = swing = deviation = None
     if arrival is not None:
         judged = (times >= step_time + arrival) & (times < step_time + arrival + OSCILLATION_TIME)
         oscillation, swing = float(np.sqrt(np.mean(slip[judged] ** 2))), float(np.max(np.abs(slip[judged])))
+        later = part & (times >= step_time + arrival)
+        deviation = float(np.max(np.abs(turning[later] - after)))
     events = Events.of(events)
     ours = events.only(
         np.array([place == f"shaft {shaft}" for place in events.places], dtype=bool)[events.place]
@@ -337,6 +343,7 @@ def crossing_metrics(
     return CrossingMetrics(
         arrival_time=arrival,
         motor_overshoot=motor.overshoot / 100.0 * abs(after - before),
+        motor_deviation=deviation,
         oscillation=oscillation,
         swing=swing,
         impacts=len(impacts),

@@ -21,8 +21,9 @@ import numpy as np
 
 from .child_process import end_python, start_python
 from .drivetrain import Actuator, Drivetrain
+from .errors import InvalidInput
 from .kernels.compiled import is_compiled, mark_compiled
-from .kernels.estimators import MODULES
+from .kernels.steppers import MODULES
 from .recording import Recording
 from .simulation import Sensor, simulate, simulate_batch
 from .simulation.sensors import measure
@@ -82,7 +83,7 @@ def _innovations() -> None:
 def _estimator(kind: str) -> Callable[[], None]:
     def compile_it() -> None:
         # Its functions have one signature each, for which they are compiled here.
-        import_module(f"lostmotion.kernels.estimators.{MODULES[kind]}")
+        import_module(MODULES[kind])
 
     return compile_it
 
@@ -126,7 +127,10 @@ def compile_missing(parts: Sequence[str], progress: Callable[[int, int], None]) 
     done, running = 0, len(missing)
     with ExitStack() as stack:
         for part in missing:
-            child = start_python(__name__, compile_part.__name__, part, stdin=subprocess.DEVNULL)
+            try:
+                child = start_python(__name__, compile_part.__name__, part, stdin=subprocess.DEVNULL)
+            except InvalidInput:
+                return  # each kernel is compiled where it is first used
             stack.callback(end_python, child)
             Thread(target=_read_lines, args=(child, finished), daemon=True).start()
         while running:

@@ -54,6 +54,7 @@ def run(
     force : bool
         Write although foreign files, or changed ones, lie in the folder; they are kept.
     progress : callable
+        Called with the stage's name, the share of it that is done, and what it does.
 
     Returns
     -------

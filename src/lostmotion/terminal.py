@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,11 +11,25 @@ from typing import Any, Self
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Column
 
 from .display import parameters as parameter_table
+from .display.wrapping import wrapped
 
 #: Problems that are shown after a run; the report has them all (option).
 SHOWN = 3
+#: Widest bar, and what stands beside it, columns (option: a stage, its time and a few words).
+BAR, BESIDE = 30, 46
+
+
+def _bar(console: Console) -> BarColumn:
+    """A bar that leaves a narrow terminal room for the words beside it."""
+    return BarColumn(min(BAR, max(console.width - BESIDE, 4)))
+
+
+def _whole() -> Column:
+    """A column for a time or a stage, which is never shortened."""
+    return Column(no_wrap=True, min_width=7)
 
 
 class _Shown:
@@ -44,10 +59,10 @@ class StageLines(_Shown):
         self._reported: dict[str, int] = {}
         self._console = Console(stderr=True, highlight=False)
         self._progress = Progress(
-            TextColumn("{task.fields[stage]:<9}"),
-            BarColumn(30),
-            TimeElapsedColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.fields[stage]:<9}", table_column=_whole()),
+            _bar(self._console),
+            TimeElapsedColumn(table_column=_whole()),
+            TextColumn("{task.description}", table_column=Column(no_wrap=True, overflow="ellipsis")),
             console=self._console,
             disable=not shown or not self._console.is_terminal,
         )
@@ -79,11 +94,11 @@ class Countdown(_Shown):
     def __init__(self, what: str, shown: bool = True) -> None:
         console = Console(stderr=True, highlight=False)
         self._progress = Progress(
-            TextColumn(what),
-            BarColumn(30),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("{task.description}"),
+            TextColumn(what, table_column=Column(no_wrap=True, overflow="ellipsis")),
+            _bar(console),
+            MofNCompleteColumn(table_column=Column(no_wrap=True)),
+            TimeElapsedColumn(table_column=_whole()),
+            TextColumn("{task.description}", table_column=Column(no_wrap=True, overflow="ellipsis")),
             console=console,
             disable=not shown or not console.is_terminal,
         )
@@ -99,46 +114,45 @@ class Countdown(_Shown):
 def summary(results: Mapping[str, Any], out: Path) -> None:
     """The key numbers and where the report is, on standard output."""
     parameters(results["parameters"])
-    console = Console(highlight=False, markup=False, soft_wrap=True)
     for part, signal in (("observer_1", "speed_load"), ("observer_1", "torque_shaft")):
         row = results["observers"].get(part, {}).get(signal, {})
         if row.get("range"):
-            console.print(
-                f"  Observer 1, {signal}: RMSE {100.0 * row['rmse'] / row['range']:.2f} % of the range"
-            )
+            _print(f"  Observer 1, {signal}: RMSE {100.0 * row['rmse'] / row['range']:.2f} % of the range")
     for name in ("pi", "pole_placement"):
         row = results["controllers"].get(name, {})
         if "skipped" in row:
-            console.print(f"  {name}: {row['skipped']}")
+            _print(f"  {name}: {row['skipped']}")
         elif row.get("overshoot") is not None:
-            console.print(
+            _print(
                 f"  {name}: overshoot {row['overshoot']:.1f} % of the step, peak torque {row['peak_torque']:.3g} Nm"
             )
     for name, fit in results["fits"].items():
         if "skipped" in fit:
-            console.print(f"  {name} skipped: {fit['skipped']}")
+            _print(f"  {name} skipped: {fit['skipped']}")
     for part in ("observers", "controllers", "export"):
         if "skipped" in results[part]:
-            console.print(f"  {part} skipped: {results[part]['skipped']}")
+            _print(f"  {part} skipped: {results[part]['skipped']}")
     problems = results["problems"]
     for problem in problems[:SHOWN]:
-        console.print("  {severity}: {where}: {got}. {remedy}".format(**problem))
+        _print("  {severity}: {where}: {got}. {remedy}".format(**problem))
     count = f"{len(problems)} warning{'' if len(problems) == 1 else 's'}"
     more = f" ({len(problems) - SHOWN} more in the report)" if len(problems) > SHOWN else ""
-    console.print(f"  {count}{more}; report: {out / 'report.html'}")
+    _print(f"  {count}{more}; report: {out / 'report.html'}")
 
 
 def parameters(table: Mapping[str, Any]) -> None:
     """One line for each parameter, on standard output."""
-    console = Console(highlight=False, markup=False, soft_wrap=True)
-    console.print(parameter_table.text(table))
+    _print(parameter_table.text(table))
 
 
 def claims(content: Mapping[str, Any], out: Path) -> None:
     """What of the paper holds, and what does not, on standard output."""
-    console = Console(highlight=False, markup=False, soft_wrap=True)
-    console.print(f"  {content['headline']}")
+    _print(f"  {content['headline']}")
     for claim in content["claims"]:
         if claim["verdict"] != "holds":
-            console.print(f"  {claim['verdict']}: {claim['name']}. {claim['sentence']}")
-    console.print(f"  page: {out / 'paper.html'}")
+            _print(f"  {claim['verdict']}: {claim['name']}. {claim['sentence']}")
+    _print(f"  page: {out / 'paper.html'}")
+
+
+def _print(text: str) -> None:
+    print(wrapped(text, sys.stdout))

@@ -20,7 +20,7 @@ from table_i import TABLE_I
 import lostmotion as lm
 from lostmotion.certificates import prove_running, verdict, verify_certificate
 from lostmotion.certificates.equilibrium import Equilibrium, equilibrium
-from lostmotion.certificates.lure import LureLoop, lure_loop, with_gap_memory
+from lostmotion.certificates.lure import LureLoop, lure_loop, with_memory
 from lostmotion.certificates.rational import is_positive_definite, rational
 from lostmotion.certificates.sampled_proof import sampled_proof
 from lostmotion.certificates.sectors import Sector, copies, limit_region, sectors
@@ -74,8 +74,7 @@ def independent(data: dict[str, Any]) -> bool:
         actuator=lm.Actuator(d["lag"], np.inf if limit is None else limit),
     )
     loop = lure_loop(plant, lm.DiscreteSystem.from_dict(data["law"]), delay=data["delay"])
-    if own.get("gap_memory"):
-        loop = with_gap_memory(loop)
+    loop = with_memory(loop, own.get("memory", ()))
     corners = [
         equilibrium(loop, Fraction(r), Fraction(m))
         for m in claim["torque_load"]

@@ -67,7 +67,6 @@ simulate                                       | 2 | Missing argument
 simulate no.toml                               | 1 | no such file
 simulate law.json                              | 1 | A run writes one, drivetrain.toml
 simulate rig.toml                              | 1 | inertia_load
-simulate drivetrain.toml --out plain           | 1 | '.csv'
 simulate drivetrain.toml --out rig.csv         | 1 | has not written
 simulate drivetrain.toml --torque no.csv       | 1 | no such file
 simulate drivetrain.toml --torque law.json     | 1 | expected

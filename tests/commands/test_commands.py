@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.commands.certify import certify_file
 from lostmotion.commands.excite import excitation_file
 from lostmotion.commands.frf import frequency_response_file
 from lostmotion.commands.identify import identify_file
 from lostmotion.commands.outputs import check_writable, outputs, save_picture
-from lostmotion.commands.recordings import material_of, read_drive, recording_of
+from lostmotion.commands.recordings import RecordingFile, read_drive, toml_or_rig
 from lostmotion.commands.simulate import simulate_file
 from lostmotion.commands.simulate_variants import chunk_folder, simulate_variants
 from lostmotion.io import load_json
@@ -90,10 +91,11 @@ def test_one_recording_is_used_whole_and_its_warnings_go_on(tmp_path: Path) -> N
     stuck = [f"{k * 1e-3:.3f},{0 if k < 900 else k % 7}" for k in range(1000)]
     (tmp_path / "short.csv").write_text("\n".join(stuck) + "\n")
     (tmp_path / "rig.toml").write_text(TOML)
-    assert len(material_of(tmp_path / "rig.toml", None).identify) == 1000
-    recording, warnings = recording_of(tmp_path / "rig.toml", None)
+    material = toml_or_rig(tmp_path / "rig.toml").material(None)
+    assert len(material.identify) == 1000
+    recording, warnings = toml_or_rig(tmp_path / "rig.toml").recording(None)
     assert len(recording) == 1000
-    assert warnings == material_of(tmp_path / "rig.toml", None).problems != ()
+    assert warnings == material.problems != ()
     result = frequency_response_file(
         tmp_path / "rig.toml", tmp_path / "frf", input="speed_motor", output="speed_motor"
     )
@@ -106,11 +108,27 @@ def plant_file(folder: Path) -> Path:
     return folder / "plant.toml"
 
 
-@pytest.mark.parametrize("name", ["run.png", "run", "run.txt"])
-def test_simulate_refuses_a_name_that_its_picture_would_take(tmp_path: Path, name: str) -> None:
-    with pytest.raises(lm.InvalidInput, match="ending"):
-        simulate_file(plant_file(tmp_path), tmp_path / name, duration=0.1)
-    assert {p.name for p in tmp_path.iterdir()} == {"plant.toml"}
+@pytest.mark.parametrize("name", ["run", "run.csv", "run.png", "run.json"])
+def test_an_ending_of_the_files_is_left_out_of_their_name(tmp_path: Path, name: str) -> None:
+    plant = plant_file(tmp_path)
+    simulate_file(plant, tmp_path / name, duration=0.1)
+    law = tmp_path / "law.json"
+    lm.save_law(lm.controllers.pi(dt=1e-4), law)
+    certify_file(plant, tmp_path / "proofs" / name, law)
+    found = {p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("[!.]*.*")}
+    assert found - {"plant.toml", "law.json"} == {
+        "run.csv",
+        "run.png",
+        "proofs/run.json",
+        "proofs/run_verify.py",
+    }
+
+
+@pytest.mark.parametrize("name", ["v1.2", "run.txt", ".json"])
+def test_another_ending_belongs_to_the_name(tmp_path: Path, name: str) -> None:
+    simulate_file(plant_file(tmp_path), tmp_path / name, duration=0.1)
+    assert (tmp_path / f"{name}.csv").exists() and (tmp_path / f"{name}.png").exists()
+    assert len(list(tmp_path.glob("*.???"))) == 2 and not (tmp_path / name).exists()
 
 
 def test_an_interrupted_batch_of_variants_goes_on(tmp_path: Path) -> None:
@@ -198,10 +216,10 @@ def test_the_place_is_checked_before_anything_is_computed(
     def computed(*_: object, **__: object) -> None:
         raise AssertionError("computed before the place was checked")
 
-    from lostmotion.commands import excite, frf, identify, simulate
+    from lostmotion.commands import excite, simulate
 
-    monkeypatch.setattr(identify, "material_of", computed)
-    monkeypatch.setattr(frf, "recording_of", computed)
+    monkeypatch.setattr(RecordingFile, "material", computed)
+    monkeypatch.setattr(RecordingFile, "recording", computed)
     monkeypatch.setattr(excite, "design_excitation", computed)
     monkeypatch.setattr(simulate, "simulate", computed)
     plant = plant_file(tmp_path)
@@ -244,18 +262,37 @@ def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
     assert (tmp_path / "short.csv").read_text() == "measured"
 
 
-def test_a_drive_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is protected, the drivetrain and its limit are of one version of the file."""
+def tomls_read(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """The TOMLs that are read from now on."""
     from lostmotion.io.storage import toml_files
 
-    more = "inertia_load = 0.1\nstiffness = 5000\n[law]\ntorque_limit = 3.0\n[[recording]]"
-    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more))
-    (tmp_path / "short.csv").write_text("measured")
-    read = []
+    read: list[Path] = []
     whole = toml_files.read_bytes
     monkeypatch.setattr(
         toml_files, "read_bytes", lambda path, **more: read.append(path) or whole(path, **more)
     )
+    return read
+
+
+def test_a_toml_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is protected and what is worked on are of one version of the file."""
+    (tmp_path / "rig.toml").write_text(TOML)
+    (tmp_path / "short.csv").write_text("\n".join(f"{k * 1e-3:.3f},{k % 7}" for k in range(1000)))
+    read = tomls_read(monkeypatch)
+    identify_file(tmp_path / "rig.toml", tmp_path / "found")
+    assert read == [tmp_path / "rig.toml"]
+    frequency_response_file(
+        tmp_path / "rig.toml", tmp_path / "frf", input="speed_motor", output="speed_motor"
+    )
+    assert read == [tmp_path / "rig.toml"] * 2
+
+
+def test_a_drive_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is protected, the drivetrain and its limit are of one version of the file."""
+    more = "inertia_load = 0.1\nstiffness = 5000\n[law]\ntorque_limit = 3.0\n[[recording]]"
+    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more))
+    (tmp_path / "short.csv").write_text("measured")
+    read = tomls_read(monkeypatch)
     drive = read_drive(tmp_path / "rig.toml")
     assert drive.reads == (tmp_path / "rig.toml", tmp_path / "short.csv")
     wanted = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}

@@ -10,7 +10,7 @@ import pytest
 
 import lostmotion
 from lostmotion.compare import compare_observers, score_cache
-from lostmotion.compare.score_cache import ABOVE, TABLES, ScoreCache, source_hash
+from lostmotion.compare.score_cache import ABOVE, COMPARED, TABLES, ScoreCache, source_hash
 from lostmotion.errors import InvalidInput
 
 PACKAGE = Path(lostmotion.__file__).parent
@@ -72,7 +72,27 @@ def test_what_is_left_out_lies_above_all_that_is_judged():
     layers = tomllib.loads(file.read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
     above = layers[: next(i for i, layer in enumerate(layers) if "rig" in layer.split(" | "))]
     assert set(ABOVE) == {name for layer in above for name in layer.split(" | ")} - {"compare"}
-    assert all((PACKAGE / f"{name}.py").is_file() for name in TABLES)
+    assert all((PACKAGE / f"{name}.py").is_file() for name in (*TABLES, *COMPARED))
+
+
+def test_what_is_compared_from_above_counts_and_hangs_on_nothing_else_there(tmp_path):
+    for name in COMPARED:
+        text = (PACKAGE / f"{name}.py").read_text()
+        assert not any(f"from ..{room}" in text for room in ABOVE) and "from ." not in text.replace(
+            "from ..", ""
+        )
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / f"{name}.py").write_text("")
+        (tmp_path / f"{name}_else.py").write_text("")
+        source_hash.cache_clear()
+        first = source_hash(tmp_path)
+        (tmp_path / f"{name}_else.py").write_text("changed")
+        source_hash.cache_clear()
+        assert source_hash(tmp_path) == first
+        (tmp_path / f"{name}.py").write_text("changed")
+        source_hash.cache_clear()
+        assert source_hash(tmp_path) != first
+    source_hash.cache_clear()
 
 
 def test_other_code_starts_over_the_same_code_goes_on(tmp_path, monkeypatch):

@@ -25,6 +25,7 @@ from lostmotion.controllers import (
     soft_landing,
     speed_course,
     super_twisting,
+    torque_ramp,
 )
 from lostmotion.curves import PiecewiseLinear
 from lostmotion.drivetrain import Friction
@@ -128,6 +129,10 @@ CONTROLLERS = {
     "active damping": active_damping(PAPER, dt=1e-4),
     "active damping with limit": active_damping(PAPER, dt=1e-4, torque_limit=73.5),
     "soft landing": soft_landing(PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
+    "soft landing, bounded": soft_landing(
+        PAPER, dt=1e-4, contact_speed=0.4, torque_limit=73.5, braking_torque=20.0, motor_bounded=True
+    ),
+    "torque ramp": torque_ramp(unwinding_rate=4e3, winding_rate=2e4, dt=1e-4),
     "soft landing, estimated backlash": soft_landing(
         PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5, tolerance=0.05, backlash_estimated=True
     ),

@@ -12,6 +12,7 @@ from lostmotion import observers
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers.filters.tuning import Tuning
+from lostmotion.observers.motor_speed.parameters import Following
 from lostmotion.recording import Recording
 
 DT = 1e-4
@@ -41,6 +42,9 @@ MAKERS = (
 #: Not made from a drivetrain and numbers alone.
 OTHERS = ("Covariances", "covariances", "speed_of_counts", "standard_deviations")
 
+#: Options that travel together, by the name of their keyword argument.
+OPTIONS = {"tuning": Tuning, "following": Following}
+
 NO_NUMBER = ("1 ms", True, [1e-3], math.nan, 10**400)
 NO_MAPPING = (5.0, "speed_motor", 0, ["speed_motor"], {5: 1.0}, {"wild": 1.0})
 BAD = {
@@ -60,12 +64,13 @@ KNOWN = {
 
 
 def _kinds(make):
-    """Annotation of each argument, those of the tuning among them."""
+    """Annotation of each argument, those of its options among them."""
     found = {name: p.annotation for name, p in inspect.signature(make).parameters.items()}
-    if found.pop("tuning", None):
-        found |= {
-            name: getattr(kind, "__forward_arg__", kind) for name, kind in Tuning.__annotations__.items()
-        }
+    for name, options in OPTIONS.items():
+        if found.pop(name, None):
+            found |= {
+                n: getattr(kind, "__forward_arg__", kind) for n, kind in options.__annotations__.items()
+            }
     return found
 
 

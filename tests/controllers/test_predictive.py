@@ -8,7 +8,8 @@ from scipy.optimize import lsq_linear
 
 from lostmotion.controllers import predictive, quadratic_feedback
 from lostmotion.controllers.feedback_law import wished_rows
-from lostmotion.controllers.predictive import MOVES, move_lengths, plan_cost
+from lostmotion.controllers.planning.plan_cost import move_lengths
+from lostmotion.controllers.predictive import MOVES, closed_plan
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.systems import design_model
@@ -42,7 +43,7 @@ def test_the_first_move_is_that_of_an_independent_solver():
     model = design_model(PLANT, DT)
     rows = wished_rows("", model, 2.0, LIMIT, 4.0, np.inf)
     law = predictive(PLANT, dt=DT, torque_limit=LIMIT, passes=32, **{**WISHES, "largest_error": 2.0})
-    plan = plan_cost(
+    plan = closed_plan(
         model, rows, 1.0 / LIMIT**2, move_lengths(round(1.5 / (PLANT.pole_frequency * DT)), MOVES)
     )
     root = np.linalg.cholesky(plan.hessian).T
@@ -61,7 +62,7 @@ def test_the_first_move_is_that_of_an_independent_solver():
 
 def test_with_a_move_for_each_sample_and_no_limit_it_is_the_quadratic_law():
     model = design_model(PLANT, DT)
-    plan = plan_cost(model, wished_rows("", model, 1.0, LIMIT, 4.0, np.inf), LIMIT**-2, (1,) * 30)
+    plan = closed_plan(model, wished_rows("", model, 1.0, LIMIT, 4.0, np.inf), LIMIT**-2, (1,) * 30)
     first = np.linalg.solve(plan.hessian, plan.state_gradient)[0]
     np.testing.assert_allclose(first, quadratic_feedback(PLANT, DT, **WISHES).gain, rtol=1e-7)
 
@@ -77,7 +78,9 @@ def test_a_steady_state_is_held(friction, pull):
 
 def test_the_cost_falls_with_every_pass():
     model = design_model(PLANT, DT)
-    plan = plan_cost(model, wished_rows("", model, 0.5, LIMIT, 4.0, np.inf), LIMIT**-2, move_lengths(150, 8))
+    plan = closed_plan(
+        model, wished_rows("", model, 0.5, LIMIT, 4.0, np.inf), LIMIT**-2, move_lengths(150, 8)
+    )
     for state in states(50, seed=3):
         gradient = plan.state_gradient @ state
         moves = np.clip(-np.linalg.solve(plan.hessian, gradient), -LIMIT, LIMIT)

@@ -154,6 +154,40 @@ def test_it_is_its_own_mirror_image():
     assert np.ptp(plus) == pytest.approx(2.0 * LIMIT)
 
 
+def test_a_bounded_motor_stays_below_the_set_point_and_lands_softly():
+    def run(**bound):
+        observer = kalman(PLANT, dt=DT, load_torque=True, process_covariance={"torque_load": 1e6})
+        speed = lqi(
+            PLANT, dt=DT, largest_error=2.4, largest_torque=LIMIT, largest_oscillation=8.0, torque_limit=LIMIT
+        )
+        law = connect(
+            [observer.renamed({"torque_motor": "torque_motor_acting"}), ACTING,
+             speed.renamed({"torque_motor": "torque_wished"}),
+             limiter(contact_speed=0.4, braking_torque=20.0, release=100.0, **bound)],
+            inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",),
+        )  # fmt: skip
+        reference = np.where(np.arange(6000) < 3000, -2.0, 2.0)
+        found = simulate(PLANT, dt=DT, law=law, delay=1, speed_reference=reference)
+        return crossing_metrics(
+            found.time, found["speed_motor"], found["speed_load"], found.events, 0.3, -2.0, 2.0
+        )
+
+    free, bounded = run(), run(motor_bounded=True)
+    assert free.motor_overshoot > 0.3
+    assert bounded.motor_overshoot < 0.02 and bounded.impact_speed < 0.6
+    assert bounded.arrival_time < free.arrival_time + 1e-3
+
+
+def test_a_bounded_motor_crosses_the_gap_at_the_contact_speed_where_the_set_point_asks_for_no_motion():
+    law = limiter(motor_bounded=True, contact_speed=0.4)
+    signals = dict.fromkeys(law.inputs, np.zeros(4000)) | {"torque_wished": np.full(4000, LIMIT)}
+    # In the middle of the gap at rest: gain·contact_speed, and no more.
+    gain = PLANT.inertia_motor / (PLANT.lag + DT)
+    assert law.run(signals)["torque_motor"][-1] == pytest.approx(0.4 * gain)
+    beyond = signals | {"speed_motor_estimated": np.full(4000, 0.4)}
+    assert abs(law.run(beyond)["torque_motor"][-1]) < 1e-9
+
+
 def test_behind_lqi_the_impact_is_a_quarter_and_the_step_as_fast():
     def run(soft):
         observer = kalman(PLANT, dt=DT, load_torque=True, process_covariance={"torque_load": 1e6})

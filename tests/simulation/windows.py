@@ -12,8 +12,6 @@ import lostmotion as lm
 from lostmotion.drivetrain import Actuator, Drivetrain, Friction, Shaft
 
 DT = 1e-4
-#: The reference counts where its runs at rtol 1e-12 and 1e-13 agree this well, as a fraction of the range.
-AGREEMENT = 1e-10
 
 
 @dataclass(frozen=True)
@@ -26,7 +24,8 @@ class Judged:
 
     @property
     def counts(self) -> bool:
-        return self.disagreement <= AGREEMENT
+        """Whether the reference's runs at rtol 1e-12 and 1e-13 agree."""
+        return self.disagreement <= 1e-10
 
 
 def friction(rng: np.random.Generator, kind: int) -> Friction:

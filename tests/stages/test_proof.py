@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -31,6 +32,19 @@ def test_it_writes_certificate_and_verifier_also_where_its_process_has_ended(
         if ended:
             proof.child.kill()
             proof.child.wait()
+        proof.begin(laws(lm.controllers.pi(dt=1e-4)), PAPER, tmp_path)
+        assert proof.result()["proved"]
+    assert {file.name for file in tmp_path.iterdir()} == {"certificate.json", "certificate_verify.py"}
+
+
+@pytest.mark.parametrize("executable", [None, "", "/nowhere/python"])
+def test_where_no_process_can_be_started_this_one_proves(
+    tmp_path: Path, monkeypatch: Any, executable: Any
+) -> None:
+    """As in a program that has Python built in."""
+    monkeypatch.setattr(sys, "executable", executable)
+    with prover() as proof:
+        assert proof.child is None
         proof.begin(laws(lm.controllers.pi(dt=1e-4)), PAPER, tmp_path)
         assert proof.result()["proved"]
     assert {file.name for file in tmp_path.iterdir()} == {"certificate.json", "certificate_verify.py"}

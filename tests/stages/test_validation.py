@@ -127,7 +127,10 @@ def test_a_step_that_is_too_short_for_the_law_is_lengthened_until_both_settle(pr
 def test_a_loop_that_never_arrives_has_no_overshoot(prepared) -> None:
     """A torque limit below the friction: the load does not follow, on any processor."""
     material, found, _ = prepared
-    weak = replace(material, settings=replace(material.settings, torque_limit=0.5 * found.drivetrain.coulomb))
+    own = replace(
+        material.settings, torque_limit=0.5 * found.drivetrain.coulomb, poles=(-100.0, -100.0, -100.0)
+    )
+    weak = replace(material, settings=own)
     table, _, _, problems = validate_controllers(weak, found, design(weak, found))
     assert table["pole_placement"]["overshoot"] is None
     assert any("pole_placement" in p.where for p in problems)

@@ -11,7 +11,7 @@ import pytest
 
 from lostmotion.errors import InvalidInput
 from lostmotion.io.storage.law_files import load_law, save_law
-from lostmotion.kernels.estimators import SIZES
+from lostmotion.kernels.steppers import SIZES
 from lostmotion.recording import Recording
 from lostmotion.systems import Stepper
 

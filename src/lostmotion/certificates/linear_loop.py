@@ -20,8 +20,9 @@ TERMS = 15
 def exponential(matrix: Array) -> Array:
     """exp(matrix) of a small square matrix, by scaling, Taylor's series and squaring.
 
-    ``scipy.linalg.expm`` wakes the threads of its BLAS for products of a few rows: where the cores have other work,
-    that takes ten times as long.
+    ``scipy.linalg.expm`` wakes the threads of its BLAS for a few rows: from Python, with two threads on two cores that
+    have other work, it takes 10 ms instead of 0.07 ms, and ``harmonic_balance`` 6.5 s instead of 0.3 s. The command
+    line has one thread; a library must not choose for the program that imports it.
     """
     squarings = max(0, int(np.ceil(np.log2(max(float(np.max(np.sum(np.abs(matrix), axis=1))), 1e-300)))) + 1)
     scaled = matrix * 0.5**squarings

@@ -12,6 +12,7 @@ docs/proofs.md, equations 1 to 3. All numbers are exact fractions of the floats 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -209,30 +210,55 @@ def _beside(matrix: Matrix, size: int) -> Matrix:
     return whole
 
 
-def with_gap_memory(loop: LureLoop) -> LureLoop:
-    """The loop that remembers, from sample to sample, its gap's argument at the last one; nothing reads it.
+def with_memory(loop: LureLoop, curves: Sequence[int]) -> LureLoop:
+    """The loop that remembers, from sample to sample, the arguments of curves at the last one; nothing reads them.
 
-    A law that reads the shaft torque acts on the gap at its samples, the plant on the gap between them. The value at
-    the last sample, a curve of the new state, ties both together in a proof (docs/proofs.md, equation 27).
+    ``curves`` number the plant's, then the law's. A law that reads the shaft torque acts on the gap at its samples, the
+    plant on the gap between them: the value at the last sample, a curve of the new state, ties both together in a proof
+    (docs/proofs.md, equation 27).
     """
-    p = loop.names.index("gap")
-    state, curve = len(loop.states), len(loop.law_curves)
-    jump, argument = _grown(loop.S), _grown(loop.N)
-    jump[state, :state], argument[curve, state] = loop.Z[p], Fraction(1)
-    further: dict[str, Any] = {
-        "A": _grown(loop.A),
-        "S": jump,
-        "N": argument,
-        "S_v": _grown(loop.S_v),
-        "N_v": _grown(loop.N_v),
-    }
-    for key in ("E", "L", "S_w", "R", "N_w", "M"):
-        matrix = getattr(loop, key)
-        further[key] = _below(matrix, matrix.shape[0] + 1)
+    p, known = len(loop.plant_curves), (*loop.plant_curves, *loop.law_curves)
+    for place in curves:
+        loop = _with_one_memory(loop, place, known[place], p)
+    return loop
+
+
+def _with_one_memory(loop: LureLoop, place: int, curve: StaticCurve, p: int) -> LureLoop:
+    n, q = len(loop.states), len(loop.law_curves)
+    name = f"law: {loop.names[place]} at the last sample"
+    changed = {key: _grown(getattr(loop, key)) for key in ("A", "S", "N", "S_v", "N_v")}
+    changed |= {key: _below(getattr(loop, key), n + 1) for key in ("E", "L", "S_w", "R")}
+    changed |= {key: _below(getattr(loop, key), q + 1) for key in ("N_w", "M")}
+    changed["N"][q, n] = Fraction(1)
+    if place < p:
+        changed["S"][n, :n] = loop.Z[place]
+    else:
+        law = place - p
+        changed["S"][n, :n], changed["S_v"][n, :q] = loop.N[law], loop.N_v[law]
+        changed["S_w"][n], changed["R"][n] = loop.N_w[law], loop.M[law]
+    further: dict[str, Any] = changed
     return replace(
-        loop, **further, Z=_beside(loop.Z, state + 1), states=(*loop.states, "law: gap at the last sample"),
-        law_curves=(*loop.law_curves, loop.plant_curves[p]), names=(*loop.names, "law: gap at the last sample"),
+        loop, **further, Z=_beside(loop.Z, n + 1), states=(*loop.states, name),
+        law_curves=(*loop.law_curves, curve), names=(*loop.names, name),
     )  # fmt: skip
+
+
+def useful_memory(loop: LureLoop) -> tuple[int, ...]:
+    """Numbers of the curves that a proof needs the memory of, for ``with_memory``.
+
+    The gap where the law reads the shaft torque. And law curves that have no integral in V, since they read curves that
+    read the plant (an observer's friction after a gap with injection), with what they read of these.
+    """
+    p, q = len(loop.plant_curves), len(loop.law_curves)
+    by_plant = [bool(np.any(loop.N[j, : loop.plant_size])) or bool(np.any(loop.N_w[j])) for j in range(q)]
+    found: set[int] = set()
+    for j, curve in enumerate(loop.law_curves):
+        read = {i for i in map(int, np.flatnonzero(loop.N_v[j])) if by_plant[i] or i in found}
+        if read and not by_plant[j] and j != loop.limit and curve.rises and curve.steepest:
+            found |= {j, *read}
+    gap = loop.names[:p].index("gap") if "gap" in loop.names[:p] else None
+    reads_torque = gap is not None and (np.any(loop.S_w[:, gap]) or np.any(loop.N_w[:, gap]))
+    return (*((gap,) if gap is not None and (reads_torque or found) else ()), *(p + j for j in sorted(found)))
 
 
 def _grown(matrix: Matrix) -> Matrix:

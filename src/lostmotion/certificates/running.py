@@ -16,8 +16,8 @@ from ..errors import InvalidInput
 from ..systems import DiscreteSystem
 from .certificate import certificate, proof_data, short, verdict
 from .equilibrium import Equilibrium, equilibrium
-from .linear_loop import is_stable_in_sectors
-from .lure import LureLoop, lure_loop, with_gap_memory
+from .linear_loop import flow_and_step, is_stable, is_stable_in_sectors
+from .lure import LureLoop, lure_loop, useful_memory, with_memory
 from .sampled_proof import SampledProof, sampled_proof
 from .scaling import condition_sizes, state_sizes
 from .sectors import copies, limit_region, sectors
@@ -42,8 +42,9 @@ STEP = 0.5
 #: that the limit leaves (option: larger regions allow larger steps, and are proved more seldom).
 SHARES = (0.2, 0.5)
 
-#: So many speeds below the smallest that bisection finds are tried as well (numerics).
-NEAR = 3
+#: Times that the inequalities are centred at numbers that do not satisfy them yet (numerics: once is nearly always
+#: enough, three times help laws with many curves).
+CENTRINGS = 3
 
 #: Load speed up to which a proof holds, rad/s (option).
 FASTEST = 1000.0
@@ -142,17 +143,12 @@ def prove_running(
     if not 0.0 < step < math.inf:
         raise InvalidInput("step", repr(step), "a step of the load speed in rad/s above 0", "Raise it.")
     loop = lure_loop(drivetrain, law, delay=delay)
+    memory = useful_memory(loop)
     search = _Search(
-        loop, drivetrain, law, delay, torque_load, fastest, substeps, step, tuple(speeds),
-        progress or (lambda share, text: None),
+        with_memory(loop, memory), drivetrain, law, delay, torque_load, fastest, substeps, step, tuple(speeds),
+        progress or (lambda share, text: None), memory,
     )  # fmt: skip
-    proof = search.smallest()
-    if proof.speed is None and "gap" in loop.names:
-        # Slower, and needed by laws that read the shaft torque.
-        remembering = replace(search, loop=with_gap_memory(loop), gap_memory=True, _rests={}, _found={})
-        with_memory = remembering.smallest()
-        return proof if with_memory.speed is None else with_memory
-    return proof
+    return search.smallest()
 
 
 @dataclass(frozen=True)
@@ -185,14 +181,14 @@ class _Search:
     step: float
     speeds: tuple[float, ...]
     progress: Progress
-    gap_memory: bool = False
+    memory: tuple[int, ...] = ()
     reason: str = ""
     #: What has been worked out: rests by speed and load torque, candidates by speed and goal.
     _rests: dict[tuple[float, float], Equilibrium | None] = field(default_factory=dict)
-    _found: dict[tuple[float, _Goal], _Candidate | Unproved] = field(default_factory=dict)
+    _found: dict[tuple[float, _Goal], _Candidate] = field(default_factory=dict)
 
     def smallest(self) -> RunningProof:
-        """Bisection over ``speeds``: the sectors nest, so what holds from one speed on holds from any larger one.
+        """A search in ``speeds``: the sectors nest, so what holds from one speed on holds from any larger one.
 
         The floats of the solver guide it; the exact check of the last one decides, and goes up where it fails.
         """
@@ -207,23 +203,8 @@ class _Search:
         """The proof that ``smallest`` finds; raises ``Unproved`` if it finds none."""
         speeds = [speed for speed in self.speeds if speed < self.fastest]
         goal = self._goal(speeds[-1])
-        found: dict[int, _Candidate] = {}
-        low, high = -1, len(speeds)
-        done, tries = 0, math.ceil(math.log2(len(speeds) + 1))
-        while high - low > 1:
-            middle = (low + high) // 2
-            self.progress(0.8 * done / tries, f"load speed from {speeds[middle]:g} rad/s")
-            done += 1
-            if self._solves(speeds[middle], goal, middle, found):
-                high = middle
-            else:
-                low = middle
-        # Near its limit the solver fails here and there: a smaller speed may do where a larger one did not.
-        for place in range(max(0, high - NEAR), high):
-            if found and self._solves(speeds[place], goal, place, found):
-                break
-        for place in sorted(found):
-            for candidate in self.with_larger_steps(speeds[place], found[place]):
+        for place in self._proved_places(speeds, goal):
+            for candidate in self.with_larger_steps(speeds[place], self.at(speeds[place], goal)):
                 self.progress(0.95, f"exact check from {speeds[place]:g} rad/s")
                 try:
                     return self.checked(speeds[place], candidate)
@@ -231,13 +212,47 @@ class _Search:
                     self.reason = str(error)
         raise Unproved(self.reason)
 
-    def _solves(self, speed: float, goal: _Goal, place: int, found: dict[int, _Candidate]) -> bool:
-        """Whether the solver finds numbers from a speed on; they go into ``found``."""
+    def _proved_places(self, speeds: Sequence[float], goal: _Goal) -> list[int]:
+        """Places of the speeds that the solver finds numbers for, the smallest first; for the last one it did.
+
+        Most loops are proved nearly as far as their sectors allow: from there the search goes up in doubled steps, then
+        halves what is left. At last it takes more pains with the speeds below.
+        """
+        low = self._first_allowed(speeds, goal)
+        failed, proved, step = low - 1, [len(speeds) - 1], 1
+        while (left := proved[0] - failed) > 1:
+            place = failed + (min(step, left - 1) if len(proved) == 1 else left // 2)
+            step *= 2
+            self.progress(0.8 * (1.0 - left / len(speeds)), f"load speed from {speeds[place]:g} rad/s")
+            if self._solves(speeds[place], goal):
+                proved.insert(0, place)
+            else:
+                failed = place
+        while proved[0] > low and self._solves(speeds[proved[0] - 1], goal, CENTRINGS):
+            proved.insert(0, proved[0] - 1)
+        return proved
+
+    def _first_allowed(self, speeds: Sequence[float], goal: _Goal) -> int:
+        """Place of the smallest speed with sectors in which the linear loops are stable; the last one is."""
+        low, high = -1, len(speeds) - 1
+        while high - low > 1:
+            middle = (low + high) // 2
+            try:
+                self._problem(speeds[middle], goal)
+                high = middle
+            except Unproved as error:
+                self.reason = str(error)
+                low = middle
+        return high
+
+    def _solves(self, speed: float, goal: _Goal, centrings: int = 1) -> bool:
+        """Whether the solver finds numbers from a speed on."""
         try:
-            found[place] = self.at(speed, goal)
+            self.at(speed, goal, centrings)
         except Unproved as error:
             self.reason = str(error)
-        return place in found
+            return False
+        return True
 
     def _goal(self, speed: float) -> _Goal:
         """What can be proved at the highest speed: stability from every state, else within the torque limit's region.
@@ -266,24 +281,20 @@ class _Search:
                     break
         return found
 
-    def at(self, speed: float, goal: _Goal) -> _Candidate:
+    def at(self, speed: float, goal: _Goal, centrings: int = CENTRINGS) -> _Candidate:
         """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
         if (speed, goal) not in self._found:
-            try:
-                self._found[speed, goal] = self._solved_at(speed, goal)
-            except Unproved as error:
-                self._found[speed, goal] = error
-        found = self._found[speed, goal]
-        if isinstance(found, Unproved):
-            raise found
-        return found
+            rest, problem, numbers = self._problem(speed, goal)
+            self._found[speed, goal] = _Candidate(rest, problem, self.solved(numbers, centrings), goal)
+        return self._found[speed, goal]
 
     def _rest(self, speed: float, torque: float) -> Equilibrium | None:
         if (speed, torque) not in self._rests:
             self._rests[speed, torque] = equilibrium(self.loop, Fraction(speed), Fraction(torque))
         return self._rests[speed, torque]
 
-    def _solved_at(self, speed: float, goal: _Goal) -> _Candidate:
+    def _problem(self, speed: float, goal: _Goal) -> tuple[Equilibrium, SampledProof, SampledProof]:
+        """A rest, the inequalities, and the same in floats; raises ``Unproved`` where they can have no solution."""
         corners = [self._rest(r, m) for m in sorted(set(self.torque_load)) for r in (speed, self.fastest)]
         known = [corner for corner in corners if corner is not None]
         if len(known) < len(corners):
@@ -296,7 +307,12 @@ class _Search:
         if goal.step is not None:
             region, bounds = limit_region(self.loop, known, bounds, Fraction(goal.step), Fraction(goal.share))
         problem = sampled_proof(self.loop, known[0], bounds, pairs, self.substeps, region)
-        return _Candidate(known[0], problem, self.solved(problem), goal)
+        numbers = problem.floats()
+        if not is_stable(flow_and_step(numbers, np.asarray(numbers.slopes, dtype=float))[1]):
+            raise Unproved("the loop is not stable where it rests, in contact and slipping")
+        if not is_stable_in_sectors(numbers):
+            raise Unproved("the sectors allow slopes of the curves with which the loop is not stable")
+        return known[0], problem, numbers
 
     def checked(self, speed: float, candidate: _Candidate) -> RunningProof:
         """The proof, which holds in exact fractions; raises ``Unproved`` if not."""
@@ -308,8 +324,8 @@ class _Search:
             "limit": None if candidate.goal.step is None else asdict(candidate.goal),
         }
         rest, numbers = candidate.rest, proof_data(candidate.problem, candidate.unknowns)
-        if self.gap_memory:
-            numbers["gap_memory"] = True
+        if self.memory:
+            numbers["memory"] = list(self.memory)
         data = certificate(self.drivetrain, self.law, self.delay, claim, rest.segments, numbers)
         reason = verdict(data)
         if reason is not None:
@@ -319,20 +335,18 @@ class _Search:
             self.loop.is_odd, data, self.reason,
         )  # fmt: skip
 
-    def solved(self, problem: SampledProof) -> Unknowns:
+    def solved(self, numbers: SampledProof, centrings: int) -> Unknowns:
         """P and multipliers, rounded, that satisfy the inequalities in floats."""
-        numbers = problem.floats()
         sizes = state_sizes(numbers)
-        if sizes is None:
-            raise Unproved("the loop is not stable where it rests, in contact and slipping")
-        if not is_stable_in_sectors(numbers):
-            raise Unproved("the sectors allow slopes of the curves with which the loop is not stable")
-        scales = condition_sizes(numbers, sizes)
-        found = Inequalities(numbers.conditions, numbers.layout(), scales).largest_margin()
-        if found is None:
-            raise Unproved("the solver found no numbers")
-        unknowns = {name: short(value) for name, value in found[0].items()}
-        for scale, matrix in zip(scales, numbers.conditions(unknowns), strict=True):
-            if not np.linalg.eigvalsh(matrix * np.outer(scale, scale))[0] > 0.0:
-                raise Unproved("the inequalities have no solution that the solver finds")
-        return unknowns
+        assert sizes is not None
+        inequalities = Inequalities(numbers.conditions, numbers.layout(), condition_sizes(numbers, sizes))
+        margin = inequalities.largest_margin()
+        found: Unknowns | None = None if margin is None else margin[0]
+        for left in reversed(range(centrings + 1)):
+            if found is None:
+                break
+            rounded = {name: short(value) for name, value in found.items()}
+            if inequalities.hold(rounded):
+                return rounded
+            found = inequalities.centred(found) if left else None
+        raise Unproved("the inequalities have no solution that the solver finds")

@@ -20,6 +20,12 @@ Unknowns = Mapping[str, Matrix]
 #: Matrices, linear in the unknowns, all of which must become positive definite.
 Conditions = Callable[[Unknowns], Sequence[Matrix]]
 
+#: Clarabel's tolerance, its default (numerics): what is smaller, of scaled unknowns of total trace 1, it does not see.
+TOLERANCE = 1e-8
+#: ``Inequalities.centred`` ends at this margin (1: that of the centre), or within this share of the largest one; and
+#: where no margin is above ``NOTHING`` (numerics: the exact check needs some margin, not the largest).
+ENOUGH, NEARLY, NOTHING = 0.1, 0.2, 1e-9
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -36,7 +42,11 @@ class Layout:
 
     @property
     def size(self) -> int:
-        return sum(n * (n + 1) // 2 for n in self.symmetric.values()) + sum(self.multipliers.values())
+        return sum(n * (n + 1) // 2 for n in self.symmetric.values()) + self.multiplier_count
+
+    @property
+    def multiplier_count(self) -> int:
+        return sum(self.multipliers.values())
 
     def unknowns(self, vector: Array) -> dict[str, Array]:
         """The unknowns out of one vector."""
@@ -45,14 +55,18 @@ class Layout:
         for name, n in self.symmetric.items():
             upper = _upper(n)
             matrix = np.zeros((n, n))
-            matrix[upper] = vector[start : start + upper[0].size]
-            matrix[upper[::-1]] = matrix[upper]
+            matrix[upper] = matrix[upper[::-1]] = vector[start : start + upper[0].size]
             made[name] = matrix
             start += upper[0].size
         for name, count in self.multipliers.items():
             made[name] = vector[start : start + count]
             start += count
         return made
+
+    def row_of(self, multiplier: str) -> Array:
+        """The row that reads a single multiplier from the vector."""
+        places = np.repeat(list(self.multipliers), list(self.multipliers.values())) == multiplier
+        return np.append(np.zeros(self.size - self.multiplier_count), places)
 
 
 class Inequalities:
@@ -68,83 +82,146 @@ class Inequalities:
     """
 
     def __init__(self, conditions: Conditions, layout: Layout, scales: Sequence[Array]) -> None:
-        self.layout, self.scales = layout, scales
-        self.weights = np.ones(layout.size)
-        self.columns: list[list[Array]] = []
-        for i, row in enumerate(np.eye(layout.size)):
-            made = conditions(layout.unknowns(row))
-            parts = [m * np.outer(scale, scale) for m, scale in zip(made, scales, strict=True)]
-            largest = max(float(np.max(np.abs(part))) for part in parts)
-            self.weights[i] = np.exp2(-np.round(np.log2(largest))) if largest > 0.0 else 1.0
-            self.columns.append([_packed(part) * self.weights[i] for part in parts])
-        #: Sum of all traces and multipliers, over the scaled unknowns.
-        self.trace = np.concatenate([_diagonal(layout), np.ones(sum(layout.multipliers.values()))])
+        self.layout, self.conditions, self.scales = layout, conditions, scales
+        made = [conditions(layout.unknowns(row)) for row in np.eye(layout.size)]
+        #: For each condition (size, n, n): what each unknown adds to it.
+        self.parts = [
+            np.array([one[i] for one in made], dtype=float) * np.outer(scale, scale)
+            for i, scale in enumerate(scales)
+        ]
+
+    def hold(self, unknowns: Unknowns) -> bool:
+        """Whether every condition is positive definite."""
+        made = self.conditions(unknowns)
+        return all(
+            np.linalg.eigvalsh(matrix * np.outer(scale, scale))[0] > 0.0
+            for scale, matrix in zip(self.scales, made, strict=True)
+        )
 
     def largest_margin(self) -> tuple[dict[str, Array], float] | None:
-        """Unknowns of total trace 1 at most for which every condition minus margin·I is positive semidefinite, with the
-        largest margin; None if the solver ends without numbers."""
-        size = self.layout.size
-        margins = [_packed(np.eye(scale.size)) for scale in self.scales]
-        found = self._solution(np.append(np.zeros(size), -1.0), np.append(self.trace, 0.0), margins)
-        return None if found is None else (self._unknowns(found[:-1]), float(found[-1]))
+        """Unknowns for which every condition minus margin·I is positive semidefinite, with the largest margin.
+
+        Scaled, they have a total trace of 1 at most. None if the solver ends without numbers.
+        """
+        trace = np.concatenate([_diagonal(self.layout), np.ones(self.layout.multiplier_count)])
+        weights = _weights(self.parts)
+        return _solved(self.layout, self.parts, weights, trace)
+
+    def centred(self, centre: Unknowns) -> dict[str, Array] | None:
+        """Unknowns with a margin in bases in which each condition is the identity at a centre; None if none has.
+
+        The largest margin is often below Clarabel's tolerance: V of a slow motion falls in a sample by 1e-8 of what V
+        of a fast one does, and no scaling of states helps. Around a centre that satisfies the conditions nearly,
+        margins are shares of what each motion has there.
+        """
+        parts = self._around(centre)
+        weights = _weights(parts)
+        trace = weights * sum(np.trace(part, axis1=1, axis2=2) for part in parts)
+        found = _solved(self.layout, parts, weights, trace / sum(part.shape[1] for part in parts), _ended)
+        return None if found is None or _is_nothing(found[1]) else found[0]
 
     def largest(self, wanted: str, bounded: str, margin: float) -> dict[str, Array] | None:
         """Unknowns with the largest multiplier ``wanted`` where the multiplier ``bounded`` is 1 at most and every
         condition minus margin·I is positive semidefinite; None if the solver ends without numbers."""
-        cost = -np.sign(self._weighted(wanted))
-        found = self._solution(cost, self._weighted(bounded), [], margin)
-        return None if found is None else self._unknowns(found)
-
-    def _weighted(self, name: str) -> Array:
-        """The row that reads one multiplier from the scaled vector."""
-        places = dict.fromkeys(self.layout.symmetric, 0) | {
-            n: int(n == name) for n in self.layout.multipliers
-        }
-        counts = {n: k * (k + 1) // 2 for n, k in self.layout.symmetric.items()} | dict(
-            self.layout.multipliers
+        weights = _weights(self.parts)
+        cost = -self.layout.row_of(wanted)
+        found = _cheapest(
+            self.layout, self.parts, weights, cost, self.layout.row_of(bounded) * weights, margin=margin
         )
-        return (
-            np.concatenate([np.full(counts[n], float(place)) for n, place in places.items()]) * self.weights
-        )
+        return None if found is None else _unknowns(self.layout, found * weights)
 
-    def _unknowns(self, scaled: Array) -> dict[str, Array]:
-        values = scaled * self.weights
-        start = self.layout.size - sum(self.layout.multipliers.values())
-        values[start:] = np.maximum(values[start:], 0.0)
-        return self.layout.unknowns(values)
+    def _around(self, centre: Unknowns) -> list[Array]:
+        """The parts in such bases, as far as a condition is positive at the centre."""
+        made = self.conditions(centre)
+        scaled = [np.asarray(m * np.outer(s, s), dtype=float) for m, s in zip(made, self.scales, strict=True)]
+        accuracy = TOLERANCE * max(float(np.max(np.abs(matrix))) for matrix in scaled)
+        parts = []
+        for part, matrix in zip(self.parts, scaled, strict=True):
+            values, vectors = np.linalg.eigh(matrix)
+            basis = vectors / np.sqrt(np.maximum(values, accuracy))
+            parts.append(basis.T @ part @ basis)
+        return parts
 
-    def _solution(
-        self, cost: Array, bounded: Array, further: Sequence[Array], margin: float = 0.0
-    ) -> Array | None:
-        """The cheapest scaled unknowns with bounded·x ≤ 1; ``further``: columns of one unknown more."""
-        import clarabel
-        from scipy.sparse import csc_matrix, vstack
 
-        size = self.layout.size
-        count = sum(self.layout.multipliers.values())
-        blocks: list[Any] = []
-        cones: list[Any] = []
-        right: list[Array] = []
-        for i, scale in enumerate(self.scales):
-            columns = [*(-column[i] for column in self.columns), *further[i : i + 1]]
-            blocks.append(csc_matrix(np.column_stack(columns)))
-            cones.append(clarabel.PSDTriangleConeT(scale.size))
-            right.append(-margin * _packed(np.eye(scale.size)))
-        positive = np.hstack(
-            [np.zeros((count, size - count)), -np.eye(count), np.zeros((count, cost.size - size))]
-        )
-        blocks += [csc_matrix(positive), csc_matrix(bounded[np.newaxis])]
-        cones += [clarabel.NonnegativeConeT(count), clarabel.NonnegativeConeT(1)]
-        right += [np.zeros(count), np.ones(1)]
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        settings.max_threads = 1
-        nothing = csc_matrix((cost.size, cost.size))
-        solution = clarabel.DefaultSolver(
-            nothing, cost, csc_matrix(vstack(blocks)), np.concatenate(right), cones, settings
-        ).solve()
-        found = np.asarray(solution.x)
-        return found if found.size == cost.size and np.all(np.isfinite(found)) else None
+def _ended(info: Any) -> bool:
+    """Whether Clarabel may stop: with a margin that will do, or since there is none."""
+    margin, bound = -info.cost_primal, -info.cost_dual
+    if margin > TOLERANCE and info.res_primal < 1e-6 * margin:
+        return bool(margin > ENOUGH or abs(bound - margin) < NEARLY * margin)
+    return _is_nothing(margin) and bound < NOTHING
+
+
+def _is_nothing(margin: float) -> bool:
+    """All unknowns zero have the margin 0: where nothing is above, the solver goes there from below."""
+    return -NOTHING < margin <= 0.0
+
+
+def _weights(parts: Sequence[Array]) -> Array:
+    """Powers of two, one for each unknown, that bring the largest entries which they add to 1."""
+    largest = np.max([np.abs(part).max(axis=(1, 2)) for part in parts], axis=0)
+    return np.asarray(np.exp2(-np.round(np.log2(np.where(largest > 0.0, largest, 1.0)))))
+
+
+def _solved(
+    layout: Layout,
+    parts: Sequence[Array],
+    weights: Array,
+    trace: Array,
+    ended: Callable[[Any], bool] | None = None,
+) -> tuple[dict[str, Array], float] | None:
+    """Unknowns with the largest margin, and the margin; trace · unknowns/weights ≤ 1. Stops where ``ended``."""
+    bounded, cost = np.append(trace, 0.0), np.append(np.zeros(layout.size), -1.0)
+    found = _cheapest(layout, parts, weights, cost, bounded, ended=ended)
+    return None if found is None else (_unknowns(layout, found[:-1] * weights), float(found[-1]))
+
+
+def _cheapest(
+    layout: Layout,
+    parts: Sequence[Array],
+    weights: Array,
+    cost: Array,
+    bounded: Array,
+    *,
+    margin: float | None = None,
+    ended: Callable[[Any], bool] | None = None,
+) -> Array | None:
+    """The scaled unknowns of least cost, with bounded · unknowns/weights ≤ 1, for which every condition keeps a margin;
+    None: the margin is one unknown more. Stops where ``ended``."""
+    import clarabel
+    from scipy.sparse import csc_matrix, vstack
+
+    size, count = layout.size, layout.multiplier_count
+    blocks: list[Any] = []
+    cones: list[Any] = []
+    right: list[Array] = []
+    for part in parts:
+        one = _packed(np.eye(part.shape[1]))
+        columns = -_packed(part * weights[:, None, None]).T
+        blocks.append(csc_matrix(columns if margin is not None else np.column_stack([columns, one])))
+        cones.append(clarabel.PSDTriangleConeT(part.shape[1]))
+        right.append(-(margin or 0.0) * one)
+    positive = np.hstack(
+        [np.zeros((count, size - count)), -np.eye(count), np.zeros((count, cost.size - size))]
+    )
+    blocks += [csc_matrix(positive), csc_matrix(bounded[np.newaxis])]
+    cones += [clarabel.NonnegativeConeT(count), clarabel.NonnegativeConeT(1)]
+    right += [np.zeros(count), np.ones(1)]
+    matrix = csc_matrix(vstack(blocks))
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1
+    nothing = csc_matrix((cost.size, cost.size))
+    solver = clarabel.DefaultSolver(nothing, cost, matrix, np.concatenate(right), cones, settings)
+    if ended is not None:
+        solver.set_termination_callback(ended)
+    found = np.asarray(solver.solve().x)
+    return found if found.size == cost.size and np.all(np.isfinite(found)) else None
+
+
+def _unknowns(layout: Layout, values: Array) -> dict[str, Array]:
+    """The unknowns out of one vector, multipliers not below zero."""
+    start = layout.size - layout.multiplier_count
+    return layout.unknowns(np.append(values[:start], np.maximum(values[start:], 0.0)))
 
 
 def _diagonal(layout: Layout) -> Array:
@@ -155,8 +232,8 @@ def _diagonal(layout: Layout) -> Array:
 def _packed(matrix: Matrix) -> Array:
     """The upper triangle column by column, off the diagonal times √2 (Clarabel's PSDTriangleConeT)."""
     given = np.asarray(matrix, dtype=float)
-    rows, columns, weights = _triangle(given.shape[0])
-    return np.asarray(weights * given[columns, rows])
+    rows, columns, weights = _triangle(given.shape[-1])
+    return np.asarray(weights * given[..., columns, rows])
 
 
 @cache

@@ -177,22 +177,24 @@ def normalised(points, left, right):
 class Loop:
     """Forms of the loop: rates of the plant (1), values after a sample (3), arguments and curves of both (2)."""
 
-    def __init__(self, drivetrain, law, delay, gap_memory=False):
+    def __init__(self, drivetrain, law, delay, memory=()):
         self.rates, self.jump, self.arguments, self.curves = {}, {}, {}, {}
         measured = self.add_plant(drivetrain)
         self.plant_states, self.plant_curves = list(self.rates), list(self.curves)
         self.add_law(law, measured, delay, drivetrain["torque_limit"])
-        if gap_memory:
-            self.add_gap_memory()
+        self.add_memory(memory)
         self.law_curves = [name for name in self.curves if name not in self.plant_curves]
         self.states = [*self.plant_states, *self.jump]
 
-    def add_gap_memory(self):
-        """The gap's argument at the last sample as one more state, and the gap's value then as its curve (27)."""
-        state = "law: gap at the last sample"
-        demand(state not in self.jump, "two states of one name")
-        self.jump[state] = self.arguments["gap"]
-        self.curves["gap_memory"], self.arguments["gap_memory"] = self.curves["gap"], {state: Fraction(1)}
+    def add_memory(self, places):
+        """Arguments of curves at the last sample as states more, and the curves' values then as curves (27)."""
+        names = list(self.curves)
+        for place in places:
+            name = names[whole(place, 0)]
+            state, own = f"law: {name} at the last sample", f"{name} at the last sample"
+            demand(state not in self.jump, "two states of one name")
+            self.jump[state] = self.arguments[name]
+            self.curves[own], self.arguments[own] = self.curves[name], {state: Fraction(1)}
 
     def add_plant(self, d):
         """Two inertias, a shaft with backlash, friction, the actuator's lag: (1)."""
@@ -600,8 +602,8 @@ def verify(certificate, law=None):
     if "cells" in certificate:
         return verify_box(certificate)
     demand(own["dt"] > 0, "a sample time that is not positive")
-    gap_memory = certificate["proof"].get("gap_memory", False)
-    loop = Loop(certificate["drivetrain"], pruned(own), whole(certificate["delay"], 0), gap_memory)
+    memory = certificate["proof"].get("memory", ())
+    loop = Loop(certificate["drivetrain"], pruned(own), whole(certificate["delay"], 0), memory)
     segments = [whole(segment, 0) for segment in certificate["segments"]]
     ends = ends_of(claim, loop)
     rests = [equilibrium(loop, segments, r, m) for r, m in ends]

@@ -12,7 +12,7 @@ from .. import __version__
 from ..errors import InputProblems, LostMotionError, Problem
 from .leaderboards import controllers, observers
 from .main_job import check, init, run
-from .messages import INPUT_ERROR, show
+from .messages import INPUT_ERROR, say, show
 from .proofs import certify
 from .real_time import loop
 from .reproduction import paper
@@ -86,5 +86,5 @@ def main() -> None:
         if isinstance(problem, Problem):
             show([problem])
         else:
-            typer.secho(f"error: {error}", fg="red", err=True)
+            say(f"error: {error}", fg="red", err=True)
         sys.exit(INPUT_ERROR)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .messages import finished, interruptible
+from .messages import finished, interruptible, say
 from .options import ForceOption, finite_positive, percent_below_100
 
 
@@ -77,14 +77,14 @@ def certify(
             lambda fraction, text: lines("certify", fraction, text), force, simulate,
         )  # fmt: skip
         lines("certify", 1.0)
-    typer.echo(f"  {result['headline']}")
+    say(f"  {result['headline']}")
     if result["proved"]:
-        typer.echo(f"  set-point there: {result['reference']:g} rad/s")
-        typer.echo("  valid while " + ";\n              ".join(result["conditions"]))
+        say(f"  set-point there: {result['reference']:g} rad/s")
+        say("  valid while " + ";\n              ".join(result["conditions"]))
     if result["margins"]:
-        typer.echo(text([MARGIN_COLUMNS, *margin_table(result["margins"])]))
+        say(text([MARGIN_COLUMNS, *margin_table(result["margins"])]))
     for sentence in result["simulated"]:
-        typer.echo(f"  {sentence}")
+        say(f"  {sentence}")
     finished([], out, ".json", "_verify.py")
 
 
@@ -95,7 +95,7 @@ def certify_an_observer(drivetrain: Path, out: Path, measured: list[str], force:
 
     with interruptible():
         proof = certify_observer(drivetrain, out, measured, force)
-    typer.echo(f"  {observer_headline(proof)}")
+    say(f"  {observer_headline(proof)}")
     finished([], out, ".json", "_verify.py")
 
 
@@ -121,14 +121,12 @@ def certify_a_box(
             progress=lambda fraction, text: lines("certify", fraction, text), force=force,
         )  # fmt: skip
         lines("certify", 1.0)
-    typer.echo(f"  {result['headline']}")
+    say(f"  {result['headline']}")
     if result["proved"]:
-        typer.echo("  valid while " + ";\n              ".join(result["conditions"]))
+        say("  valid while " + ";\n              ".join(result["conditions"]))
     if result["simulated"]:
-        typer.echo(f"  {result['simulated']}")
+        say(f"  {result['simulated']}")
     finished([], out, ".json", "_verify.py")
     if result["not_proved"] == "interrupted":
-        typer.secho(
-            "Interrupted; the same command goes on from the cells that are proved.", fg="yellow", err=True
-        )
+        say("Interrupted; the same command goes on from the cells that are proved.", fg="yellow", err=True)
         raise typer.Exit(INTERRUPTED)

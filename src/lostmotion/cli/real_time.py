@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from .compiling import compile_kernels
-from .messages import announce, finished, interruptible
+from .messages import announce, finished, interruptible, say
 from .options import CODES, ForceOption, completing, finite_positive, known_code
 
 #: What is shown of each time, and its key in the summary.
@@ -51,9 +51,9 @@ def loop(
             force=force, progress=lambda fraction: lines("loop", fraction), announce=announce,
         )  # fmt: skip
         lines("loop", 1.0)
-    typer.echo(f"  the law's process ran {'the exported C' if result.code == 'c' else 'the Python law'}")
+    say(f"  the law's process ran {'the exported C' if result.code == 'c' else 'the Python law'}")
     if result.equal is not None:
-        typer.echo(f"  {'equal to' if result.equal else 'DIFFERENT from'} the simulation, bit for bit")
+        say(f"  {'equal to' if result.equal else 'DIFFERENT from'} the simulation, bit for bit")
     _times(result.run.timing.summary())
     finished([], out, ".json", ".png")
 
@@ -61,15 +61,15 @@ def loop(
 def _times(summary: dict[str, Any]) -> None:
     from ..display.numbers import quantity
 
-    typer.echo("  times of this machine, in this run:")
+    say("  times of this machine, in this run:")
     for name, title in (("wake_up", "wake-up after the tick"), ("round_trip", "round trip")):
         if name in summary:
             parts = [f"{label} {quantity(summary[name][key], 's')}" for label, key in _LEVELS]
-            typer.echo(f"    {title:<23} {', '.join(parts)}")
+            say(f"    {title:<23} {', '.join(parts)}")
     if summary["paced"]:
         period = quantity(summary["period"], "s")
-        typer.echo(
+        say(
             f"    {summary['missed']} of {summary['samples']} deadlines of {period} missed, outputs held there"
         )
     elif summary["resent"]:
-        typer.echo(f"    {summary['resent']} requests sent again")
+        say(f"    {summary['resent']} requests sent again")

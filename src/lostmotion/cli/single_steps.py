@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .compiling import compile_kernels
-from .messages import announce, finished, interruptible
+from .messages import announce, finished, interruptible, say
 from .options import (
     KINDS,
     METHODS,
@@ -73,8 +73,8 @@ def frf(
         )
     fit = result["two_mass_fit"]
     if fit is not None:
-        typer.echo(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
-        typer.echo("  If the gap opens during the test, both are too low: see docs/frequency-response.md.")
+        say(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
+        say("  If the gap opens during the test, both are too low: see docs/frequency-response.md.")
     finished(result["problems"], out, ".json", ".png")
 
 
@@ -119,11 +119,11 @@ def excite(
         )  # fmt: skip
     for name, unit in (("torque", "Nm"), ("speed", "rad/s"), ("angle", "rad")):
         peak, limit = result["peaks"][name], result["limits"][name]
-        typer.echo(f"  {name:<15} up to {peak:.3g} of {limit:.3g} {unit}")
+        say(f"  {name:<15} up to {peak:.3g} of {limit:.3g} {unit}")
     for name, half in result["half_widths"].items():
-        typer.echo(f"  {name:<15} ± {100.0 * half:.2g} % expected")
+        say(f"  {name:<15} ± {100.0 * half:.2g} % expected")
     for name in result["not_excited"]:
-        typer.echo(f"  {name:<15} will not be identified")
+        say(f"  {name:<15} will not be identified")
     finished(result["problems"], out, ".csv", ".json", ".png")
 
 
@@ -131,9 +131,7 @@ def simulate(
     drivetrain: Annotated[
         Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML of the main job.")
     ],
-    out: Annotated[Path, typer.Option(help="CSV to write; a picture, .png, goes beside it.")] = Path(
-        "simulated.csv"
-    ),
+    out: Annotated[Path, typer.Option(help="Name of the files to write: .csv, .png.")] = Path("simulated"),
     torque: Annotated[Path | None, typer.Option(help="CSV with time and torque_motor.")] = None,
     duration: Annotated[
         float,
@@ -165,8 +163,8 @@ def simulate(
 
     with interruptible():
         recording = simulate_file(drivetrain, out, torque, duration, dt, seed, force, announce)
-    typer.echo(f"  {len(recording)} samples, {len(recording.events)} events")
-    finished([], out.with_suffix(""), out.suffix, ".png")
+    say(f"  {len(recording)} samples, {len(recording.events)} events")
+    finished([], out, ".csv", ".png")
 
 
 def _simulate_variants(
@@ -188,6 +186,6 @@ def _simulate_variants(
             drivetrain, out, count, spread, torque, duration, dt, seed, bar, force, announce
         )
     for index, message in made.failures.items():
-        typer.secho(f"variant {index} failed: {message}", fg="yellow", err=True)
-    typer.echo(f"  {int(made.done.sum())} of {count} variants")
-    finished([], out.with_suffix(""), out.suffix, *([".png"] if made.done.any() else []))
+        say(f"variant {index} failed: {message}", fg="yellow", err=True)
+    say(f"  {int(made.done.sum())} of {count} variants")
+    finished([], out, ".csv", *([".png"] if made.done.any() else []))

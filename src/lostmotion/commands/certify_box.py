@@ -9,7 +9,7 @@ from typing import Any
 from ..certificates import around, box_stability, prove_box, simulated
 from ..io.storage.certificate_files import save_box_certificate, unfinished_box
 from .certify import law_beside, law_of
-from .outputs import outputs
+from .outputs import outputs, stem
 from .recordings import read_drive
 
 
@@ -44,7 +44,7 @@ def certify_box(
     drive = read_drive(drivetrain)
     law = law_beside(drive, law)
     read = drive.reads if law is None else (*drive.reads, law)
-    earlier = unfinished_box(out.with_name(out.name + ".json"))
+    earlier = unfinished_box(Path(f"{stem(out)}.json"))
     with outputs(out, ".json", "_verify.py", sources=read, force=force) as (file, script):
         system = law_of(drive, law)
         proof = prove_box(

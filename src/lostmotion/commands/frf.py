@@ -11,7 +11,7 @@ from ..io import save_json
 from ..plot import bode, source_of, words
 from ..recording import unit_of
 from .outputs import outputs, save_picture
-from .recordings import files_read, recording_of
+from .recordings import toml_recording_or_rig
 
 #: What zero and pole of a drive with a gap mean.
 MOVING_GAP = (
@@ -31,8 +31,9 @@ def frequency_response_file(
     force: bool = False,
 ) -> dict[str, Any]:
     """Analyse the band (Hz) and write OUT.json and OUT.png; returns what the JSON holds."""
-    with outputs(out, ".json", ".png", sources=files_read(file), force=force) as (json_file, picture):
-        recording, warnings = recording_of(file, seed)
+    given = toml_recording_or_rig(file)
+    with outputs(out, ".json", ".png", sources=given.reads, force=force) as (json_file, picture):
+        recording, warnings = given.recording(seed)
         analysis = frequency_analysis(recording, input, output, method, reference=reference, band=band)
         response, fit = analysis.response, analysis.fit
         result = (

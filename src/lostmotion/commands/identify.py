@@ -10,7 +10,7 @@ from .. import plot
 from ..io import save_json
 from ..stages.parameters import find_parameters
 from .outputs import outputs, save_picture
-from .recordings import files_read, material_of
+from .recordings import toml_or_rig
 
 
 def identify_file(
@@ -21,8 +21,9 @@ def identify_file(
     force: bool = False,
 ) -> dict[str, Any]:
     """Identify and write OUT.json and OUT.png; returns what the JSON holds."""
-    with outputs(out, ".json", ".png", sources=files_read(file), force=force) as (json_file, picture):
-        material = material_of(file, seed)
+    source = toml_or_rig(file)
+    with outputs(out, ".json", ".png", sources=source.reads, force=force) as (json_file, picture):
+        material = source.material(seed)
         found = find_parameters(material, progress)
         problems = (*material.problems, *found.problems)
         result: dict[str, Any] = {

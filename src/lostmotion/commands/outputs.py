@@ -18,11 +18,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+#: Endings of the files that commands write.
+ENDINGS = (".csv", ".json", ".png")
+
+
+def stem(out: Path) -> Path:
+    """What the names of a command's files begin with: one of ``ENDINGS`` is left out, others belong to the name."""
+    return out.with_suffix("") if out.suffix in ENDINGS else out
+
+
 @contextmanager
 def outputs(
     out: Path, *suffixes: str, sources: tuple[Path, ...] = (), force: bool = False
 ) -> Iterator[tuple[Path, ...]]:
-    """The files to write, around their writing: ``out`` is their name without a suffix; its folder is created.
+    """The files to write, around their writing: the ``stem`` of ``out`` with each suffix; its folder is created.
 
     Raises
     ------
@@ -32,7 +41,7 @@ def outputs(
     """
     if not out.name:
         raise InvalidInput(str(out), "a folder", "the name of the files to write", "Add a name.")
-    files = tuple(out.with_name(out.name + suffix) for suffix in suffixes)
+    files = tuple(Path(f"{stem(out)}{suffix}") for suffix in suffixes)
     check_writable(*files, sources=sources)
     with replacing(*files, force=force):
         yield files

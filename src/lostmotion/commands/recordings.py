@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,40 +11,50 @@ from ..io import Configuration, read_configuration, read_recording
 from ..io.configuration.read import configuration_in
 from ..io.storage.drivetrain_files import EXPECTED, drivetrain_in
 from ..io.storage.toml_files import read_toml
-from ..io.storage.whole_files import read_bytes
 from ..recording import Recording
 from ..stages.material import Material, from_configuration, from_rig
 from ..stages.parameters import two_mass
 
 
-def material_of(file: Path | None, seed: int | None) -> Material:
-    """The TOML's recordings, whole, or without one those of the virtual rig with this seed."""
-    if file is None:
-        return from_rig(1 if seed is None else seed)[0]
-    return from_configuration(read_configuration(file), seed, split=False)
+@dataclass(frozen=True)
+class RecordingFile:
+    """A TOML of the main job, a saved recording (.npz), or neither: the virtual rig. A TOML is read once."""
+
+    path: Path | None = None
+    configuration: Configuration | None = None
+
+    @property
+    def reads(self) -> tuple[Path, ...]:
+        """The file, and the recordings that a TOML names."""
+        return (() if self.path is None else (self.path,)) + recordings_of(self.configuration)
+
+    def material(self, seed: int | None) -> Material:
+        """The TOML's recordings, whole, or those of the virtual rig with this seed."""
+        if self.configuration is None:
+            return from_rig(1 if seed is None else seed)[0]
+        return from_configuration(self.configuration, seed, split=False)
+
+    def recording(self, seed: int | None) -> tuple[Recording, tuple[Problem, ...]]:
+        """The saved recording, or the first to identify of the TOML or of the virtual rig; and the warnings."""
+        if self.path is not None and self.configuration is None:
+            recording = read_recording(self.path)
+            return recording, tuple(recording.meta["problems"])
+        material = self.material(seed)
+        if material.identify is None:
+            raise InvalidInput(
+                str(self.path), "no recording with use = 'identify'", "at least one", "Add it to the TOML."
+            )
+        return material.identify, material.problems
 
 
-def files_read(file: Path | None) -> tuple[Path, ...]:
-    """The files that ``material_of`` and ``recording_of`` read: the file itself, and the recordings of a TOML."""
-    # Path.is_file raises of names that no file can have; those are told where the file is read.
-    if file is None or not os.path.isfile(file):  # noqa: PTH113
-        return ()
-    if file.suffix != ".toml" or b"[[recording]]" not in read_bytes(file):
-        return (file,)
-    return (file, *recordings_of(read_configuration(file)))
+def toml_or_rig(path: Path | None) -> RecordingFile:
+    """The TOML with its recordings, or without one the virtual rig; raises ``InputProblems``."""
+    return RecordingFile() if path is None else RecordingFile(path, read_configuration(path))
 
 
-def recording_of(file: Path | None, seed: int | None) -> tuple[Recording, tuple[Problem, ...]]:
-    """A saved .npz, or the first recording to identify of a TOML or of the virtual rig; and the warnings."""
-    if file is not None and file.suffix == ".npz":
-        recording = read_recording(file)
-        return recording, tuple(recording.meta["problems"])
-    material = material_of(file, seed)
-    if material.identify is None:
-        raise InvalidInput(
-            str(file), "no recording with use = 'identify'", "at least one", "Add it to the TOML."
-        )
-    return material.identify, material.problems
+def toml_recording_or_rig(path: Path | None) -> RecordingFile:
+    """A saved recording besides; it is read where it is asked for."""
+    return RecordingFile(path) if path is not None and path.suffix == ".npz" else toml_or_rig(path)
 
 
 @dataclass(frozen=True)
@@ -59,7 +68,7 @@ class DriveFile:
     @property
     def reads(self) -> tuple[Path, ...]:
         """The file, and the recordings that it names."""
-        return (self.path, *(() if self.configuration is None else recordings_of(self.configuration)))
+        return (self.path, *recordings_of(self.configuration))
 
 
 def read_drive(path: Path) -> DriveFile:
@@ -76,6 +85,6 @@ def read_drive(path: Path) -> DriveFile:
     return DriveFile(path, two_mass(configuration.nameplate), configuration)
 
 
-def recordings_of(configuration: Configuration) -> tuple[Path, ...]:
-    """The files of the recordings that a TOML names."""
-    return tuple(Path(one.file) for one in configuration.recordings)
+def recordings_of(configuration: Configuration | None) -> tuple[Path, ...]:
+    """The files of the recordings that a TOML names; none without one."""
+    return () if configuration is None else tuple(Path(one.file) for one in configuration.recordings)

@@ -33,16 +33,15 @@ def simulate_file(
     force: bool = False,
     announce: Announce = silent,
 ) -> Recording:
-    """Simulate and write OUT, which ends in .csv, and a picture beside it that ends in .png instead.
+    """Simulate; write a CSV and a picture.
 
     Without a torque: ``signals.excitation`` for the drivetrain's inertia and friction. With one, its sample time is
     the simulation's. ``announce`` is told what a long one will cost.
     """
-    name = checked_name(out)
     drive = read_drive(drivetrain)
     plant = drive.drivetrain
     read = drive.reads if torque is None else (*drive.reads, torque)
-    with outputs(name, ".csv", ".png", sources=read, force=force) as (table, picture):
+    with outputs(out, ".csv", ".png", sources=read, force=force) as (table, picture):
         count = len(plant.inertias)
         memory, seconds = (constant + each * count for constant, each in (MEMORY, SECONDS))
         given, dt = torque_of(plant, torque, duration, dt, seed, Cost(1.0, memory, seconds), announce)
@@ -50,15 +49,6 @@ def simulate_file(
         write_csv(table, recording)
         save_picture(plot.recording_overview(recording, title=f"{drivetrain.name} (simulated)"), picture)
     return recording
-
-
-def checked_name(out: Path) -> Path:
-    """The files' name without its ending, which must be .csv."""
-    if out.suffix != ".csv":
-        raise InvalidInput(
-            str(out), f"the ending {out.suffix!r}", "'.csv'", "The picture's name follows from it."
-        )
-    return out.with_suffix("")
 
 
 def torque_of(

@@ -22,10 +22,10 @@ from ..recording import unit_of
 from ..rig import eigenfrequencies
 from ..simulation import BatchResult, simulate, simulate_batch, variants
 from .cost import Announce, Cost, silent
-from .outputs import outputs, save_picture
+from .outputs import outputs, save_picture, stem
 from .recordings import read_drive
 from .simulate import MEMORY as MEMORY_OF_ONE
-from .simulate import checked_name, torque_of
+from .simulate import torque_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,7 +48,7 @@ _LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 def chunk_folder(out: Path) -> Path:
     """Where finished chunks stand until all are done."""
-    return out.with_suffix(".chunks")
+    return Path(f"{stem(out)}.chunks")
 
 
 def simulate_variants(
@@ -64,16 +64,15 @@ def simulate_variants(
     force: bool = False,
     announce: Announce = silent,
 ) -> BatchResult:
-    """Simulate `count` variants and write OUT (.csv), a row for each, and a picture (.png) of the signals' quantiles.
+    """Simulate `count` variants; write a CSV, a row for each, and a picture of the signals' quantiles.
 
     Torque as for ``simulate_file``. Finished chunks stand in ``chunk_folder(out)`` until all are done, so that the same
     call goes on where an interrupted one stopped.
     """
-    name = checked_name(out)
     drive = read_drive(drivetrain)
     plant = drive.drivetrain
     read = drive.reads if torque is None else (*drive.reads, torque)
-    with outputs(name, ".csv", ".png", sources=read, force=force) as (table, picture):
+    with outputs(out, ".csv", ".png", sources=read, force=force) as (table, picture):
         check_memory("variants", f"{count} variants", count * MEMORY, "Take fewer.")
         given, dt = torque_of(plant, torque, duration, dt, seed, _cost(plant, count), announce)
         plants = variants(plant, count, spread=spread, seed=seed)

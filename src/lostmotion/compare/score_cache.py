@@ -18,8 +18,10 @@ Scores = dict[str, Score]
 #: Sources that no score depends on: the layers above, and the modules that make tables of scores.
 ABOVE = (
     "cli", "run", "commands", "terminal", "interruption", "precompile", "stages", "experiment", "report",
-    "plot", "export", "io",
+    "plot", "export", "io", "paper", "realtime",
 )  # fmt: skip
+#: Of these one makes a law that is compared.
+COMPARED = ("stages/target_law",)
 TABLES = tuple(
     f"compare/{name}"
     for name in (
@@ -32,12 +34,12 @@ TABLES = tuple(
 @functools.cache
 def source_hash(package: Path = Path(__file__).parents[1]) -> str:
     """Hash of all sources of the package that a score may depend on."""
-    sources = {path.relative_to(package).as_posix(): path for path in package.rglob("*.py")}
+    sources = {path.relative_to(package).with_suffix("").as_posix(): path for path in package.rglob("*.py")}
     return combined_hash(
         {
-            name: path.read_bytes()
+            f"{name}.py": path.read_bytes()
             for name, path in sources.items()
-            if name.removesuffix(".py").split("/")[0] not in ABOVE and name.removesuffix(".py") not in TABLES
+            if name in COMPARED or (name.split("/")[0] not in ABOVE and name not in TABLES)
         }
     )
 

@@ -10,11 +10,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Resamples of the bootstrap, and its seed (option).
-RESAMPLES, SEED = 2000, 0
-#: Fewest seeds for a verdict: by chance alone five lie on one side in 6 % of all cases (option).
-FEWEST_SEEDS = 5
-
 
 @dataclass(frozen=True)
 class Estimate:
@@ -23,6 +18,12 @@ class Estimate:
     value: float
     low: float
     high: float
+
+
+#: Resamples of the bootstrap, and its seed (option).
+RESAMPLES, SEED = 2000, 0
+#: Fewest seeds for a verdict: by chance alone five lie on one side in 6 % of all cases (option).
+FEWEST_SEEDS = 5
 
 
 def _indices(n: int) -> NDArray[np.int64]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DesignModel, DiscreteSystem, design_model
 from .feedback_law import wished_rows
+from .planning.plan_cost import Phase, Plan, move_lengths, plan_cost
 from .reference_direction import reference_direction
 
 Array = NDArray[np.float64]
@@ -26,46 +26,12 @@ HORIZON, MOVES = 1.5, 8
 PASSES = 8
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """½·Uᵀ hessian U + (state_gradient·x)ᵀ U: the cost of moves U (m,) from the state x (n,), as differences from the
-    steady state; the move i lasts ``lengths[i]`` samples."""
-
-    lengths: tuple[int, ...]
-    hessian: Array
-    state_gradient: Array
-
-
-def plan_cost(model: DesignModel, rows: Array, torque_weight: float, lengths: Sequence[int]) -> Plan:
+def closed_plan(model: DesignModel, rows: Array, torque_weight: float, lengths: Sequence[int]) -> Plan:
     """Cost of Σ |rows·x|² + torque_weight·u² over the moves, and for ever after them with the quadratic law."""
     from scipy.linalg import solve_discrete_are
 
-    n, m = len(model.states), len(lengths)
-    q = rows.T @ rows
-    last = solve_discrete_are(model.A, model.B[:, None], q, np.array([[torque_weight]]))
-    # x after so many samples = free·x + forced·U
-    free, forced = np.eye(n), np.zeros((n, m))
-    hessian, gradient = np.zeros((m, m)), np.zeros((m, n))
-    for i, length in enumerate(lengths):
-        for _ in range(length):
-            free, forced = model.A @ free, model.A @ forced
-            forced[:, i] += model.B
-            hessian += forced.T @ q @ forced
-            gradient += forced.T @ q @ free
-            hessian[i, i] += torque_weight
-    # The last sample counts with all that follows.
-    hessian += forced.T @ (last - q) @ forced
-    gradient += forced.T @ (last - q) @ free
-    return Plan(tuple(lengths), 0.5 * (hessian + hessian.T), gradient)
-
-
-def move_lengths(horizon: int, moves: int) -> tuple[int, ...]:
-    """Lengths (samples) of so many moves that fill the horizon, growing like a geometric series from one sample on."""
-    ends = np.unique(
-        np.maximum.accumulate(np.round(np.geomspace(1.0, max(horizon, moves), moves)).astype(int))
-    )
-    ends = np.maximum(ends, np.arange(1, ends.size + 1))
-    return tuple(int(length) for length in np.diff(ends, prepend=0))
+    last = solve_discrete_are(model.A, model.B[:, None], rows.T @ rows, np.array([[torque_weight]]))
+    return plan_cost([Phase(model.A, model.B, rows, tuple(lengths))], torque_weight, last)
 
 
 @checks_arguments
@@ -124,7 +90,7 @@ def predictive(
     model = design_model(drivetrain, dt)
     rows = wished_rows("predictive", model, largest_error, largest_torque, largest_oscillation, largest_twist)
     horizon = round(HORIZON / (drivetrain.pole_frequency * dt))
-    plan = plan_cost(model, rows, 1.0 / largest_torque**2, move_lengths(horizon, moves))
+    plan = closed_plan(model, rows, 1.0 / largest_torque**2, move_lengths(horizon, moves))
     return _law(drivetrain, model, plan, passes, torque_limit)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -25,9 +26,14 @@ LEAST_SAMPLES = 4.0
 BRAKING_SHARE = 0.9
 #: Torque allowed per estimated shaft torque, once the shaft is wound (calibrated likewise).
 RELEASE = 10.0
+#: Torque allowed per estimated shaft torque by the bound of the motor's speed (calibrated on the virtual rigs 1 to 5:
+#: 1 costs 0.2 ms of t90, 4 lets the motor run 0.4 rad/s beyond the set-point while the shaft winds up).
+BOUND_RELEASE = 2.0
 #: Steepest fall of the approach speed with the distance, as a share of the control's rate. The feedforward of braking
 #: then never takes more than this share of the speed: the motor cannot stall before the edge (numerics).
 STEEPEST = 0.5
+#: Curves of the law with all bounds (numerics).
+MOST_CURVES = 13
 #: Points of the braking parabola (numerics: on the paper's rig the chords then lie up to 2 % below it).
 POINTS = 8
 
@@ -53,6 +59,7 @@ def soft_landing(
     release: float = RELEASE,
     tolerance: float = 0.0,
     backlash_estimated: bool = False,
+    motor_bounded: bool = False,
 ) -> DiscreteSystem:
     """Limit of the approach speed in the gap: torque_motor = max(min(torque_wished, U₊), −U₋) within ±torque_limit.
 
@@ -69,6 +76,14 @@ def soft_landing(
     deceleration a, straight near the edge, where the parabola would be steeper than the control can follow; W carries
     the braking torque as feedforward. Once the shaft is wound the limit gives way with its torque, and the wished
     torque goes through.
+
+    To cross the gap in least time the motor runs beyond the set-point. ``motor_bounded`` keeps it below, in the gap
+    and while the shaft winds up; small steps of the set-point still cross the gap with the contact speed::
+
+        U₊ = min(U₊, K·(max(speed_reference − speed_load, v) − w) + BOUND_RELEASE·stiffness·max(twist_elastic, 0))
+
+    A hard brake swings the inertia between shaft and joint, which then meets the edge with the speed that it has by
+    chance. Behind a bound there is less speed to brake, so take less ``braking_torque``.
 
     Parameters
     ----------
@@ -90,13 +105,15 @@ def soft_landing(
         takes longer by tolerance·backlash/v.
     backlash_estimated : bool
         Read the backlash from an observer that tracks it, as one more input ``backlash_estimated`` (rad).
+    motor_bounded : bool
+        Keep the motor below the set-point, one more input ``speed_reference`` (rad/s).
 
     Returns
     -------
     DiscreteSystem
         Inputs torque_wished, twist_estimated, twist_elastic_estimated, speed_motor_estimated, speed_load_estimated,
-        torque_motor_acting (what acts from this sample on, see ``lqi``); output torque_motor; state torque_actuator,
-        where the drivetrain has a lag.
+        torque_motor_acting (what acts from this sample on, see ``lqi``), and those asked for; output torque_motor;
+        state torque_actuator, where the drivetrain has a lag.
 
     Raises
     ------
@@ -107,7 +124,7 @@ def soft_landing(
     Notes
     -----
     Friction of the motor and the load's acceleration are left out: on the paper's rig 10 Nm at the load shift the
-    contact speed by 0.03 rad/s.
+    contact speed by 0.03 rad/s, and of the motor's friction see ``motor_friction_speed``.
     """
     braking_torque = BRAKING_SHARE * torque_limit if braking_torque is None else braking_torque
     rate = approach_rate(drivetrain.lag, dt) if rate is None else rate
@@ -115,10 +132,11 @@ def soft_landing(
            braking_torque=braking_torque)  # fmt: skip
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag
     gain = rate * inertia
-    # Rows over (state torque_actuator, inputs): speed and distance after the torque that is on its way.
-    inputs = (*_INPUTS, "backlash_estimated") if backlash_estimated else _INPUTS
-    signals = ("torque_actuator", *inputs)
-    one = dict(zip(signals, np.eye(len(signals)), strict=True))
+    further = ["backlash_estimated"] * backlash_estimated + ["speed_reference"] * motor_bounded
+    inputs = (*_INPUTS, *further)
+    net = _Curves(("torque_actuator", *inputs))
+    one = net.signals
+    # Speed and distance after the torque that is on its way.
     closing = one["speed_motor_estimated"] - one["speed_load_estimated"]
     speed = closing + (lag * one["torque_actuator"] + dt * one["torque_motor_acting"]) / inertia
     ahead = speed - 0.5 * dt / inertia * one["torque_motor_acting"]
@@ -128,31 +146,74 @@ def soft_landing(
     half = 0.5 * one["backlash_estimated"] if backlash_estimated else 0.0 * distance
     edge = (0.0 if backlash_estimated else 0.5 * drivetrain.backlash) - tolerance * drivetrain.backlash
     approach = _approach(drivetrain.backlash, edge, contact_speed, braking_torque / inertia, rate, gain)
-    released = PiecewiseLinear(((0.0, 0.0),), 0.0, release * drivetrain.stiffness)
-    z = np.array([
-        half - distance, half + distance, elastic, -elastic,
-        wished + gain * speed,      # torque_wished − U₊
-        -wished - gain * speed,     # −U₋ − min(torque_wished, U₊)
-        wished,
-    ])  # fmt: skip
-    H = np.zeros((7, 7))
-    H[4, [0, 2]] = -1.0
-    H[5, [1, 3, 4]] = -1.0, -1.0, 1.0
-    H[6, [4, 5]] = -1.0, 1.0
+    upper, lower = net.both(approach, -distance, half)
+    wound = net.both(_beyond(0.0, release * drivetrain.stiffness), elastic)
+    upper, lower = upper + wound[0] - gain * speed, lower + wound[1] + gain * speed
+    if motor_bounded:
+        error = one["speed_reference"] - one["speed_load_estimated"]
+        ahead_of_load = net.both(_beyond(contact_speed, gain), error)
+        wound = net.both(_beyond(0.0, BOUND_RELEASE * drivetrain.stiffness), elastic)
+        upper = net.least(upper, ahead_of_load[0] + wound[0] - gain * speed)
+        lower = net.least(lower, ahead_of_load[1] + wound[1] + gain * speed)
+    torque = -net.least(-net.least(wished, upper), lower)
+    torque = net.curve(saturation(torque_limit), torque)
     state: dict[str, Any] = {}
     if lag > 0.0:
         decay = math.exp(-dt / lag)
-        state = {
-            "states": ("torque_actuator",), "A": np.array([[decay]]), "F": z[:, :1],
-            "B": (1.0 - decay) * one["torque_motor_acting"][None, 1:],
-        }  # fmt: skip
-    return DiscreteSystem(
-        inputs=inputs, outputs=("torque_motor",), dt=dt, name="soft_landing", G=z[:, 1:], H=H, J=np.eye(1, 7, 6),
-        curves=(
-            approach, approach, released, released, POSITIVE_PART, POSITIVE_PART, saturation(torque_limit)
-        ),
-        **state,
-    )  # fmt: skip
+        acting = np.array([[float(name == "torque_motor_acting") for name in inputs]])
+        state = {"states": ("torque_actuator",), "A": np.array([[decay]]), "B": (1.0 - decay) * acting}
+    return net.system(torque, inputs, dt, state)
+
+
+def motor_friction_speed(drivetrain: Drivetrain, rate: float) -> float:
+    """Speed (rad/s) that the motor's Coulomb friction takes off the approach; rate (1/s) is that of its control.
+
+    The control is proportional: with a contact speed below this the motor may come to rest in the gap.
+    """
+    friction = drivetrain.frictions[0]
+    return max(friction.coulomb_plus, friction.coulomb_minus) / (rate * drivetrain.inertia_motor)
+
+
+class _Curves:
+    """Curves one behind the other; each reads a sum of shares of the signals and of the curves before it (an array)."""
+
+    def __init__(self, signals: Sequence[str]) -> None:
+        self._shares = np.eye(len(signals) + MOST_CURVES)
+        self.signals = dict(zip(signals, self._shares, strict=False))
+        self._arguments: list[Array] = []
+        self._curves: list[PiecewiseLinear] = []
+
+    def curve(self, curve: PiecewiseLinear, argument: Array) -> Array:
+        """curve(argument)."""
+        self._arguments.append(argument)
+        self._curves.append(curve)
+        return self._shares[len(self.signals) + len(self._curves) - 1]
+
+    def both(
+        self, curve: PiecewiseLinear, argument: Array, offset: Array | float = 0.0
+    ) -> tuple[Array, Array]:
+        """curve(offset + argument) and curve(offset − argument): of both directions."""
+        return self.curve(curve, offset + argument), self.curve(curve, offset - argument)
+
+    def least(self, first: Array, second: Array) -> Array:
+        """min(first, second)."""
+        return first - self.curve(POSITIVE_PART, first - second)
+
+    def system(
+        self, output: Array, inputs: tuple[str, ...], dt: float, state: dict[str, Any]
+    ) -> DiscreteSystem:
+        """The law; ``output`` is that of a curve, the first signal the state, if there is one."""
+        n, m = len(self.signals), len(self._curves)
+        z = np.array(self._arguments)[:, : n + m]
+        return DiscreteSystem(
+            inputs=inputs, outputs=("torque_motor",), dt=dt, name="soft_landing", curves=tuple(self._curves),
+            G=z[:, 1:n], H=z[:, n:], J=output[None, n : n + m], **({"F": z[:, :1], **state} if state else {}),
+        )  # fmt: skip
+
+
+def _beyond(level: float, slope: float) -> PiecewiseLinear:
+    """slope·max(z, level)."""
+    return PiecewiseLinear(((level, slope * level),), 0.0, slope)
 
 
 def approach_rate(lag: float, dt: float) -> float:

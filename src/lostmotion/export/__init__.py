@@ -1,4 +1,4 @@
-"""Export: a DiscreteSystem as code for the target."""
+"""Export: a DiscreteSystem, or a Stepper whose step has a C counterpart, as code for the target."""
 
 from .c import ExportCheck, c, compile_and_check
 from .compiler import C_FLAGS

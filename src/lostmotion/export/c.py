@@ -19,15 +19,16 @@ from ..errors import InvalidInput
 from ..io.storage.whole_files import make_folder, write_bytes
 from ..io.storage.written_files import replacing
 from ..recording import unit_of
-from ..systems import DiscreteSystem
+from ..systems import DiscreteSystem, Stepper
 from .compiler import C_FLAGS, NO_COMPILER, find_compiler, run
 from .facts import facts
+from .stepper_context import stepper_context
 
 #: Largest difference, relative to the largest output, up to which a check passes in single precision (option:
 #: a thousand roundings of 6e-8). In double precision not a bit may differ.
 FLOAT_TOLERANCE = 1e-4
 
-_FILES = {"law.h.jinja": ".h", "law.c.jinja": ".c", "law_test.c.jinja": "_test.c"}
+_FILES = {"law.h.jinja": ".h", "law_test.c.jinja": "_test.c"}
 
 # C99 keywords that are valid Python identifiers.
 _KEYWORDS = frozenset(
@@ -59,7 +60,7 @@ class ExportCheck:
 
 @checks_arguments
 def c(
-    law: DiscreteSystem,
+    law: DiscreteSystem | Stepper,
     folder: str | os.PathLike[str],
     name: str = "law",
     real: Literal["double", "float"] = "double",
@@ -73,7 +74,7 @@ def c(
 
     Parameters
     ----------
-    law : DiscreteSystem
+    law : DiscreteSystem, or Stepper that is ``exportable``
         Its input and output names must be C identifiers.
     folder : path
         Made if it is missing; files of the same names are replaced if this function has written them.
@@ -81,7 +82,7 @@ def c(
         C identifier: the files are NAME.h, NAME.c, NAME_test.c and README.md, the functions NAME_init and
         NAME_step.
     real : {"double", "float"}
-        Number type of the typedef NAME_real.
+        Number type of the typedef NAME_real; of a Stepper double.
     vectors : int
         Samples in the test: random inputs, with drop-outs (NaN, infinity, absurd values) among them.
     seed : int
@@ -99,8 +100,8 @@ def c(
     Raises
     ------
     InvalidInput
-        If a name is no C identifier, ``real`` is unknown, vectors < 2, a file would replace one that was not written
-        here or was changed since, or cannot be written.
+        If a name is no C identifier, ``real`` is unknown, vectors < 2, a Stepper is not exportable, a file would
+        replace one that was not written here or was changed since, or cannot be written.
 
     Notes
     -----
@@ -108,12 +109,17 @@ def c(
     """
     _check(law, name, real, vectors)
     folder = Path(folder)
-    context = _context(law, name, real) | facts(law, drivetrain)
+    source, made = (
+        ("stepper.c.jinja", stepper_context(law, name, real))
+        if isinstance(law, Stepper)
+        else ("law.c.jinja", _context(law, name, real))
+    )
+    context = made | facts(law, drivetrain)
     inputs, outputs, faults = _vectors(law, vectors, seed)
     context["vector_inputs"] = [[_vector(v) for v in row] for row in inputs]
     context["vector_outputs"] = [[_vector(v) for v in row] for row in outputs]
     context["vector_faults"] = faults.tolist()
-    targets = {template: f"{name}{ending}" for template, ending in _FILES.items()}
+    targets = {template: f"{name}{ending}" for template, ending in {**_FILES, source: ".c"}.items()}
     files = {folder / file_name: template for template, file_name in targets.items()}
     files[folder / "README.md"] = "README.md.jinja"
     with replacing(*files, force=force):
@@ -151,33 +157,50 @@ def compile_and_check(folder: str | os.PathLike[str], name: str = "law") -> Expo
     )
 
 
-def _check(law: DiscreteSystem, name: str, real: str, vectors: int) -> None:
+def _check(law: DiscreteSystem | Stepper, name: str, real: str, vectors: int) -> None:
     for identifier in (name, *law.inputs, *law.outputs):
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier) or identifier in _KEYWORDS:
             raise InvalidInput("export.c", repr(identifier), "a C identifier", "Rename it with renamed().")
     if real not in ("double", "float"):
         raise InvalidInput("export.c: real", repr(real), "double or float", "Choose one.")
+    if isinstance(law, Stepper) and not law.exportable:
+        raise InvalidInput(
+            "export.c", f"the Stepper {law.name}", "a DiscreteSystem, or a Stepper that is exportable",
+            "Take a law of that form, for instance the observer kalman.",
+        )  # fmt: skip
+    if isinstance(law, Stepper) and real != "double":
+        raise InvalidInput("export.c: real", repr(real), "double for an exportable Stepper", "Take double.")
     if vectors < 2:
         raise InvalidInput("export.c: vectors", repr(vectors), "at least 2", "Take the default.")
 
 
 def _vectors(
-    law: DiscreteSystem, n: int, seed: int
+    law: DiscreteSystem | Stepper, n: int, seed: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
     """Random inputs in runs of ten samples, some frozen, one value in forty bad, and what the Python law makes of them.
 
     The values are exact in single precision, so that the float code is compared on the very same inputs.
     """
-    from ..kernels.law.step import law_run
-
     rng = np.random.default_rng(seed)
     inputs = np.repeat(rng.normal(size=(-(-n // 10), len(law.inputs))), 10, axis=0)[:n]
     moving = np.repeat(rng.random((-(-n // 10), len(law.inputs))) < 0.8, 10, axis=0)[:n]
     inputs = (inputs + 0.1 * rng.normal(size=inputs.shape) * moving).astype(np.float32).astype(np.float64)
     bad = rng.random(inputs.shape) < 1.0 / 40.0
     inputs[bad] = rng.choice([np.nan, np.inf, -np.inf, 2e30], size=inputs.shape)[bad]
-    outputs, faults = law_run(law.tables(), law.init(), inputs)
-    return inputs, outputs, faults
+    return inputs, *_run(law, inputs)
+
+
+def _run(
+    law: DiscreteSystem | Stepper, inputs: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Outputs and fault masks."""
+    if isinstance(law, Stepper):
+        from ..kernels.estimators.runner import run_stepper
+
+        return run_stepper(law.functions.step, law.parameters.copy(), law.init(), inputs, len(law.outputs))
+    from ..kernels.law.step import law_run
+
+    return law_run(law.tables(), law.init(), inputs)
 
 
 def _vector(value: float) -> str:
@@ -250,6 +273,7 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
             for i, check in enumerate(law.checks)
         ],
         "remembering": len(remembering),
+        "only_double": False,
         "checked": [law.inputs.index(check.input) for check in law.checks],
         "rule": {
             name: repr(value)

@@ -12,7 +12,7 @@ from ..drivetrain import PARAMETER_UNITS, Drivetrain
 from ..errors import InvalidInput
 from ..plain_data import shown
 from ..recording import unit_of
-from ..systems import DiscreteSystem
+from ..systems import DiscreteSystem, Stepper
 from ..version import VERSION
 
 #: The environment variable that sets the date (s since 1970), so that the same law gives the same bytes on any day:
@@ -20,7 +20,7 @@ from ..version import VERSION
 EPOCH = "SOURCE_DATE_EPOCH"
 
 
-def facts(law: DiscreteSystem, drivetrain: Drivetrain | None) -> dict[str, Any]:
+def facts(law: DiscreteSystem | Stepper, drivetrain: Drivetrain | None) -> dict[str, Any]:
     """For the templates: version, date, limits (name, low, high, unit) and parameters (name, value, unit)."""
     return {
         "version": VERSION,
@@ -32,8 +32,15 @@ def facts(law: DiscreteSystem, drivetrain: Drivetrain | None) -> dict[str, Any]:
     }
 
 
-def output_limits(law: DiscreteSystem) -> dict[str, tuple[float, float]]:
-    """Least and largest value of every output that curves bound: those that are sums of saturations alone."""
+def output_limits(law: DiscreteSystem | Stepper) -> dict[str, tuple[float, float]]:
+    """Least and largest value of every output that is bound: by curves, where it is a sum of saturations alone, or by a
+    stepper's kind."""
+    if isinstance(law, Stepper):
+        from ..kernels.steppers import LIMITS
+
+        place = LIMITS.get(law.estimator)
+        limit = 0.0 if place is None else float(law.parameters[place])
+        return {} if place is None else {name: (-limit, limit) for name in law.outputs}
     flat = [curve.slope_left == curve.slope_right == 0.0 for curve in law.curves]
     found = {}
     for i, name in enumerate(law.outputs):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..argument_checks import checks_arguments
 from ..errors import InvalidInput
-from ..systems import DiscreteSystem
+from ..systems import DiscreteSystem, Stepper
 from .c import c
 from .compiler import C_FLAGS, NO_COMPILER, find_compiler, run
 
@@ -18,7 +18,7 @@ unsigned long law_size(void) { return sizeof(law_state); }
 
 
 @checks_arguments
-def shared_library(law: DiscreteSystem, folder: str | Path) -> Path:
+def shared_library(law: DiscreteSystem | Stepper, folder: str | Path) -> Path:
     """Write the law as C into a folder and compile it there: law.so with ``law_init``, ``law_step``, ``law_size``.
 
     Raises

@@ -32,6 +32,14 @@ def positive(where: str, value: Any, zero: bool = False) -> float:
     return value
 
 
+def known_options(where: str, given: Mapping[str, Any], known: type) -> None:
+    """Raise for a name that ``known``, a TypedDict, does not have, which ``**options`` lets through."""
+    names = tuple(known.__annotations__)
+    unknown = sorted(set(given) - set(names))
+    if unknown:
+        raise InvalidInput(where, f"{unknown}", f"names out of {names}", "Check the names.")
+
+
 def sample_time(value: Any) -> float:
     """The argument ``dt``."""
     value = number("dt", value)

@@ -48,6 +48,7 @@ def reproduce(
     force : bool
         Write although foreign files, or changed ones, lie in the folder; they are kept.
     progress : callable
+        As in ``run``.
 
     Returns
     -------

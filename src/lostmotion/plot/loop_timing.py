@@ -41,7 +41,7 @@ def loop_timing(
         The sample time, drawn as the deadline.
     title : str
     axes : sequence of Axes, optional
-        One for each panel.
+        Two with ``wake_up``, else one.
 
     Returns
     -------

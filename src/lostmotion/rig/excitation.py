@@ -16,6 +16,16 @@ Array = NDArray[np.float64]
 Kind = Literal["levels", "step", "chirp", "multisine", "prbs", "noise"]
 KINDS: tuple[str, ...] = get_args(Kind)
 
+
+@dataclass(frozen=True)
+class Limits:
+    """Largest torque (Nm), speed (rad/s) and angle from the start (rad) of motor and load."""
+
+    torque: float
+    speed: float
+    angle: float
+
+
 #: Band of the torque as fractions of the torsional frequency (option: 2 to 140 Hz for 100 Hz, around zero and pole).
 BAND = (0.02, 1.4)
 
@@ -29,15 +39,6 @@ LEVELS = (0.15, 0.75, -0.75, -0.15)
 
 #: Share of torque that a change of level may take, and its shortest time, s (option).
 RAMP_SHARE, SHORTEST_RAMP = 0.5, 0.4
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Largest torque (Nm), speed (rad/s) and angle from the start (rad) of motor and load."""
-
-    torque: float
-    speed: float
-    angle: float
 
 
 def shape(

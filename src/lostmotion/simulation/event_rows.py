@@ -67,9 +67,17 @@ def _inverse_inertias(drivetrain: Drivetrain, elements: tuple[Element, ...]) -> 
 
 
 def _passing(rows: Array) -> NDArray[np.bool_]:
-    """Pairs of events that enter and leave one digit at once: a speed that passes through rest does not stick."""
-    again = (rows[1:, 0] == rows[:-1, 0]) & (rows[1:, 1] == rows[:-1, 1]) & (rows[1:, 2] == rows[:-1, 3])
-    passing = np.zeros(len(rows), dtype=bool)
-    passing[1:] |= again
-    passing[:-1] |= again
-    return passing
+    """Pairs of events that enter and leave one digit at once: a speed that passes through rest does not stick.
+
+    Changes at once are paired from the first on: of three the last one stands, which is what they come to.
+    """
+    from ..kernels.plant.layout import AT_ONCE
+
+    again = np.zeros(len(rows), dtype=bool)
+    again[1:] = (
+        (np.diff(rows[:, 0]) <= AT_ONCE) & (np.diff(rows[:, 1]) == 0.0) & (rows[1:, 2] == rows[:-1, 3])
+    )
+    first = np.flatnonzero(~again)
+    length = np.diff(first, append=len(rows))
+    place = np.arange(len(rows)) - np.repeat(first, length)
+    return place < np.repeat(length - length % 2, length)

@@ -3,35 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..controllers import pi, symmetrical_optimum
-from ..controllers.soft_landing import approach_rate
 from ..drivetrain import Drivetrain
-from ..errors import InvalidInput, Problem
+from ..errors import Problem
 from ..observers import kalman
 from ..observers.estimates import ESTIMATES
 from ..recording import Recording
 from ..systems import DiscreteSystem
-from .material import Material, Settings
+from .law_task import GIVEN, LawTask, controller_of, gains_of, landing_of, law_of, poles_of, tried
+from .material import Material
 from .parameters import Found
+from .possible_drives import DECISIVE, OFF, not_told
 from .speed_step import PAPER_STEP, SpeedStep, speed_step
-from .target_law import Poles, default_poles, target_law
+from .target_law import Poles
 
 #: Signals that each observer measures (Fietzek & Rinderknecht, section III).
 OBSERVERS = {"observer_1": ("speed_motor",), "observer_2": ("torque_shaft", "speed_motor")}
-#: Standard deviation of the torque that the sensor's noise may cause, over the torque limit (option).
-RIPPLE = 0.02
-#: The same of the approach-speed control in the gap, which acts for milliseconds (option; of the development drives of
-#: the zoo those with 0.03 and less land, those with 2.3 and more chatter in the gap).
-LANDING_RIPPLE = 0.5
-#: Source of what the user has set.
-GIVEN = "[law] in the TOML"
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,30 +75,27 @@ def design(material: Material, found: Found) -> Design:
     if dt is None:
         reason = "no sample time: give sample_time in [law]"
         return Design(skipped=reason, landing_skipped=reason, pi_skipped=reason)
-    averaged = is_averaged(recording, found)
     limit, limit_source = _torque_limit(material)
-    noise = _speed_noise(found)
-    noise_gain = RIPPLE * limit / noise if noise > 0.0 else math.inf
-    poles = _poles(settings, drivetrain, dt, averaged, noise_gain)
-    gains, gains_source = _pi_gains(material, drivetrain, dt, averaged, noise_gain)
-
-    def target(outputs: tuple[str, ...], landing: bool = False) -> DiscreteSystem:
-        return target_law(drivetrain, poles.values, limit, dt, averaged, outputs, landing=landing)
-
-    own_poles = settings.poles is not None
-    law, law_problem = _tried(
-        lambda: target(("torque_motor",)),
-        "Give a shorter sample_time under [law]" + (", or leave poles out." if own_poles else "."),
+    task = LawTask(
+        settings, drivetrain, dt, is_averaged(recording, found), limit, _speed_noise(found), not_told(found)
     )
-    watched, _ = _tried(lambda: target(("torque_motor", *ESTIMATES)), "")
-    landing, landing_skipped = _soft_landing(drivetrain, limit, noise, dt, target)
-    controller, pi_problem = _tried(
-        lambda: pi(dt=dt, torque_limit=limit, **gains),
-        "Leave kp and ki out of [law]: the default is made for this drivetrain.",
-    )
+    tuned, pi_problem = tried(lambda: gains_of(task, material.virtual), task.remedy)
+    gains, gains_source = tuned or ({}, "")
+    filter_time = gains.get("filter_time", 0.0)
+    poles, law_problem = tried(lambda: poles_of(task, filter_time), task.remedy)
     step = PAPER_STEP
-    if not material.virtual:
-        step = speed_step(recording, drivetrain, limit, poles.slowest, gains.get("filter_time", 0.0), dt)
+    if not material.virtual and (poles or filter_time):
+        slowest = poles.slowest if poles else 1.0 / filter_time
+        step = speed_step(recording, drivetrain, limit, slowest, filter_time, dt)
+    law = watched = landing = controller = None
+    landing_skipped = "no law that it could stand behind"
+    if tuned:
+        controller, pi_problem = tried(lambda: controller_of(task, gains, step), task.remedy_of("kp and ki"))
+    if poles:
+        law, law_problem = tried(lambda: law_of(task, poles, step), task.remedy_of("poles"))
+    if poles and law:
+        watched = task.target(poles, ("torque_motor", *ESTIMATES))
+        landing, landing_skipped = landing_of(task, poles, step)
     return Design(
         law=law,
         watched=watched,
@@ -114,34 +104,12 @@ def design(material: Material, found: Found) -> Design:
         dt=dt,
         torque_limit=limit,
         step=step,
-        taken=_taken(dt, settings, (limit, limit_source), poles, gains, gains_source, step),
+        taken=_taken(task, limit_source, poles, gains, gains_source, step),
         skipped=str(law_problem or ""),
         landing_skipped=landing_skipped,
         pi_skipped=str(pi_problem or ""),
         problems=tuple(p for p in (law_problem, pi_problem) if p is not None),
     )
-
-
-def _soft_landing(
-    drivetrain: Drivetrain,
-    torque_limit: float,
-    noise: float,
-    dt: float,
-    target: Callable[..., DiscreteSystem],
-) -> tuple[DiscreteSystem | None, str]:
-    """The law with soft landing behind it, or why there is none; that is no problem of the user's."""
-    if not drivetrain.backlash > 0.0:
-        return None, "no backlash to land in"
-    if math.isinf(torque_limit):
-        return None, "no torque limit: give torque_limit in [law]"
-    ripple = approach_rate(drivetrain.lag, dt) * drivetrain.inertia_motor * noise / torque_limit
-    if ripple > LANDING_RIPPLE:
-        return (
-            None,
-            f"the noise of the measured speed alone would ask for {100.0 * ripple:.0f} % of the torque limit",
-        )
-    law, problem = _tried(lambda: target(("torque_motor", *ESTIMATES), landing=True), "")
-    return law, str(problem or "")
 
 
 def _torque_limit(material: Material) -> tuple[float, str]:
@@ -171,53 +139,48 @@ def _sensor_noise(innovations: NDArray[np.float64]) -> float:
     return float(np.std(np.diff(innovations, 2))) / math.sqrt(6.0)  # of white noise: 1 + 4 + 1 variances
 
 
-def _poles(settings: Settings, drivetrain: Drivetrain, dt: float, averaged: bool, noise_gain: float) -> Poles:
-    if settings.poles is not None:
-        return Poles(settings.poles, GIVEN)
-    return default_poles(drivetrain, dt, averaged, noise_gain)
-
-
-def _pi_gains(
-    material: Material, drivetrain: Drivetrain, dt: float, averaged: bool, noise_gain: float
-) -> tuple[dict[str, Any], str]:
-    """Arguments of ``pi``, and their source."""
-    settings = material.settings
-    if settings.kp is not None and settings.ki is not None:
-        source = "the paper's Table II" if material.virtual else GIVEN
-        return {"kp": settings.kp, "ki": settings.ki}, source
-    tuning = symmetrical_optimum(
-        drivetrain, dt=dt, spread=None, speed_from_counts=averaged, largest_noise_gain=noise_gain
-    )
-    return dict(tuning.gains()), f"symmetrical optimum, spread {tuning.spread:.3g}"
-
-
 def _taken(
-    dt: float,
-    settings: Settings,
-    limit: tuple[float, str],
-    poles: Poles,
+    task: LawTask,
+    limit_source: str,
+    poles: Poles | None,
     gains: Mapping[str, float],
     gains_source: str,
     step: SpeedStep,
 ) -> dict[str, dict[str, Any]]:
     """What the laws were designed with, each with its unit and its source."""
     units = {"kp": "Nm s/rad", "ki": "Nm/rad", "filter_time": "s", "speed_filter_time": "s"}
-    source = poles.source if poles.source == GIVEN else f"from the drive, limited by {poles.source}"
-    given_time = GIVEN if settings.sample_time is not None else "the recording's"
+    given_time = GIVEN if task.settings.sample_time is not None else "the recording's"
+    limit = task.torque_limit if math.isfinite(task.torque_limit) else None
     return {
-        "sample_time": {"value": dt, "unit": "s", "source": given_time},
-        "torque_limit": {
-            "value": limit[0] if math.isfinite(limit[0]) else None, "unit": "Nm", "source": limit[1],
-        },
-        "poles": {"value": [_text(pole) for pole in poles.values], "unit": "1/s", "source": source},
-        "integral_action": {
-            "value": "load torque, estimated by the law's observer, which is as fast as the poles", "unit": "",
-            "source": "always",
-        },
+        "sample_time": {"value": task.dt, "unit": "s", "source": given_time},
+        "torque_limit": {"value": limit, "unit": "Nm", "source": limit_source},
+        **_not_told(task),
+        **({} if poles is None else _of_state_feedback(poles)),
         **{f"pi_{n}": {"value": v, "unit": units[n], "source": gains_source} for n, v in gains.items()},
         "step": {
             "value": [step.low, step.high], "unit": "rad/s",
             "source": "the paper's" if step is PAPER_STEP else "recorded speeds and torque limit",
+        },
+    }  # fmt: skip
+
+
+def _not_told(task: LawTask) -> dict[str, dict[str, Any]]:
+    names = [name for name in DECISIVE if name in task.unknown]
+    if not names:
+        return {}
+    source = (
+        f"the laws suit inertias and stiffness up to a factor of {OFF:g} off, a longer lag, and any backlash"
+    )
+    return {"not_told": {"value": names, "unit": "", "source": source}}
+
+
+def _of_state_feedback(poles: Poles) -> dict[str, dict[str, Any]]:
+    source = poles.source if poles.source == GIVEN else f"from the drive, limited by {poles.source}"
+    return {
+        "poles": {"value": [_text(pole) for pole in poles.values], "unit": "1/s", "source": source},
+        "integral_action": {
+            "value": "load torque, estimated by the law's observer, which is as fast as the poles", "unit": "",
+            "source": "always",
         },
     }  # fmt: skip
 
@@ -227,14 +190,6 @@ def _text(pole: complex) -> str:
     return f"{pole.real:.4g}" + (
         f" {'+' if pole.imag > 0.0 else '−'} {abs(pole.imag):.4g}j" if pole.imag else ""
     )
-
-
-def _tried(make: Callable[[], DiscreteSystem], remedy: str) -> tuple[DiscreteSystem | None, Problem | None]:
-    """A law, or a warning why it cannot be designed, with the remedy in the words of the TOML."""
-    try:
-        return make(), None
-    except InvalidInput as error:
-        return None, replace(error.problem, severity="warning", remedy=remedy)
 
 
 def is_averaged(recording: Recording | None, found: Found) -> bool:

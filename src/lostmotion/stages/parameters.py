@@ -22,9 +22,10 @@ from ..recording import Recording
 from .material import Material
 
 #: Without these nothing can be designed; friction and lag may be zero.
-NEEDED = ("inertia_motor", "inertia_load", "stiffness", "backlash")
-#: Shown although they are not known; zero is taken for the design, which then damps the shaft by itself.
-SHOWN = (*NEEDED, "damping")
+NEEDED = ("inertia_motor", "inertia_load", "stiffness")
+#: Shown although they are not known; zero is taken for the design, which then damps the shaft by itself, and suits a
+#: drive with a gap as well.
+SHOWN = (*NEEDED, "backlash", "damping")
 #: Signals that identification by prediction error needs.
 DRIVEN = ("torque_motor", "speed_motor")
 #: Signals that the measurement of a shaft needs.
@@ -179,7 +180,10 @@ def _finished(
     missing = [name for name in NEEDED if name not in values]
     drivetrain: Drivetrain | None = None
     reason = ""
-    if missing:
+    contradiction = _contradiction(table, problems)
+    if contradiction is not None:
+        reason = f"the recording contradicts the nameplate: {contradiction}"
+    elif missing:
         keys = " and ".join(f"{name} = ..." for name in missing)
         reason = f"{', '.join(missing)} not known: give {keys} under [nameplate], or record a test that identifies it"
     elif found is None:
@@ -188,3 +192,10 @@ def _finished(
         known = {} if "damping" in values else {"damping": 0.0}
         drivetrain = found.drivetrain.with_parameters(**known)
     return Found(ordered, drivetrain, reason, found, shaft, ringing, skipped, fits or {}, problems)
+
+
+def _contradiction(table: Mapping[str, Mapping[str, Any]], problems: tuple[Problem, ...]) -> Problem | None:
+    """What the identification says against the motor torque itself, where it does not tell the inertias."""
+    if any(table[name]["source"] != "not excited" for name in ("inertia_motor", "inertia_load")):
+        return None
+    return next((problem for problem in problems if problem.where == "torque_motor"), None)

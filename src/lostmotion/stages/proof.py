@@ -6,7 +6,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +41,10 @@ class Prover:
     """A process that proves while this one goes on; it starts before there is anything to prove."""
 
     def __init__(self) -> None:
-        self.child = start_python(__name__, serve.__name__, stdin=subprocess.PIPE)
+        #: None where no process can be started: then ``result`` does its work.
+        self.child: subprocess.Popen[bytes] | None = None
+        with suppress(InvalidInput):
+            self.child = start_python(__name__, serve.__name__, stdin=subprocess.PIPE)
         self._job: tuple[DiscreteSystem, Drivetrain, Path] | None = None
         self._skipped = ""
 
@@ -51,23 +54,20 @@ class Prover:
             self._skipped = laws.skipped
             return
         self._job = laws.law, drivetrain, folder
-        assert self.child.stdin is not None
-        try:
-            pickle.dump(self._job, self.child.stdin)
-            self.child.stdin.close()
-        except OSError:
-            pass  # it has ended: ``result`` does its work
+        if self.child is not None and self.child.stdin is not None:
+            with suppress(OSError):  # it has ended: ``result`` does its work
+                pickle.dump(self._job, self.child.stdin)
+                self.child.stdin.close()
 
     def result(self) -> dict[str, Any]:
         """The part of ``results.json``, as soon as it is there."""
         if self._job is None:
             return {"skipped": self._skipped}
-        assert self.child.stdout is not None
-        try:
-            found: dict[str, Any] = pickle.load(self.child.stdout)
-        except (EOFError, OSError, pickle.UnpicklingError):
-            return prove(*self._job)
-        return found
+        if self.child is not None and self.child.stdout is not None:
+            with suppress(EOFError, OSError, pickle.UnpicklingError):
+                found: dict[str, Any] = pickle.load(self.child.stdout)
+                return found
+        return prove(*self._job)
 
 
 @contextmanager
@@ -77,7 +77,8 @@ def prover() -> Iterator[Prover]:
     try:
         yield at_work
     finally:
-        end_python(at_work.child)
+        if at_work.child is not None:
+            end_python(at_work.child)
 
 
 def serve() -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ..controllers import pole_placement, quadratic_poles, soft_landing
 from ..controllers.pole_placement import DEFAULT_POLES
-from ..controllers.soft_landing import approach_rate
+from ..controllers.soft_landing import approach_rate, motor_friction_speed
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..observers import kalman
@@ -66,42 +66,65 @@ class Poles:
 
 
 def default_poles(
-    drivetrain: Drivetrain, dt: float, speed_from_counts: bool, largest_noise_gain: float = math.inf
+    drivetrain: Drivetrain,
+    dt: float,
+    speed_from_counts: bool,
+    largest_noise_gain: float = math.inf,
+    possible: Sequence[Drivetrain] = (),
 ) -> Poles:
     """The fastest quadratic-optimal poles whose law keeps its margin, and what keeps them from being faster.
 
     The margin is that of the sampled loop with observer, lag and computing delay, with the gap closed and at its edges.
     ``largest_noise_gain``: standard deviation of the torque over that of the noise on the measured speed, Nm s/rad.
+    ``possible``: drives that the law must suit; default: the one that it is designed for.
+
+    Raises
+    ------
+    InvalidInput
+        If even the slowest do not keep it.
     """
     unit = drivetrain.inertia_total * 2.0 * math.pi * drivetrain.pole_frequency
     share, limit = FASTEST, MODE
     while True:
         poles = Poles(quadratic_poles(drivetrain, share * unit), limit)
-        margin = law_margin(drivetrain, poles.values, dt, speed_from_counts)
+        margin = law_margin(drivetrain, poles.values, dt, speed_from_counts, possible)
         fast = margin.sensitivity > LARGEST_SENSITIVITY
-        if (not fast and margin.torque_per_speed_noise <= largest_noise_gain) or share < SLOWEST:
+        if not fast and margin.torque_per_speed_noise <= largest_noise_gain:
             return poles
+        if share < SLOWEST:
+            got = f"a sensitivity of {margin.sensitivity:.2g} with the slowest poles"
+            expected = f"at most {LARGEST_SENSITIVITY:g}, and little noise"
+            raise InvalidInput(
+                "controller pole_placement", got, expected, "Give poles, or a shorter sample time."
+            )
         share, limit = SLOWER * share, DELAY if fast else NOISE
 
 
 def law_margin(
-    drivetrain: Drivetrain, poles: Sequence[complex], dt: float, speed_from_counts: bool
+    drivetrain: Drivetrain,
+    poles: Sequence[complex],
+    dt: float,
+    speed_from_counts: bool,
+    possible: Sequence[Drivetrain] = (),
 ) -> LoopMargin:
-    """The worst margin of the target's law over ``GAP_SHARES``; unstable where it cannot be designed."""
+    """The worst margin of the target's law over ``GAP_SHARES`` on its own drive, or on all those that are possible.
+
+    Unstable where it cannot be designed.
+    """
     # Sliding, within the torque limit: what is left of the curves are those of the gap.
     slides = drivetrain.with_parameters(coulomb=0.0, coulomb_motor=0.0, torque_limit=math.inf)
     try:
         law = target_law(slides, poles, math.inf, dt, speed_from_counts, checked=False)
     except InvalidInput:
         return LoopMargin(math.inf, math.inf)
-    shares = GAP_SHARES if drivetrain.backlash > 0.0 else GAP_SHARES[:1]
     margins = []
-    for share in shares:
-        # Half of the curves are dead zones, with that share of slope one, half what they leave: saturations.
-        slopes = [share if curve.slopes[1] == 0.0 else 1.0 - share for curve in law.curves]
-        shaft = {"stiffness": share * slides.stiffness, "damping": share * slides.damping}
-        model = design_model(slides.with_parameters(**shaft), dt)
-        margins.append(loop_margin(linearised(law, slopes), model, speed_from_counts))
+    for plant in possible or (drivetrain,):
+        for share in GAP_SHARES if plant.backlash > 0.0 else GAP_SHARES[:1]:
+            # Half of the curves are dead zones, with that share of slope one, half what they leave: saturations.
+            slopes = [share if curve.slopes[1] == 0.0 else 1.0 - share for curve in law.curves]
+            shaft = {"stiffness": share * plant.stiffness, "damping": share * plant.damping}
+            model = design_model(plant.with_parameters(**shaft), dt)
+            margins.append(loop_margin(linearised(law, slopes), model, speed_from_counts))
     return LoopMargin(
         max(margin.sensitivity for margin in margins),
         max(margin.torque_per_speed_noise for margin in margins),
@@ -152,15 +175,12 @@ def target_law(
 
 
 def _landing(drivetrain: Drivetrain, torque_limit: float, dt: float) -> DiscreteSystem:
-    inertia, friction = drivetrain.inertia_motor, drivetrain.frictions[0]
-    crossing = math.sqrt(2.0 * torque_limit / inertia * drivetrain.backlash)
-    # The approach-speed control is proportional: the motor's friction takes this speed off, and must not stop it.
+    crossing = math.sqrt(2.0 * torque_limit / drivetrain.inertia_motor * drivetrain.backlash)
     rate = approach_rate(drivetrain.lag, dt)
-    slower = max(friction.coulomb_plus, friction.coulomb_minus) / (rate * inertia)
     return soft_landing(
         drivetrain,
         dt=dt,
-        contact_speed=LANDING_SHARE * crossing + slower,
+        contact_speed=LANDING_SHARE * crossing + motor_friction_speed(drivetrain, rate),
         rate=rate,
         torque_limit=torque_limit,
         tolerance=TOLERANCE,

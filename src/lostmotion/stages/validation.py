@@ -15,21 +15,10 @@ from ..metrics import compare, step_metrics
 from ..recording import Recording
 from ..systems import DiscreteSystem
 from .design import GIVEN, OBSERVERS, Design, is_averaged, observer
+from .fitness import STEADY
 from .material import Material
 from .parameters import Found
 from .speed_step import PAPER_STEP, SpeedStep
-
-#: Signals that are withheld from the observers and compared with them afterwards.
-WITHHELD = ("speed_load", "torque_shaft", "twist")
-#: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole
-#: on the paper's rig).
-SETTLING = 0.3
-#: A step that has not settled is shown with twice the time, at most so often (option: 16 times).
-DOUBLINGS = 4
-#: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target (option).
-STEADY = 0.01
-#: A load speed beyond this many times the set-point counts as unstable (option).
-RUNAWAY = 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +42,17 @@ class Validation:
     responses: Mapping[str, Recording] = field(default_factory=dict)
     step: SpeedStep = PAPER_STEP
     problems: tuple[Problem, ...] = ()
+
+
+#: Signals that are withheld from the observers and compared with them afterwards.
+WITHHELD = ("speed_load", "torque_shaft", "twist")
+#: Settling time of the observers from an unknown start, s (option: six time constants of Observer 1's slow pole
+#: on the paper's rig).
+SETTLING = 0.3
+#: A step that has not settled is shown with twice the time, at most so often (option: 16 times).
+DOUBLINGS = 4
+#: A load speed beyond this many times the set-point counts as unstable (option).
+RUNAWAY = 20.0
 
 
 def validate_observers(material: Material, found: Found) -> tuple[dict[str, Any], dict[str, Recording]]:

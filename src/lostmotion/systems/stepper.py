@@ -43,7 +43,7 @@ class Stepper:
     parameters : (n,) array
         All numbers that the functions need; copied and read-only.
     estimator : str
-        Its kind: one of those in ``lostmotion.kernels.estimators``, or the name of a module of yours. It contains
+        Its kind: one of those in ``lostmotion.kernels.steppers``, or the name of a module of yours. It contains
         ``init`` and ``step``, compiled with the signatures ``INIT`` and ``STEP`` of
         ``lostmotion.kernels.estimators.runner``, and is loaded at the first use.
     state_names : mapping of name → int
@@ -81,10 +81,9 @@ class Stepper:
     @property
     def functions(self) -> Any:
         """The module with ``init`` and ``step``; numba compiles or loads them here."""
-        from ..kernels.estimators import MODULES
+        from ..kernels.steppers import MODULES
 
-        own = MODULES.get(self.estimator)
-        return import_module(self.estimator if own is None else f"lostmotion.kernels.estimators.{own}")
+        return import_module(MODULES.get(self.estimator, self.estimator))
 
     def init(self) -> Array:
         """The state at the start: that of the law, then the last good inputs (zeros)."""
@@ -159,7 +158,7 @@ class Stepper:
             If a key is missing or unknown, a value is not what ``to_dict`` writes, the estimator is none of this
             package, or has another number of parameters or outputs.
         """
-        from ..kernels.estimators import SIZES
+        from ..kernels.steppers import SIZES
 
         content = table("law", _of_this_version(data), {field.name for field in fields(cls)})
         estimator = text("estimator", content["estimator"])
@@ -168,7 +167,7 @@ class Stepper:
                 "estimator",
                 shown(estimator),
                 f"one of {', '.join(SIZES)}",
-                "Make it with lostmotion.observers.",
+                "Make it with lostmotion.observers or lostmotion.controllers.",
             )
         count, outputs = SIZES[estimator]
         names = {kind: texts(kind, content[kind]) for kind in ("inputs", "outputs")}

@@ -12,12 +12,12 @@ import pytest
 from lostmotion.compare import compare_controllers
 from lostmotion.compare.controllers import CASES, CONTESTANTS
 from lostmotion.compare.controllers.cases import WORKS
-from lostmotion.compare.controllers.experiment import experiment, run
+from lostmotion.compare.controllers.experiment import experiment, run, zoo_drive
 from lostmotion.compare.controllers.scores import score
 from lostmotion.compare.controllers.work import work
 from lostmotion.errors import InvalidInput
 from lostmotion.plot.controllers.leaderboard import controller_leaderboard
-from lostmotion.rig import TORQUE_LIMIT
+from lostmotion.rig import SETS, TORQUE_LIMIT
 
 CASE = {case.name: case for case in CASES}
 ENTRY = {entry.name: entry for entry in CONTESTANTS}
@@ -59,7 +59,35 @@ def test_the_laws_know_the_identified_model_and_not_the_changed_rig(step):
     assert step.setting.model.backlash != step.plant.drivetrain.shafts[-1].backlash
 
 
-@pytest.mark.parametrize("case", ["step", "true states", "sample time 1 ms", "backlash × 0", "drop-outs 2 %"])
+def test_a_drive_of_the_zoo_has_its_own_sample_time_delay_and_model():
+    first, second = (experiment(CASE["zoo, step"], seed) for seed in (1, 2))
+    assert first.plant.drivetrain != second.plant.drivetrain
+    for data, seed in ((first, 1), (second, 2)):
+        bench = zoo_drive(seed)
+        assert data.setting.model == bench.model and data.setting.dt == bench.dt and data.delay == bench.delay
+        assert data.setting.dt / data.dt == pytest.approx(round(data.setting.dt / data.dt))
+        assert data.plant.drivetrain.actuator.torque_limit == pytest.approx(TORQUE_LIMIT)
+        assert bench.seed in SETS["test"]
+    wrong = experiment(CASE["zoo, known backlash +20 %"], 1)
+    assert wrong.setting.model.backlash == pytest.approx(1.2 * first.setting.model.backlash)
+    assert wrong.plant.drivetrain == first.plant.drivetrain
+
+
+def test_the_delay_of_a_drive_of_the_zoo_acts():
+    data, law = experiment(CASE["zoo, step"], 3), ENTRY["PI, Table II"]
+
+    def jump(delay):
+        """Row at which the proportional part of the step acts."""
+        torque = run(law, replace(data, delay=delay))["torque_motor"]
+        start = round(data.work.start / data.dt)
+        return int(np.flatnonzero(np.abs(np.diff(torque[start:])) > 20.0)[0])
+
+    assert jump(data.delay + 2) - jump(data.delay) == 2 * round(data.setting.dt / data.dt)
+
+
+@pytest.mark.parametrize(
+    "case", ["zoo, step", "step", "true states", "sample time 1 ms", "backlash × 0", "drop-outs 2 %"]
+)
 @pytest.mark.parametrize("name", ENTRY)
 def test_every_law_runs_and_never_asks_for_more_than_the_limit(name, case):
     data = experiment(CASE["tip-in" if ENTRY[name].kind == "torque" else case], 1)

@@ -14,6 +14,7 @@ from lostmotion import rig
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import disturbance_observer, h_infinity, kalman
+from lostmotion.observers.fixed_gain.input_checks import LARGEST_INNOVATION
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 
@@ -97,16 +98,24 @@ def on_the_rigs(name):
     ]
 
 
+def turns_fast(data, start):
+    """Whether the motor's speed is well beyond the largest innovation that its check accepts."""
+    return abs(data["speed_motor"][start - 1]) > 2.0 * LARGEST_INNOVATION["speed_motor"]
+
+
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("fault", ["missing", "frozen", "zero", "jump", "dropped"])
 def test_bad_samples_of_the_motor_speed_are_predicted_through_flagged_and_soon_forgotten(name, fault):
-    ratio, flagged, wrongly = compared(on_the_rigs(name), "speed_motor", fault)
+    runs, starts = on_the_rigs(name), STARTS
+    if name == "disturbance_observer" and fault == "zero":
+        # It soon expects whatever it is shown: zero after a small jump looks like standstill to it.
+        starts = [start for start in STARTS if all(turns_fast(data, start) for _, data, _ in runs)]
+        assert len(starts) >= 3
+    ratio, flagged, wrongly = compared(runs, "speed_motor", fault, starts=starts)
     assert ratio < 1.5
     if name == "disturbance_observer" and fault == "jump":
         return  # its own errors of late are nearly as large
-    # The momentum observer soon expects whatever it is shown: zero after a small jump looks like standstill to it.
-    least = {"frozen": 0.9, "zero": 0.9 if name == "disturbance_observer" else 0.97}.get(fault, 0.999)
-    assert flagged > least
+    assert flagged > {"frozen": 0.9, "zero": 0.97}.get(fault, 0.999)
     assert wrongly < (0.03 if name == "disturbance_observer" else 1e-3)
 
 

@@ -13,21 +13,7 @@ from drawn import crossed, curve_lines, cut_off, overlapping, texts
 from matplotlib.figure import Figure
 from table_i import PAPER
 
-from lostmotion import connect, plot
-from lostmotion.controllers import (
-    active_damping,
-    flatness,
-    h_infinity,
-    lqi,
-    notch,
-    pi,
-    pole_placement,
-    predictive,
-    sliding_mode,
-    soft_landing,
-    speed_course,
-    super_twisting,
-)
+from lostmotion import connect, controllers, plot
 from lostmotion.curves import PiecewiseLinear, dead_zone, saturation
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import disturbance_observer, kalman, shaft_torque
@@ -38,7 +24,7 @@ from lostmotion.systems import DiscreteSystem, Stepper, minimum, one_sample_dela
 LAGGED = PAPER.with_parameters(lag=3e-4)
 WISHES = {"dt": 1e-4, "largest_error": 2.0, "largest_torque": 73.5}
 OBSERVER_1 = kalman(PAPER, dt=1e-4)
-PLACED = pole_placement(PAPER, dt=1e-4, torque_limit=73.5)
+PLACED = controllers.pole_placement(PAPER, dt=1e-4, torque_limit=73.5)
 LAWS = {
     "Observer 1": OBSERVER_1,
     "Observer 2": kalman(PAPER, measured=("torque_shaft", "speed_motor"), dt=1e-4),
@@ -49,26 +35,26 @@ LAWS = {
     "H infinity observer": h_infinity_observer(LAGGED, dt=1e-4, speed_from_counts=True),
     "shaft torque": shaft_torque(6285.896, dt=1e-3, torque_delay=4e-4),
     "disturbance observer": disturbance_observer(LAGGED, dt=1e-4, speed_from_counts=True),
-    "pi": pi(dt=1e-4),
-    "pi with anti-windup": pi(dt=1e-4, torque_limit=20.0),
-    "pi with all": pi(dt=1e-4, torque_limit=20.0, filter_time=0.02, friction_of=PAPER),
-    "pole placement": pole_placement(PAPER, dt=1e-4),
+    "pi": controllers.pi(dt=1e-4),
+    "pi with anti-windup": controllers.pi(dt=1e-4, torque_limit=20.0),
+    "pi with all": controllers.pi(dt=1e-4, torque_limit=20.0, filter_time=0.02, friction_of=PAPER),
+    "pole placement": controllers.pole_placement(PAPER, dt=1e-4),
     "pole placement with limit": PLACED,
-    "pole placement, by reference": pole_placement(
+    "pole placement, by reference": controllers.pole_placement(
         PAPER.with_parameters(coulomb_motor=0.3), dt=1e-4, torque_limit=73.5, friction_compensation="reference"
     ),
-    "lqi": lqi(LAGGED, **WISHES, torque_limit=73.5),
-    "flatness": flatness(PAPER, **WISHES, largest_acceleration=300.0, largest_jerk=1e5),
-    "H infinity": h_infinity(LAGGED, **WISHES, load_torque=10.0, torque_limit=73.5),
-    "predictive": predictive(LAGGED, **WISHES, torque_limit=73.5),
-    "notch": notch("torque_wished", "torque_motor", frequency=100.0, dt=1e-4),
-    "sliding mode": sliding_mode(PAPER, dt=1e-4, switching_torque=40.0, torque_limit=73.5),
-    "super-twisting": super_twisting(
+    "lqi": controllers.lqi(LAGGED, **WISHES, torque_limit=73.5),
+    "flatness": controllers.flatness(PAPER, **WISHES, largest_acceleration=300.0, largest_jerk=1e5),
+    "H infinity": controllers.h_infinity(LAGGED, **WISHES, load_torque=10.0, torque_limit=73.5),
+    "predictive": controllers.predictive(LAGGED, **WISHES, torque_limit=73.5),
+    "notch": controllers.notch("torque_wished", "torque_motor", frequency=100.0, dt=1e-4),
+    "sliding mode": controllers.sliding_mode(PAPER, dt=1e-4, switching_torque=40.0, torque_limit=73.5),
+    "super-twisting": controllers.super_twisting(
         PAPER, dt=1e-4, switching_torque=20.0, torque_limit=73.5, integral_rate=200.0
     ),
-    "speed course": speed_course(largest_acceleration=300.0, largest_jerk=1e5, dt=1e-4),
-    "active damping": active_damping(PAPER, dt=1e-4, torque_limit=73.5),
-    "soft landing": soft_landing(PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
+    "speed course": controllers.speed_course(largest_acceleration=300.0, largest_jerk=1e5, dt=1e-4),
+    "active damping": controllers.active_damping(PAPER, dt=1e-4, torque_limit=73.5),
+    "soft landing": controllers.soft_landing(PAPER, dt=1e-4, contact_speed=0.6, torque_limit=73.5),
     "minimum": minimum("a", "b", "c", 1e-4),
     "rate limit": rate_limit("a", "b", rate=1e4, dt=1e-4),
     "delay": one_sample_delay("torque_motor", 1e-4, start=0.5),
@@ -152,7 +138,7 @@ def test_a_stepper_is_a_block_with_its_ports(make) -> None:
 def soft_landing_parts() -> list[DiscreteSystem]:
     observer = kalman(LAGGED, dt=1e-4, load_torque=True, speed_from_counts=True)
     speed = LAWS["lqi"].renamed({"torque_motor": "torque_wished"})
-    limiter = soft_landing(LAGGED, dt=1e-4, contact_speed=0.6, torque_limit=73.5)
+    limiter = controllers.soft_landing(LAGGED, dt=1e-4, contact_speed=0.6, torque_limit=73.5)
     return [observer.renamed({"torque_motor": "torque_motor_acting"}), speed, limiter]
 
 

@@ -19,7 +19,7 @@ from .loop_margins import Margins, loop_margins
 SPEED = 1.0
 
 #: Head of ``margin_table``.
-MARGIN_COLUMNS = ("contact state", "disk margin", "gain may change by", "phase", "delay of the torque")
+MARGIN_COLUMNS = ("contact state", "disk margin", "gain may change by", "phase", "delay")
 
 
 @checks_arguments

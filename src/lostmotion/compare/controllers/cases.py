@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from ..cases import PARAMETERS
 
+#: The drive: the virtual rig of a seed, or a drive of the zoo (``experiment.zoo_drive``).
+DRIVES = ("rig", "zoo")
 #: What the drive is asked to do, see ``work``.
 WORKS = ("step", "pulse", "load step", "creep", "rest", "tip-in", "tip-out")
 
@@ -21,6 +23,9 @@ class Case:
         As in ``compare.cases.Case``.
     work : str
         Out of ``WORKS``. In tip-in and tip-out a torque is asked for, in the others a speed of the load.
+    drive : str
+        Out of ``DRIVES``. On the zoo the laws are given the drive's equivalent parameters, sample time, encoder and
+        delay are its own, and all numbers are in units of the virtual rig, see ``rig.bench``.
     true_states : bool
         The laws read the true states instead of an observer's.
     factors : mapping of parameter → factor
@@ -37,6 +42,7 @@ class Case:
     group: str
     quick: bool = False
     work: str = "step"
+    drive: str = "rig"
     true_states: bool = False
     factors: Mapping[str, float] = field(default_factory=dict)
     load_inertia: float = 1.0
@@ -89,4 +95,17 @@ CASES: tuple[Case, ...] = (
         for b in (10, 12, 14, 16, 18)
     ),
     Case("drop-outs 2 %", "drop-outs", dropouts=0.02),
+    *(
+        Case(f"zoo, {work}", "drives of the zoo", quick=work == "step", work=work, drive="zoo")
+        for work in ("step", "load step", "rest", "tip-in")
+    ),
+    *(
+        Case(
+            f"zoo, known backlash {_percent(f)}",
+            "zoo, known backlash ±20 %",
+            drive="zoo",
+            factors={"backlash": f},
+        )
+        for f in (0.8, 1.2)
+    ),
 )

@@ -29,7 +29,7 @@ LAST_PART = 0.2
 #: Every number of a score, None where the work does not ask for it; s, rad/s, Nm, %, rad/s³.
 METRICS = (
     "rise_time", "arrival_time", "overshoot", "settling_time", "steady_error", "peak_torque", "rms_torque",
-    "motor_overshoot", "oscillation", "swing", "impacts", "impact_speed", "lash_time", "load_jerk",
+    "motor_overshoot", "motor_deviation", "oscillation", "swing", "impacts", "impact_speed", "lash_time", "load_jerk",
     "recovery_error", "recovery_time", "tracking_error", "ripple", "rest_speed", "unstable", "time_per_step",
 )  # fmt: skip
 
@@ -93,6 +93,7 @@ def _crossing(found: Recording, data: Experiment) -> Score:
             "steady_error": step.steady_error,
             "arrival_time": crossing.arrival_time,
             "motor_overshoot": crossing.motor_overshoot,
+            "motor_deviation": crossing.motor_deviation,
             "oscillation": crossing.oscillation,
             "swing": crossing.swing,
         }

@@ -94,7 +94,7 @@ def optimised_pi(
     Raises
     ------
     InvalidInput
-        If there are not two masses, or a number is not positive.
+        If there are not two masses, or ``torque_limit``, ``speed`` or ``torque_load`` is not positive.
 
     Notes
     -----

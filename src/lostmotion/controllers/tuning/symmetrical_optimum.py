@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
@@ -19,8 +21,9 @@ GAP_SHARES = (1.0, 0.3, 0.1, 0.01)
 LARGEST_SENSITIVITY = 2.0
 #: Kessler's spread; that of a phase margin of 45°, from which on it is searched for (Schröder 2009).
 CLASSICAL_SPREAD, DAMPED_SPREAD = 2.0, 1.0 + math.sqrt(2.0)
-#: By which factor the spread, or all small time constants, grow in the search, and how often (numerics).
-GROWTH, ATTEMPTS = 1.1, 80
+#: By which factor the spread, or all small time constants, grow in the search, and how often (numerics: to a spread of
+#: 6.3, beyond which the reset time would be 40 time constants, and to two thousand times the time constants).
+GROWTH, SPREADS, ATTEMPTS = 1.1, 11, 80
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,7 @@ def symmetrical_optimum(
     spread: float | None = CLASSICAL_SPREAD,
     speed_from_counts: bool = False,
     largest_noise_gain: float = math.inf,
+    possible: Sequence[Drivetrain] = (),
 ) -> PiTuning:
     """Symmetrical optimum of the motor-speed loop, with the shaft as its largest small time constant.
 
@@ -105,6 +109,9 @@ def symmetrical_optimum(
         With ``spread=None``: standard deviation of the torque over that of the measured speed's noise, at most. Where
         it is more, the measured speed is filtered. The filter takes noise by itself and by the lower gain, and makes
         the loop slower in proportion; a larger spread takes it by the gain alone, and is slower by the square.
+    possible : sequence of Drivetrain
+        Drives that the gains must suit: shaft time, lag and sensitivity are the largest of them. Default: the
+        drivetrain alone.
 
     Raises
     ------
@@ -124,30 +131,50 @@ def symmetrical_optimum(
     if spread is not None:
         if not (math.isfinite(spread) and spread > 1.0):
             raise InvalidInput("symmetrical_optimum.spread", repr(spread), "a number above 1", "2 is usual.")
-        return _tuning(drivetrain, dt, delay, spread, 0.0, speed_from_counts)[0]
-    spread, filtered = DAMPED_SPREAD, 0.0
-    for _ in range(ATTEMPTS):
-        tuning, noise = _tuning(drivetrain, dt, delay, spread, filtered, speed_from_counts)
-        if tuning.sensitivity > LARGEST_SENSITIVITY:
-            spread *= GROWTH
-        elif noise > largest_noise_gain:
+        return _tuning(drivetrain, dt, delay, speed_from_counts, possible, spread, 0.0)[0]
+    tried = partial(_tuning, drivetrain, dt, delay, speed_from_counts, possible)
+    return _fastest(tried, largest_noise_gain)
+
+
+def _fastest(tried: Callable[[float, float], tuple[PiTuning, float]], largest_noise_gain: float) -> PiTuning:
+    """The tuning of the shortest reset time that keeps sensitivity and noise; the best margin if none does.
+
+    Every spread has a shortest filter with which it does: that of the smallest reset time is taken.
+    """
+    best: PiTuning | None = None
+    calmest, _ = tried(DAMPED_SPREAD, 0.0)
+    for k in range(SPREADS):
+        spread, filtered = DAMPED_SPREAD * GROWTH**k, 0.0
+        for _ in range(ATTEMPTS):
+            tuning, noise = tried(spread, filtered)
+            if best is not None and tuning.filter_time >= best.filter_time:
+                break
+            if tuning.sensitivity <= LARGEST_SENSITIVITY and noise <= largest_noise_gain:
+                best = tuning
+                break
+            calmest = min(calmest, tuning, key=lambda one: one.sensitivity)
             filtered += (GROWTH - 1.0) * tuning.time_constant
-        else:
-            break
-    return tuning
+    return best or calmest
 
 
 def _tuning(
-    drivetrain: Drivetrain, dt: float, delay: int, spread: float, filtered: float, speed_from_counts: bool
+    drivetrain: Drivetrain,
+    dt: float,
+    delay: int,
+    speed_from_counts: bool,
+    possible: Sequence[Drivetrain],
+    spread: float,
+    filtered: float,
 ) -> tuple[PiTuning, float]:
     """The gains of a spread and a filter of the measured speed (s), and their noise gain, Nm s/rad."""
-    shaft = math.sqrt(drivetrain.inertia_load / drivetrain.stiffness)
-    delays = drivetrain.lag + (delay + 0.5) * dt
+    drives = possible or (drivetrain,)
+    shaft = max(math.sqrt(drive.inertia_load / drive.stiffness) for drive in drives)
+    delays = max(drive.lag for drive in drives) + (delay + 0.5) * dt
     time = shaft + delays + filtered
     kp = drivetrain.inertia_total / (spread * time)
     ki = kp / (spread**2 * time)
     law = pi(dt=dt, kp=kp, ki=ki, speed_filter_time=filtered)
-    models = in_contact_states(drivetrain, dt, delay)
+    models = [m for drive in drives for m in in_contact_states(drive, dt, delay)]
     margins = [loop_margin(law, model, speed_from_counts) for model in models]
     tuning = PiTuning(
         kp=kp,

@@ -106,7 +106,6 @@ def locked_backlash(
     nothing = LockedBacklash(
         values=dict.fromkeys(VALUES),
         intervals={},
-        sources=dict.fromkeys(VALUES, "not excited"),
         problems=problems,
         resolution=count,
         ramps=int(ramp.max()) + 1,

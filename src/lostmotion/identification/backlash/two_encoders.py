@@ -12,7 +12,7 @@ from ...argument_checks import checks_arguments, not_negative
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
 from ..friction.result import Floats, torque_to_use
-from ..statistics.estimates import Estimates, Interval, sources_of
+from ..statistics.estimates import Estimates, Interval
 from ..statistics.regression import LinearFit, linear_fit
 from . import problems as problem
 
@@ -152,7 +152,6 @@ def lost_motion(
     return LostMotion(
         values=values,
         intervals=intervals,
-        sources=sources_of(values),
         problems=problems,
         torque_signal=name,
         time=recording.time,

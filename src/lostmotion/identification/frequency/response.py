@@ -16,13 +16,6 @@ from .estimators import Method, direct, independent_averages, joint
 from .hold_and_averaging import Sampling, sampling
 from .spectra import Complexes, Floats, segment_spectra
 
-#: Share of the recording in one segment by default (option): with half overlap, nineteen segments.
-SEGMENT_SHARE = 0.1
-#: Fewer segments than this give a warning (option): coherence and bands are unreliable, coherence by chance is 1/6.
-MIN_SEGMENTS = 6
-#: A time step this many times the mean one is a hole in the recording (numerics: half way to two).
-LONGEST_STEP = 1.5
-
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
@@ -119,6 +112,14 @@ class FrequencyResponse:
             "phase_margin_rad": self.phase_margin.tolist(),
             "problems": [problem.as_dict() for problem in self.problems],
         }
+
+
+#: Share of the recording in one segment by default (option): with half overlap, nineteen segments.
+SEGMENT_SHARE = 0.1
+#: Fewer segments than this give a warning (option): coherence and bands are unreliable, coherence by chance is 1/6.
+MIN_SEGMENTS = 6
+#: A time step this many times the mean one is a hole in the recording (numerics: half way to two).
+LONGEST_STEP = 1.5
 
 
 @checks_arguments

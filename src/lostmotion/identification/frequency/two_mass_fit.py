@@ -140,7 +140,7 @@ def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual
     for name, value, row in _derived(values):
         half = factor * math.sqrt(max(float(row @ covariance @ row), 0.0))
         values[name], intervals[name] = value, (value * math.exp(-half), value * math.exp(half))
-    sources: dict[str, Source] = dict.fromkeys(values, "identified")
+    sources: dict[str, Source] = {}
     if problem.held is not None:
         del intervals[problem.held[0]]
         sources[problem.held[0]] = "nameplate"

@@ -9,23 +9,9 @@ import numpy as np
 
 from ...argument_checks import checks_arguments, not_negative
 from ...recording import Recording
-from ..statistics.estimates import Estimates, Interval, sources_of
+from ..statistics.estimates import Estimates, Interval
 from . import problems as problem
 from .result import Floats, torque_to_use
-
-#: Speeds are means over this long, s (calibrated, data not recorded: five periods of a 100 Hz eigenmode).
-SMOOTHING = 0.05
-#: The drive moves from this part of the largest speed on (calibrated, data not recorded).
-MOVING = 0.01
-#: Time at rest before a start, to which the reference line of the angle is fitted, s (option).
-REST = 0.4
-#: Largest delay of a start in the signals, s: the torque follows its set-point, and a load's start shows through the
-#: shaft (calibrated on the virtual rig, seeds not recorded, where it was 2 ms: its current loop and a quarter period of
-#: its 100 Hz eigenmode).
-LATE = 3e-3
-#: The angle has departed from that line at this many standard deviations of its scatter (numerics: by chance one sample
-#: in 500 million has).
-DEPARTURE = 6.0
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -50,6 +36,21 @@ class Breakaway(Estimates):
     time: Floats
     torque: Floats
     angle: Floats
+
+
+#: Speeds are means over this long, s (calibrated, data not recorded: five periods of a 100 Hz eigenmode).
+SMOOTHING = 0.05
+#: The drive moves from this part of the largest speed on (calibrated, data not recorded).
+MOVING = 0.01
+#: Time at rest before a start, to which the reference line of the angle is fitted, s (option).
+REST = 0.4
+#: Largest delay of a start in the signals, s: the torque follows its set-point, and a load's start shows through the
+#: shaft (calibrated on the virtual rig, seeds not recorded, where it was 2 ms: its current loop and a quarter period of
+#: its 100 Hz eigenmode).
+LATE = 3e-3
+#: The angle has departed from that line at this many standard deviations of its scatter (numerics: by chance one sample
+#: in 500 million has).
+DEPARTURE = 6.0
 
 
 @checks_arguments
@@ -98,7 +99,6 @@ def breakaway(
     return Breakaway(
         values=values,
         intervals=intervals,
-        sources=sources_of(values),
         problems=problems,
         starts=found[:, :3],
         at_rest=at_rest,

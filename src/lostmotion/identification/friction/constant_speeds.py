@@ -13,7 +13,7 @@ from ...argument_checks import checks_arguments, not_negative
 from ...drivetrain import Friction
 from ...errors import InvalidInput
 from ...recording import Recording
-from ..statistics.estimates import Estimates, Interval, sources_of
+from ..statistics.estimates import Estimates, Interval
 from . import problems as problem
 from .result import Floats, torque_to_use
 
@@ -131,7 +131,6 @@ def friction_ladder(
     return FrictionLadder(
         values=values,
         intervals=intervals,
-        sources=sources_of(values),
         problems=problems,
         exponent=exponent,
         speed=w,

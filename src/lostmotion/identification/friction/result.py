@@ -104,16 +104,16 @@ def checked_inertia(inertia: float | None, where: str) -> float | None:
 def reported(
     names: tuple[str, ...], values: Floats, margins: Floats, inertia: float | None, where: str
 ) -> tuple[dict[str, float | None], dict[str, Interval], dict[str, Source], tuple[Problem, ...]]:
-    """Values, intervals and sources of a fit; an inertia whose interval contains zero is not identified."""
+    """Values, intervals and given sources of a fit; an inertia whose interval contains zero is not identified."""
     known: dict[str, float | None] = {} if inertia is None else {"inertia": inertia}
     intervals: dict[str, Interval] = {}
     sources: dict[str, Source] = {} if inertia is None else {"inertia": "nameplate"}
     problems = []
     for name, value, margin in zip(names, values.tolist(), margins.tolist(), strict=True):
         if name == "inertia" and not value - margin > 0.0:
-            known[name], sources[name] = None, "not excited"
+            known[name] = None
             problems.append(problem.inertia_not_identified(where, value, margin))
             continue
-        known[name], sources[name] = value, "identified"
+        known[name] = value
         intervals[name] = (value - margin, value + margin)
     return known, intervals, sources, tuple(problems)

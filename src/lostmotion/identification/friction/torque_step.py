@@ -98,7 +98,7 @@ def torque_step(
     result = FrictionFit(
         values={**dict.fromkeys(names), **known},
         intervals={},
-        sources={n: "nameplate" if n in known else "not excited" for n in names},
+        sources=dict.fromkeys(known, "nameplate"),
         problems=problems,
         signal=speed,
         time=_joined_time(records),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ...recording import Recording
-from ..statistics.estimates import Estimates, Interval, sources_of
+from ..statistics.estimates import Estimates, Interval
 from . import problems as problem
 
 Floats = NDArray[np.float64]
@@ -137,7 +137,6 @@ def ring_down(
     return RingDown(
         values=named,
         intervals=intervals,
-        sources=sources_of(named),
         steps=times,
         explained=explained,
         windows=tuple((recording.time[r], values[r], m) for r, m in zip(rows, models, strict=True)),
@@ -273,7 +272,6 @@ def _nothing(
     return RingDown(
         values=dict.fromkeys(VALUES),
         intervals={},
-        sources=dict.fromkeys(VALUES, "not excited"),
         problems=(problem.no_ring_down(signal, got),),
         steps=times,
         explained=explained,

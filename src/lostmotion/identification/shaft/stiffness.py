@@ -12,7 +12,7 @@ from ...errors import InvalidInput
 from ...recording import Recording
 from ..backlash.torque_reversals import backlash_excited
 from ..frequency.spectra import Complexes, Floats, gain_and_coherence, segment_spectra
-from ..statistics.estimates import Estimates, Interval, Source, sources_of
+from ..statistics.estimates import Estimates, Interval, Source
 from . import problems as problem
 
 #: What is looked for.
@@ -156,14 +156,14 @@ def shaft_stiffness(
     return ShaftStiffness(
         values=found,
         intervals=intervals,
-        sources=sources_of(found) | given,
+        sources=given,
+        problems=tuple(problems),
         frequency=frequency,
         response=response,
         coherence=coherence,
         used=used,
         segments=len(x),
         torque_reverses=reverses,
-        problems=tuple(problems),
     )
 
 

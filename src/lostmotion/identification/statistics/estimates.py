@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -58,17 +58,19 @@ class Estimates:
     intervals : mapping of name → (low, high)
         95 % intervals of what was identified.
     sources : mapping of name → {"identified", "nameplate", "not excited"}
-        For each of the values: found, given by the user, or not identifiable from the recording.
+        For each of the values: found, given by the user, or not identifiable from the recording. By default a number
+        is identified and None is not excited; only what differs need be given.
     problems : tuple of Problem
         Warnings, each with a remedy.
     """
 
     values: Mapping[str, float | None]
     intervals: Mapping[str, Interval]
-    sources: Mapping[str, Source]
+    sources: Mapping[str, Source] = field(default_factory=dict)
     problems: tuple[Problem, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "sources", sources_of(self.values) | dict(self.sources))
         for name in ("values", "intervals", "sources"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         object.__setattr__(self, "problems", tuple(self.problems))

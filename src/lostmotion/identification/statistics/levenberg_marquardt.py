@@ -12,15 +12,6 @@ from .block_covariance import normal_equations
 
 Array = NDArray[np.float64]
 
-#: Largest step in a logarithm: a factor of two (numerics; larger ones jump over valleys of a cost with a gap).
-LARGEST_STEP = 0.7
-
-#: A step is the last one when all its logarithms move by less than this (numerics: a fiftieth of an interval).
-SMALLEST_STEP = 2e-4
-
-#: Or when it lowers the cost by less than this fraction (numerics).
-SMALLEST_GAIN = 1e-7
-
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -31,6 +22,16 @@ class Fit:
     cost: float
     iterations: int
     converged: bool
+
+
+#: Largest step in a logarithm: a factor of two (numerics; larger ones jump over valleys of a cost with a gap).
+LARGEST_STEP = 0.7
+
+#: A step is the last one when all its logarithms move by less than this (numerics: a fiftieth of an interval).
+SMALLEST_STEP = 2e-4
+
+#: Or when it lowers the cost by less than this fraction (numerics).
+SMALLEST_GAIN = 1e-7
 
 
 def minimise(

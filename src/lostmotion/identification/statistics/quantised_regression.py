@@ -11,11 +11,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-#: Smallest scatter about the model, in counts (numerics): keeps the likelihood smooth where there is no noise.
-SMALLEST_SCATTER = 0.03
-#: Slack beyond the least that makes all readings compatible, in counts (numerics: without it they may leave one point).
-SLACK = 0.02
-
 
 @dataclass(frozen=True, eq=False)
 class CountFit:
@@ -32,6 +27,12 @@ class CountFit:
     values: Floats
     margins: Floats
     scatter: float
+
+
+#: Smallest scatter about the model, in counts (numerics): keeps the likelihood smooth where there is no noise.
+SMALLEST_SCATTER = 0.03
+#: Slack beyond the least that makes all readings compatible, in counts (numerics: without it they may leave one point).
+SLACK = 0.02
 
 
 def count_fit(

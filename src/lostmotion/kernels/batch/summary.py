@@ -19,7 +19,7 @@ from ..numerics.vectors import (
     write,
 )
 from ..plant.equations import GAP
-from ..plant.layout import FRICTION, SHAFT, padded
+from ..plant.layout import AT_ONCE, FRICTION, SHAFT, padded
 from .arrays import BLOCK
 
 #: Kinds of events, in the order of the counts.
@@ -35,7 +35,8 @@ _INNER: Any = {
 def count_events(events, count, first, kind, rest, previous, counts):
     """Adds events to the counts; a pair that enters and leaves a digit at once does not count.
 
-    previous: time, element, new digit, kind of the event before (NONE if it did not count).
+    previous: time, element, new digit, kind of the event before (NONE if it did not count). Its time is −1 where there
+    is none, or where it is the second of a pair: of three changes at once the last one counts.
     """
     for i in range(count):
         time, e, old, new = events[i, 0] + first, events[i, 1], events[i, 2], events[i, 3]
@@ -48,10 +49,10 @@ def count_events(events, count, first, kind, rest, previous, counts):
                 what = STICK
             elif old == rest[element]:
                 what = SLIP
-        if time == previous[0] and e == previous[1] and old == previous[2]:
+        if time - previous[0] <= AT_ONCE and e == previous[1] and old == previous[2]:
             if previous[3] != NONE:
                 counts[int(previous[3])] -= 1
-            what = NONE
+            time, what = -1.0, NONE
         if what != NONE:
             counts[what] += 1
         previous[0], previous[1], previous[2], previous[3] = time, e, new, what

@@ -43,6 +43,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 SHAFT, FRICTION, BRANCH = 0, 1, 2
+#: Two changes of one digit this close, in samples, come at once (numerics: far above the rounding of the time up to 1e9
+#: samples, far below the shortest contact).
+AT_ONCE = 1e-6
 #: Highest order of the Taylor series that the tables may ask for (layout).
 MAX_ORDER = 24
 #: Rows of each element in a mode's block (layout).

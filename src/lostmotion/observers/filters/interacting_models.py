@@ -74,7 +74,7 @@ def interacting_models(
     Raises
     ------
     InvalidInput
-        For unknown names and for numbers out of range.
+        For unknown sensors or names of the tuning, and for numbers out of range.
 
     Notes
     -----

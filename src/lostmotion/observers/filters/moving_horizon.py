@@ -47,12 +47,12 @@ def moving_horizon(
     Returns
     -------
     Stepper
-        Inputs torque_motor and ``measured``; outputs ``TRACKING_OUTPUTS``.
+        Inputs and outputs of ``extended_kalman``.
 
     Raises
     ------
     InvalidInput
-        For unknown names, numbers out of range, a horizon of too many samples.
+        As ``extended_kalman``, and for a horizon of too many samples.
 
     Notes
     -----

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...drivetrain import Drivetrain
 from ...kernels.estimators.layout import ANGLE_COUNTED, MOVING, TRACKED
+from ..arguments import known_options
 from ..estimates import ESTIMATES, deviations, estimated
 from ..scale import scale_of
 from .tuning import (
@@ -16,7 +17,6 @@ from .tuning import (
     STEPPER_SENSORS,
     UNCERTAINTY,
     Tuning,
-    checked_names,
     chosen,
     eigenmode_numbers,
 )
@@ -53,7 +53,7 @@ def tracking_parameters(
 
     ``process_torque`` and ``drift`` are its defaults for a drivetrain of the paper's size.
     """
-    tuning = checked_names(tuning)
+    known_options("tuning", tuning, Tuning)
     p = model_parameters(
         drivetrain, measured, dt, tuning.get("sensor_noise"), tuning.get("speed_from_counts", False)
     )

@@ -117,16 +117,6 @@ def chosen(
     return {name: positive(f"{where}[{name!r}]", v, zero) for name, v in {**default, **given}.items()}
 
 
-def checked_names(tuning: Tuning) -> Tuning:
-    """The tuning, if it has no unknown names (which ``**tuning`` lets through)."""
-    unknown = sorted(set(tuning) - set(Tuning.__annotations__))
-    if unknown:
-        raise InvalidInput(
-            "tuning", f"{unknown}", f"names out of {tuple(Tuning.__annotations__)}", "Check the names."
-        )
-    return tuning
-
-
 @checks_arguments
 def speed_of_counts(dt: float, counts: float = COUNTS) -> float:
     """Standard deviation (rad/s) of a speed that is a difference of counts over dt: two errors, each even in ±½."""

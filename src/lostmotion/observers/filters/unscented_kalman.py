@@ -38,7 +38,7 @@ def unscented_kalman(
     Raises
     ------
     InvalidInput
-        For unknown names and for numbers out of range.
+        As ``extended_kalman``.
 
     Notes
     -----

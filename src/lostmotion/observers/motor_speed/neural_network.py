@@ -15,7 +15,7 @@ from ..estimates import ESTIMATES
 from ..filters.two_mass_parameters import Array, stepper
 from ..fixed_gain.kalman import kalman
 from ..scale import scale_of
-from .parameters import speed_only_parameters
+from .parameters import Following, speed_only_parameters
 
 OUTPUTS = (*ESTIMATES, "backlash_estimated")
 
@@ -69,7 +69,7 @@ def neural_network(
         The networks cover ± these (defaults ``SPEED_RANGE``, by ``scale.scale_of``, and 1.5 backlashes), denser at
         low speeds; beyond, the curves go on as constants.
     sensor_noise, speed_from_counts
-        As in ``sliding_mode``.
+        See ``parameters.Following``.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def neural_network(
     Raises
     ------
     InvalidInput
-        For numbers out of range.
+        If an error, a range or a time is not positive, or for another number out of range.
 
     Notes
     -----
@@ -89,7 +89,8 @@ def neural_network(
     """
     from ...kernels.estimators.motor_speed.neural_network import basis
 
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, NETWORK_PARAMETERS)
+    sensor = Following(sensor_noise=sensor_noise, speed_from_counts=speed_from_counts)
+    p = speed_only_parameters(drivetrain, dt, sensor, NETWORK_PARAMETERS)
     scale, backlash = scale_of(drivetrain), drivetrain.backlash
     twist_range = max(1.5 * backlash, TWIST_RANGE * scale.angle) if twist_range is None else twist_range
     gap_error = max(0.5 * backlash, GAP_ERROR * scale.angle) if gap_error is None else gap_error

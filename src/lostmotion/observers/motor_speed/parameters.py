@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TypedDict
 
 import numpy as np
 
 from ...drivetrain import Drivetrain
 from ...kernels.estimators.layout import Record
-from ..arguments import positive
+from ..arguments import known_options, positive
 from ..filters.tuning import PROCESS_TORQUE
 from ..filters.two_mass_parameters import FROZEN_MOVE, Parameters, model_parameters
 from ..scale import scale_of
@@ -26,14 +27,36 @@ FASTEST = 0.7
 DAMPING_RATIO, SLOWER = 0.7, 0.33
 
 
+class Following(TypedDict, total=False):
+    """How the sliding observers follow the motor speed, each a keyword that may be left out.
+
+    Attributes
+    ----------
+    bandwidth, damping_ratio : float, 1/s and –
+        How errors of twist and load speed die out in contact; default √(k/J_l) and 0.7, less for a coarse encoder.
+    sensor_noise : float, rad/s, or mapping
+        Standard deviation of one sample of the motor speed, or ``{"speed_motor": …}`` as in ``extended_kalman``, with
+        the same default.
+    speed_from_counts : bool
+        The measured motor speed is a difference of counts over dt: the innovation is that of the angle, over dt.
+        Default False.
+    """
+
+    bandwidth: float | None
+    damping_ratio: float | None
+    sensor_noise: float | Mapping[str, float] | None
+    speed_from_counts: bool
+
+
 def speed_only_parameters(
     drivetrain: Drivetrain,
     dt: float,
-    sensor_noise: float | Mapping[str, float] | None,
-    speed_from_counts: bool,
+    following: Following,
     layout: Record,
 ) -> Parameters:
     """The parameters of an observer with this layout, all but its own of them filled in."""
+    known_options("following", following, Following)
+    sensor_noise, speed_from_counts = following.get("sensor_noise"), following.get("speed_from_counts", False)
     if not isinstance(sensor_noise, Mapping | None):
         sensor_noise = {"speed_motor": sensor_noise}
     parameters = np.zeros((), layout)
@@ -59,7 +82,7 @@ def load_corrections(drivetrain: Drivetrain, bandwidth: float, damping_ratio: fl
 
 
 def default_poles(
-    drivetrain: Drivetrain, share: float, dt: float, bandwidth: float | None, damping_ratio: float | None
+    drivetrain: Drivetrain, share: float, dt: float, following: Following
 ) -> tuple[float, float]:
     """Bandwidth (1/s) and damping ratio of the errors of twist and load speed: as given, or the default.
 
@@ -67,6 +90,7 @@ def default_poles(
     twist then settles at 2·damping ratio·bandwidth, by default DAMPING_RATIO, but no faster than a third of the rate at
     which the motor speed is followed, since the correction takes that for immediate.
     """
+    bandwidth, damping_ratio = following.get("bandwidth"), following.get("damping_ratio")
     rate = math.sqrt(drivetrain.stiffness / drivetrain.inertia_load)
     rate = rate if bandwidth is None else positive("bandwidth", bandwidth)
     follow = -math.log(1.0 - share) / dt

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from typing import Unpack
 
 from ...drivetrain import Drivetrain
 from ...kernels.estimators.layout import SLIDING_PARAMETERS
@@ -14,6 +14,7 @@ from ..filters.two_mass_parameters import stepper
 from ..scale import scale_of
 from .parameters import (
     FASTEST,
+    Following,
     default_poles,
     follow_share,
     load_corrections,
@@ -30,10 +31,7 @@ def sliding_mode(
     dt: float,
     unknown_torque: float | None = None,
     layer: float | None = None,
-    bandwidth: float | None = None,
-    damping_ratio: float | None = None,
-    sensor_noise: float | Mapping[str, float] | None = None,
-    speed_from_counts: bool = False,
+    **following: Unpack[Following],
 ) -> Stepper:
     """Sliding-mode observer from motor torque and motor speed.
 
@@ -54,13 +52,8 @@ def sliding_mode(
     layer : float, rad/s, optional
         Innovation at which the whole correction acts, linear below; default: so that below it the motor speed is
         followed as fast as its noise allows (``parameters.follow_share``).
-    bandwidth, damping_ratio : float, 1/s and –, optional
-        How errors of twist and load speed die out in contact; default √(k/J_l) and 0.7, less for a coarse encoder.
-    sensor_noise : float, rad/s, or mapping, optional
-        Standard deviation of one sample of the motor speed, or ``{"speed_motor": …}`` as in ``extended_kalman``, with
-        the same default.
-    speed_from_counts : bool
-        The measured motor speed is a difference of counts over dt: the innovation is that of the angle, over dt.
+    **following
+        bandwidth, damping_ratio, sensor_noise, speed_from_counts: see ``parameters.Following``.
 
     Returns
     -------
@@ -77,7 +70,7 @@ def sliding_mode(
     Merzouki & Cadiou 2005, Control Engineering Practice 13, 973–983: there the sliding correction is the estimate of
     the backlash's disturbing torque; here it corrects the model that contains the backlash. Defaults chosen.
     """
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, SLIDING_PARAMETERS)
+    p = speed_only_parameters(drivetrain, dt, following, SLIDING_PARAMETERS)
     if unknown_torque is None:
         unknown_torque = UNKNOWN_TORQUE * scale_of(drivetrain).torque
     reach = positive("unknown_torque", unknown_torque) / drivetrain.inertia_motor * dt
@@ -86,6 +79,6 @@ def sliding_mode(
         share = min(math.sqrt(reach / positive("layer", layer)), FASTEST)
     p["reach"], p["layer"] = reach, reach / share**2 if layer is None else layer
     p["to_angle"] = share * (2.0 - share) * dt
-    poles = default_poles(drivetrain, share, dt, bandwidth, damping_ratio)
+    poles = default_poles(drivetrain, share, dt, following)
     p["to_twist"], p["to_load"] = load_corrections(drivetrain, *poles)
     return stepper("sliding_mode", ESTIMATES, ("speed_motor",), dt, p)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from typing import Unpack
 
 from ...drivetrain import Drivetrain
 from ...kernels.estimators.layout import TWISTING_PARAMETERS
@@ -13,6 +13,7 @@ from ..estimates import ESTIMATES
 from ..filters.two_mass_parameters import stepper
 from ..scale import scale_of
 from .parameters import (
+    Following,
     default_poles,
     error_of_counts,
     load_corrections,
@@ -34,10 +35,7 @@ def super_twisting(
     dt: float,
     torque_rate: float | None = None,
     unknown_torque: float | None = None,
-    bandwidth: float | None = None,
-    damping_ratio: float | None = None,
-    sensor_noise: float | Mapping[str, float] | None = None,
-    speed_from_counts: bool = False,
+    **following: Unpack[Following],
 ) -> Stepper:
     """Super-twisting observer from motor torque and motor speed.
 
@@ -59,7 +57,7 @@ def super_twisting(
     unknown_torque : float, Nm, optional
         How large it may be. Defaults ``TORQUE_RATE`` and ``UNKNOWN_TORQUE`` on the paper's rig, for others by
         ``scale.scale_of``.
-    bandwidth, damping_ratio, sensor_noise, speed_from_counts
+    **following
         As in ``sliding_mode``.
 
     Returns
@@ -71,7 +69,7 @@ def super_twisting(
     Raises
     ------
     InvalidInput
-        For numbers out of range.
+        For numbers out of range, as ``sliding_mode``.
 
     Notes
     -----
@@ -79,7 +77,7 @@ def super_twisting(
     Trans. Vehicular Technology 58, 4710–4719. The sign is a line where it would correct more than the three
     equal poles that the sensor's noise allows. Defaults chosen.
     """
-    p = speed_only_parameters(drivetrain, dt, sensor_noise, speed_from_counts, TWISTING_PARAMETERS)
+    p = speed_only_parameters(drivetrain, dt, following, TWISTING_PARAMETERS)
     jm = drivetrain.inertia_motor
     scale = scale_of(drivetrain)
     torque_rate = TORQUE_RATE * scale.torque * scale.rate if torque_rate is None else torque_rate
@@ -92,7 +90,7 @@ def super_twisting(
     share = min(math.sqrt(p["root"] / (3.0 * math.sqrt(error))), FASTEST)
     p["layer"] = max(p["integral"] / share**3, (p["root"] / (3.0 * share**2)) ** 2)
     p["to_angle"] = (1.0 - (1.0 - share) ** 3) * dt
-    poles = default_poles(drivetrain, share, dt, bandwidth, damping_ratio)
+    poles = default_poles(drivetrain, share, dt, following)
     p["to_twist"], p["to_load"] = load_corrections(drivetrain, *poles)
     p["inertia"] = jm / dt
     return stepper("super_twisting", OUTPUTS, ("speed_motor",), dt, p)

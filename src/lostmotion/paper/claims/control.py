@@ -113,49 +113,50 @@ def pi_overshoots(pi: Response) -> Claim:
     )
 
 
-def less_overshoot(pi: Response, placed: Response) -> Claim:
-    value = (pi.step.overshoot, placed.step.overshoot)
+def beside_pi(pi: float, placed: float, factor: float, *, higher: bool, **said: str) -> Claim:
+    """A claim of Fig. 15: under pole placement a number is at least, or at most, so many times that under PI."""
     return Claim(
+        where="section V, Fig. 15",
+        value=(pi, placed),
+        tolerance="pole placement "
+        + (f"at least {factor:g} times PI's" if higher else f"at most {factor:g} of PI's"),
+        verdict=judged(placed >= factor * pi if higher else placed <= factor * pi),
+        **said,
+    )
+
+
+def less_overshoot(pi: Response, placed: Response) -> Claim:
+    high, low = pi.step.overshoot, placed.step.overshoot
+    return beside_pi(
+        high, low, MUCH_LESS, higher=False,
         name="pole placement overshoots much less",
         says="A model based controller can significantly reduce the overshoot.",
-        where="section V, Fig. 15",
         quantity="overshoot of the load speed under PI and pole placement, % of the step",
-        value=value,
-        tolerance=f"pole placement at most {MUCH_LESS:g} of PI's",
-        verdict=judged(value[1] <= MUCH_LESS * value[0]),
-        sentence=f"{value[1]:.2f} % under Observer 1 and pole placement, {value[0]:.1f} % under PI.",
-    )
+        sentence=f"{low:.2f} % under Observer 1 and pole placement, {high:.1f} % under PI.",
+    )  # fmt: skip
 
 
 def more_load(pi: Response, placed: Response) -> Claim:
-    value = (pi.peak_torque, placed.peak_torque)
-    return Claim(
+    return beside_pi(
+        pi.peak_torque, placed.peak_torque, HIGHER, higher=True,
         name="more actuator load with pole placement",
         says="The controller causes a higher actuator load.",
-        where="section V, Fig. 15",
         quantity="peak torque under PI and pole placement, Nm",
-        value=value,
-        tolerance=f"pole placement at least {HIGHER:g} times PI's",
-        verdict=judged(value[1] >= HIGHER * value[0]),
-        sentence=f"{value[1]:.1f} Nm under pole placement, {value[0]:.1f} Nm under PI; the motor's limit is "
-        f"{published.TORQUE_LIMIT:g} Nm.",
-    )
+        sentence=f"{placed.peak_torque:.1f} Nm under pole placement, {pi.peak_torque:.1f} Nm under PI; the motor's "
+        f"limit is {published.TORQUE_LIMIT:g} Nm.",
+    )  # fmt: skip
 
 
 def more_oscillation(pi: Response, placed: Response) -> Claim:
-    value = (pi.swing, placed.swing)
-    return Claim(
+    return beside_pi(
+        pi.swing, placed.swing, HIGHER, higher=True,
         name="more motor oscillation with pole placement",
         says="The controller causes larger oscillations of the speed of the electric motor.",
-        where="section V, Fig. 15",
         quantity="largest motor − load speed in the 100 ms after the arrival, PI and pole placement, rad/s",
-        value=value,
-        tolerance=f"pole placement at least {HIGHER:g} times PI's",
-        verdict=judged(value[1] >= HIGHER * value[0]),
-        sentence=f"Once the load has arrived the motor swings by {value[1]:.2f} rad/s against it, under PI "
-        f"by {value[0]:.2f} rad/s. Over the whole step, with the crossing of the gap, its speed travels "
+        sentence=f"Once the load has arrived the motor swings by {placed.swing:.2f} rad/s against it, under PI "
+        f"by {pi.swing:.2f} rad/s. Over the whole step, with the crossing of the gap, its speed travels "
         f"{pi.travel_motor:.1f} steps under PI and {placed.travel_motor:.1f} under pole placement.",
-    )
+    )  # fmt: skip
 
 
 def smooth_load(placed: Response) -> Claim:

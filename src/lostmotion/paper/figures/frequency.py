@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...plot.frequency.bode import plain_ticks
 from ..experiments import LINEAR, NOISE_RMS, NONLINEAR, RIG, Experiments
-from .style import MEASUREMENT, MODEL, THIRD, PaperFigure, column, legend
+from .style import MEASUREMENT, MODEL, THIRD, PaperFigure, column, finish_phase, legend
 
 #: Frequencies drawn, Hz (option: around the paper's mark of 10 Hz, to beyond the pole).
 FROM, TO = 5.0, 200.0
@@ -30,14 +30,7 @@ def response(e: Experiments) -> PaperFigure:
         above.annotate(f"linear\n{name}", (mark, 1.0), (2, -1), xycoords=("data", "axes fraction"),
                        textcoords="offset points", va="top", fontsize=6.5, color="#444444")  # fmt: skip
     above.set(xscale="log", ylabel="amplitude (dB)")
-    below.set(
-        ylabel="phase (degrees)",
-        yticks=(-180, -90, 0),
-        ylim=(-225.0, 60.0),
-        xlabel="frequency (Hz)",
-        xlim=(FROM, TO),
-    )
-    plain_ticks(below)
+    finish_phase(below, (FROM, TO), (-180, -90, 0), (-225.0, 60.0))
     legend(figure, [above])
     return PaperFigure(
         number=8,

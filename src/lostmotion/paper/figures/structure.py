@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...identification import two_mass_response
-from ...plot.frequency.bode import plain_ticks
 from ...structure import Coupling, Disc, Modes, ShaftSegment, modes
 from ...structure.powertrain import PARTS
 from ..claim import signed
 from ..experiments import Experiments
-from .style import MEASUREMENT, MODEL, PaperFigure, column, legend
+from .style import MEASUREMENT, MODEL, PaperFigure, column, finish_phase, legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -118,14 +117,7 @@ def reduction(e: Experiments) -> PaperFigure:
         phase = np.rad2deg(np.unwrap(np.angle(response)))
         below.plot(frequency, phase - 360.0 * np.ceil(phase[0] / 360.0), **line)
     above.set(xscale="log", ylabel="amplitude (dB)", yticks=DECIBELS, ylim=(-125.0, -40.0))
-    below.set(
-        ylabel="phase (degrees)",
-        yticks=DEGREES,
-        ylim=(-195.0, 15.0),
-        xlabel="frequency (Hz)",
-        xlim=(FROM, TO),
-    )
-    plain_ticks(below)
+    finish_phase(below, (FROM, TO), DEGREES, (-195.0, 15.0))
     legend(figure, [above])
     return PaperFigure(
         number=4,

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ...plot.frequency.bode import plain_ticks
 from ...plot.style import ESTIMATED, MEASURED, SERIES, SET_POINT
 
 if TYPE_CHECKING:
@@ -90,6 +91,14 @@ def beside(height: float) -> tuple[Figure, tuple[Axes, Axes]]:
     figure = Figure(figsize=(COLUMN, height), layout="constrained")
     left, right = figure.subplots(1, 2)
     return figure, (left, right)
+
+
+def finish_phase(
+    panel: Axes, band: tuple[float, float], ticks: Sequence[float], ends: tuple[float, float]
+) -> None:
+    """The lower panel of a Bode plot: degrees over the frequency, with numbers instead of powers of ten."""
+    panel.set(ylabel="phase (degrees)", yticks=ticks, ylim=ends, xlabel="frequency (Hz)", xlim=band)
+    plain_ticks(panel)
 
 
 def legend(figure: Figure, panels: Sequence[Axes]) -> None:

@@ -72,7 +72,7 @@ def drive(seed: int) -> Drive:
     made = plant(draw)
     nameplate = _nameplate(draw, made)
     moved = motion(draw, made, nameplate)
-    sensor, accuracy = _sensor(draw, made, moved.dt)
+    sensor, accuracy = motor_sensor(draw, made, moved.dt)
     torque, origin = _logged_torque(draw, made, moved)
     recording = _recording(draw, moved, torque, sensor)
     rows = slice(0, len(recording) * moved.steps, moved.steps)
@@ -128,7 +128,7 @@ def _believed(draw: Draw, made: Plant) -> dict[str, float | None]:
     }  # fmt: skip
 
 
-def _sensor(draw: Draw, made: Plant, dt: float) -> tuple[Sensor, dict[str, float]]:
+def motor_sensor(draw: Draw, made: Plant, dt: float) -> tuple[Sensor, dict[str, float]]:
     """Sensor of the motor speed; its bits (0: no counts), and its noise over rated speed."""
     rated = made.rating.speed
     if draw.happens("analog", ANALOG):

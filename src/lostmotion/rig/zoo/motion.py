@@ -70,7 +70,7 @@ class Motion:
 
 def motion(draw: Draw, plant: Plant, nameplate: Drivetrain) -> Motion:
     """Moves the drive of a seed."""
-    dt, rows = _raster(draw, plant.pole)
+    dt, rows = raster(draw, plant.pole)
     steps = max(1, min(MOST_STEPS, round(dt / PLANT_STEP)))
     delay = round(draw.uniform("delay", *DELAY) / (dt / steps))
     kind, load = draw.choice("excitation", KINDS), draw.choice("load torque", LOADS)
@@ -93,7 +93,7 @@ def motion(draw: Draw, plant: Plant, nameplate: Drivetrain) -> Motion:
     )
 
 
-def _raster(draw: Draw, pole: float) -> tuple[float, int]:
+def raster(draw: Draw, pole: float) -> tuple[float, int]:
     """Sample time (s) and rows."""
     dt = 1.0 / (pole * draw.log_uniform("samples per period", SAMPLES_PER_PERIOD))
     duration = max(draw.log_uniform("duration", DURATION), LEAST_PERIODS / pole)

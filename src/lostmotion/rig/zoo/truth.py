@@ -46,7 +46,7 @@ def equivalent(chain: Drivetrain, exact: Recording | None, delay: float) -> dict
     names = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
     friction = dict(zip(names, (*load, *motor), strict=True))
     found = chain_sums(chain) | friction | lag
-    if sum(s.has_backlash for s in chain.shafts) > 1 or _has_soft_clutch(chain):
+    if sum(s.has_backlash for s in chain.shafts) > 1 or has_soft_clutch(chain):
         found |= dict.fromkeys(("inertia_motor", "inertia_load", "stiffness", "damping"))
     return found
 
@@ -59,7 +59,7 @@ def chain_sums(chain: Drivetrain) -> dict[str, float | None]:
     return two_mass_equivalent(replace(chain, shafts=one_gap), np.empty(0)) | {"backlash": sum(gaps)}
 
 
-def _has_soft_clutch(chain: Drivetrain) -> bool:
+def has_soft_clutch(chain: Drivetrain) -> bool:
     compliances = sorted(1.0 / s.stiffness for s in chain.shafts)
     return len(compliances) > 1 and compliances[-2] >= SOFT * compliances[-1] * (1.0 + 1e-9)
 

@@ -13,7 +13,7 @@ import pytest
 
 import lostmotion
 
-SCRIPT = Path(__file__).parent / "fixtures" / "user_script.py"
+SCRIPT = Path(__file__).parents[1] / "fixtures" / "user_script.py"
 SOURCES = Path(lostmotion.__file__).parents[1]
 
 

@@ -1,0 +1,1 @@
+"""Costs and programs of plans, for predictive control."""

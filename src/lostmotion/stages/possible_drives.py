@@ -1,0 +1,52 @@
+"""Drives that a user's may be as well: where a recording did not tell a value, the nameplate's is only near it."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+from ..drivetrain import Drivetrain
+from .parameters import Found
+
+#: A nameplate's value that the recording did not tell may be off by this factor (option: that within which
+#: ``identify`` asks for it).
+OFF = 2.0
+#: Lag and delay of a drive of which neither is known, s (option: a current loop of 1 ms behind a fieldbus of 1 ms).
+USUAL_LAG = 2e-3
+#: Damping ratio of the torsional mode where no damping is known (option: less than drives with joints have; without
+#: any, a mode that the delay turns the wrong way could not be kept stable by any gain).
+LEAST_DAMPING = 0.005
+#: A gap of which nothing is known, rad (numerics: that there is one counts, not how large it is).
+SOME_BACKLASH = 1e-3
+_SHAPE = ("inertia_motor", "inertia_load", "stiffness")
+#: What decides whether a speed loop is stable.
+DECISIVE = (*_SHAPE, "lag", "backlash")
+
+
+def not_told(found: Found) -> frozenset[str]:
+    """Names of the values that the recording did not tell, so that they are the nameplate's, or none."""
+    return frozenset(name for name, entry in found.table.items() if entry["source"] == "not excited")
+
+
+def possible_drives(drivetrain: Drivetrain, unknown: frozenset[str]) -> tuple[Drivetrain, ...]:
+    """The drivetrain, and the corners of what is not told of it.
+
+    Inertias and stiffness are a factor ``OFF`` off, either way, and the lag is longer. Where the backlash is not told
+    there is one: how large it is does not change what a small oscillation sees of it.
+    """
+    least = {}
+    if "damping" in unknown and not drivetrain.damping > 0.0:
+        least["damping"] = LEAST_DAMPING * drivetrain.stiffness / (math.pi * drivetrain.pole_frequency)
+    if "backlash" in unknown and not drivetrain.backlash > 0.0:
+        least["backlash"] = SOME_BACKLASH
+    nearest = drivetrain.with_parameters(**least)
+    if not unknown & set(DECISIVE):
+        return (nearest,)
+    names = [name for name in _SHAPE if name in unknown]
+    longer = {"lag": max(OFF * drivetrain.lag, USUAL_LAG)} if "lag" in unknown else {}
+    corners = product((1.0 / OFF, OFF), repeat=len(names))
+    off = (
+        {name: factor * getattr(drivetrain, name) for name, factor in zip(names, corner, strict=True)}
+        for corner in corners
+    )
+    return (nearest, *(nearest.with_parameters(**longer, **values) for values in off))
