@@ -41,7 +41,10 @@ def test_no_simulation_exceeds_the_bounds_and_they_are_not_far_off(
 ) -> None:
     """The torque limit of 73.5 Nm cannot act at 0.5 rad/s, and may at 5 rad/s."""
     bounds = peak_bounds(PAPER.with_parameters(torque_limit=73.5), law, reference)
-    worst = {name: worst_reference(PAPER, SAMPLED, reference, name, starts=1, duration=0.1).peak for name in SIGNALS}
+    worst = {
+        name: worst_reference(PAPER, SAMPLED, reference, name, starts=1, duration=0.1).peak
+        for name in SIGNALS
+    }
     ratio = ratios(bounds, worst)
     assert np.all(ratio >= 1.0) and np.all(ratio <= 2.5), ratio
     assert bounds.limit_acts is acts
