@@ -242,6 +242,27 @@ def h_infinity_error() -> str:
     return f"{observer_error(make)}; {observer_error(make, off=0.8)}"
 
 
+@cache
+def excited() -> list[tuple[Recording, Any]]:
+    """The default excitation of the rigs 1 and 2, 5 s at 10 kHz."""
+    return [(recording.window(0.0, 5.0), truth) for recording, truth in map(lm.rig.record, SEEDS[:2])]
+
+
+def identification_error() -> str:
+    """Of inertias, stiffness, backlash, Coulomb torque; how many of them identified, in their interval; warnings."""
+    errors, inside, count, warnings = [], 0, 0, 0
+    for recording, truth in excited():
+        found = lm.identify(recording, start=NAMEPLATE)
+        warnings += len(found.problems)
+        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash", "coulomb"):
+            value = found.values[name]
+            if value is not None:
+                low, high = found.intervals[name]
+                count, inside = count + 1, inside + (low <= truth.parameters[name] <= high)
+                errors.append(abs(value / truth.parameters[name] - 1.0))
+    return f"{spread(errors)}, {inside} of {count} in their interval, {warnings} warnings"
+
+
 def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
@@ -337,6 +358,7 @@ def spread(errors: list[float]) -> str:
     return f"{np.median(found):.3g} / {found.max():.3g} %{missing}" if len(found) else f"none{missing}"
 
 
+NAMEPLATE = lm.Drivetrain.two_mass(**{**TABLE_I, "backlash": 0.01, "coulomb": 1.5})
 RAMPS, ENCODERS = "identification.backlash.ramps", "identification.backlash.two_encoders"
 FAULTS, SPEED = "io.recordings.signal_faults", "observers.motor_speed.parameters"
 TORQUE, TWO_MASS = "observers.fixed_gain.shaft_torque", "observers.filters.two_mass_parameters"
@@ -356,6 +378,17 @@ ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
         for name in ("SMOOTHING", "MOVING", "LATE")
     ),
     (LADDER, "STEADY", ladder_error),
+    *(
+        (f"identification.prediction_error.{file}", name, identification_error)
+        for file, name in (
+            ("initial_values", "RIGID_BAND"),
+            ("model_error", "PEAK_SHARE"),
+            ("identifiability", "CONTRADICTION"),
+            ("bootstrap", "FIRST"),
+            ("warnings", "COARSE"),
+            ("warnings", "SAMPLES_PER_PERIOD"),
+        )
+    ),
     ("identification.friction.torque_step", "CONSTANT", torque_step_error),
     ("identification.friction.inverse_dynamics", "SIGN_CUTOFF", emps_error),
     ("identification.shaft.ring_down", "STEP_WINDOW", ring_down_error),
