@@ -10,6 +10,7 @@ import pytest
 from lostmotion.controllers import pi
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
+from lostmotion.simulation import Sensor, simulate
 from lostmotion.systems import DiscreteSystem, connect
 
 
@@ -45,6 +46,39 @@ def rigid_drive(inertia, torque_load, dt):
         inputs=("torque_motor", "torque_load"), outputs=("speed_motor",), states=("speed",), dt=dt,
         A=[[1.0]], B=[[dt / inertia, -dt / inertia]], C=[[1.0]], name="rigid",
     )  # fmt: skip
+
+
+def test_with_the_realised_torque_it_does_not_wind_up_whoever_limits():
+    """By hand, with a drive that gives at most 3 Nm, one sample later; the law's own limit and friction are further."""
+    plant = Drivetrain.two_mass(
+        inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, coulomb=1.0, viscous=0.1, coulomb_motor=0.5
+    )
+    kp, ki, dt = 2.0, 50.0, 1e-3
+    for limit in (4.0, math.inf):
+        law = pi(dt=dt, kp=kp, ki=ki, torque_limit=limit, friction_of=plant, realised_torque=True)
+        state, integral, acting, last = law.init(), 0.0, 0.0, 0.0
+        for k in range(300):
+            reference, speed = (5.0, 0.0) if k < 200 else (0.2, 0.0)
+            wished = integral + kp * (reference - speed) + 1.5 + 0.1 * reference
+            state, (torque,), _ = law.step(state, [reference, speed, acting])
+            assert torque == pytest.approx(np.clip(wished, -limit, limit), abs=1e-9)
+            integral += dt * ki * (reference - speed) + dt * ki / kp * (acting - last)
+            acting, last = np.clip(torque, -3.0, 3.0), wished
+        # Wound up it would be 5·50·0.2 = 50 Nm.
+        assert abs(integral) < 15.0
+
+
+def test_a_drive_that_gives_less_than_asked_overshoots_less_with_the_realised_torque():
+    plant = Drivetrain.two_mass(
+        inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, damping=0.4, torque_limit=2.0
+    )
+    reference, overshoot = np.full(8000, 5.0), {}
+    for realised in (True, False):
+        law = pi(dt=1e-4, kp=4.0, ki=40.0, torque_limit=20.0, realised_torque=realised)
+        sensors = {"torque_motor_acting": Sensor("torque_motor")} if realised else {}
+        run = simulate(plant, dt=1e-4, law=law, delay=1, sensors=sensors, speed_reference=reference)
+        overshoot[realised] = np.max(run["speed_load"]) / 5.0 - 1.0
+    assert overshoot[True] < 0.25 * overshoot[False]
 
 
 def test_no_steady_error_under_load():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from table_i import PAPER, TABLE_I
@@ -220,6 +222,26 @@ def test_a_list_of_laws_does_what_the_joined_law_does():
     several, truth = lm.rig.record(3, law=[observer, control], speed_reference=reference)
     np.testing.assert_allclose(several["torque_motor"], one["torque_motor"], atol=1e-9)
     assert "speed_load_estimated" in truth.signals and "speed_load_estimated" not in several
+
+
+def test_a_stepper_is_a_law_like_any_other():
+    observer = lm.observers.extended_kalman(PAPER, dt=1e-4)
+    control = lm.controllers.hybrid_predictive(
+        PAPER, dt=1e-4, largest_error=1.0, largest_torque=73.5, torque_limit=73.5, contact_speed=0.4
+    )
+    reference = np.where(np.arange(1000) < 300, -1.0, 1.0)
+    acting = {"torque_motor": "torque_motor_acting"}
+    plant = varied_rig(3)
+    sensors = {**plant.sensors, "torque_motor_acting": lm.Sensor("torque_motor")}
+    recording, truth = lm.rig.record(
+        replace(plant, sensors=sensors), law=[observer.renamed(acting), control], speed_reference=reference
+    )
+    told = {name: truth.signals[name] for name in control.inputs if name in truth.signals}
+    told["torque_motor_acting"] = truth.signals["torque_motor"]
+    again = control.run(told)["torque_motor"]
+    # One sample of computing delay.
+    np.testing.assert_array_equal(truth.signals["torque_motor"][1:], again[:-1])
+    assert np.ptp(again) > 50.0 and "speed_load_estimated" not in recording
 
 
 def test_a_load_torque_acts_and_no_sensor_shows_it():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..argument_checks import checks_arguments, not_negative
 from ..curves import PiecewiseLinear, saturation
@@ -24,6 +25,7 @@ def pi(
     filter_time: float = 0.0,
     speed_filter_time: float = 0.0,
     friction_of: Drivetrain | None = None,
+    realised_torque: bool = False,
 ) -> DiscreteSystem:
     """PI speed controller of the **motor** speed.
 
@@ -35,7 +37,9 @@ def pi(
         integral⁺ = integral + dt·ki·e + dt·(ki/kp)·(torque_motor − (integral + kp·e + friction(reference)))
 
     The last term is the anti-windup by back-calculation: it is zero within the limit, and beyond it
-    returns the integral with the time constant kp/ki of the controller's own zero (chosen).
+    returns the integral with the time constant kp/ki of the controller's own zero (chosen). With ``realised_torque`` it
+    is the torque that acts less the one that was wished for it a sample before: so a drive that gives less than it is
+    asked for, hot or at low voltage, does not wind the integral up either.
 
     Parameters
     ----------
@@ -52,12 +56,16 @@ def pi(
     friction_of : Drivetrain, optional
         Its Coulomb and viscous friction, of all inertias, is fed forward by the reference, linear within
         ±``REFERENCE_BAND``; default: none.
+    realised_torque : bool
+        Whether the drive reports the torque set-point that acts, see ``lqi``: with one sample of computing delay, what
+        became of the last torque.
 
     Returns
     -------
     DiscreteSystem
-        Inputs speed_reference, speed_motor (rad/s); output torque_motor (Nm); states torque_integral (Nm) and, with
-        filters, speed_reference_filtered and speed_motor_filtered (rad/s).
+        Inputs speed_reference, speed_motor (rad/s), and with ``realised_torque`` torque_motor_acting (Nm); output
+        torque_motor (Nm); states torque_integral (Nm), with filters speed_reference_filtered and speed_motor_filtered
+        (rad/s), and with ``realised_torque`` torque_wished (Nm).
 
     Raises
     ------
@@ -77,9 +85,10 @@ def pi(
         "speed_motor_filtered": not_negative("pi.speed_filter_time", speed_filter_time),
     }
     filters = {name: time for name, time in filters.items() if time > 0.0}
-    states = ("torque_integral", *filters)
-    signals = (*states, "speed_reference", "speed_motor")
-    one = dict(zip(signals, np.eye(len(signals)), strict=True))
+    states = ("torque_integral", *filters, *(("torque_wished",) if realised_torque else ()))
+    inputs = ("speed_reference", "speed_motor", *(("torque_motor_acting",) if realised_torque else ()))
+    signals = (*states, *inputs)
+    one: dict[str, NDArray[np.float64]] = dict(zip(signals, np.eye(len(signals)), strict=True))
     integral, reference = one["torque_integral"], one.get("speed_reference_filtered", one["speed_reference"])
     decay = {name: math.exp(-dt / time) for name, time in filters.items()}
     updated = {
@@ -91,19 +100,27 @@ def pi(
     unlimited, step, n = integral + kp * (reference - motor), dt * (ki / kp), len(states)
     curves: list[PiecewiseLinear] = [] if friction_of is None else [_friction(friction_of)]
     z, w = [reference] * len(curves), np.ones((1, len(curves)))
+    wished, by_friction = unlimited, np.ones_like(w)
     # The integral goes towards what the torque leaves for it: with a limit that is the anti-windup.
-    follows, by_curves = integral + dt * ki * (reference - motor), 0.0 * w
+    free = integral + dt * ki * (reference - motor)
+    follows, by_curves = free, 0.0 * w
     if math.isfinite(torque_limit):
         curves.append(saturation(torque_limit))
         z, w = [*z, unlimited], np.eye(1, len(z) + 1, len(z))
         follows, by_curves = (1.0 - step) * integral, step * w - step * (1.0 - w)
-        unlimited = np.zeros(n + 2)
-    arguments, update = np.array(z).reshape(len(z), n + 2), np.array([follows, *updated.values()])
+        unlimited, by_friction = np.zeros(len(signals)), 1.0 - w
+    if realised_torque:
+        missing = one["torque_motor_acting"] - one["torque_wished"]
+        follows, by_curves = free + step * missing, 0.0 * w
+    arguments = np.array(z).reshape(len(z), len(signals))
+    update = np.array([follows, *updated.values(), *([wished] if realised_torque else [])])
+    by_others = np.zeros((n - 1, len(curves)))
+    by_others[len(filters) :] = by_friction
     return DiscreteSystem(
-        inputs=("speed_reference", "speed_motor"), outputs=("torque_motor",), states=states, dt=dt, name="pi",
+        inputs=inputs, outputs=("torque_motor",), states=states, dt=dt, name="pi",
         curves=tuple(curves), F=arguments[:, :n], G=arguments[:, n:], H=np.eye(len(curves), k=-1),
         C=unlimited[None, :n], D=unlimited[None, n:], J=w,
-        A=update[:, :n], B=update[:, n:], E=np.vstack([by_curves, np.zeros((n - 1, len(curves)))]),
+        A=update[:, :n], B=update[:, n:], E=np.vstack([by_curves, by_others]),
     )  # fmt: skip
 
 

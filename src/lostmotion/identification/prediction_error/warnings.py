@@ -167,20 +167,20 @@ def warnings(
     problems += _correlated(names, covariance)
     if not converged:
         problems.append(problem.still_moving())
-    problems += _of_prediction(prediction)
+    problems += _of_prediction(prediction, bool(names))
     samples = 1.0 / (found.pole_frequency * dt)
     if samples < SAMPLES_PER_PERIOD:
         problems.append(problem.few_samples_per_period(samples, SAMPLES_PER_PERIOD))
     return tuple(problems)
 
 
-def _of_prediction(prediction: Prediction) -> list[Problem]:
-    """What the innovations say about model and sensor."""
+def _of_prediction(prediction: Prediction, told: bool) -> list[Problem]:
+    """What the innovations say about model and sensor; ``told``: whether anything is identified in spite of them."""
     problems = []
     excess = low_frequency_excess(prediction.residual)
     if excess > NOT_WHITE and prediction.rms > NEGLIGIBLE * float(np.std(prediction.speed_motor)):
         problems.append(problem.not_white(excess, NOT_WHITE))
-    if is_too_coarse(prediction):
+    if not told and is_too_coarse(prediction):
         level = prediction.levels["speed_motor"]
         problems.append(problem.too_coarse(level, prediction.deviation, COARSE))
     if prediction.unmodelled_frequency is not None:

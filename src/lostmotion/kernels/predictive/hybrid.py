@@ -37,7 +37,7 @@ from .quadratic_program import form, solve
 #: No candidate (numerics: beyond every cost).
 NONE = 1e300
 #: Most steps for one candidate, and for all of a sample (calibrated on the virtual rigs 1 to 3).
-STEPS, ALL_STEPS = 12, 60
+STEPS, ALL_STEPS = 12, 40
 
 
 @njit("float64(float64[::1], float64[::1], float64, float64[::1])", cache=True)
