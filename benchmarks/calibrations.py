@@ -279,7 +279,7 @@ def twist_error() -> str:
 
 def turn_limit() -> str:
     """Largest error of the load speed, % of its range, at the sample time in which the closed mode turns so far."""
-    module = import_module("lostmotion.observers.fixed_gain.kalman")
+    module = import_module("lostmotion.observers.fixed_gain.sampled_model")
     limit, errors = module.LARGEST_TURN, []
     for factor, gap in ((1.0, 0.012), (0.1, 0.012), (1.0, 0.003), (10.0, 0.03)):
         plant = lm.Drivetrain.two_mass(**{**TABLE_I, "stiffness": factor * 6285.896, "backlash": gap})
@@ -396,7 +396,7 @@ ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
         (FAULTS, name, fault_warnings)
         for name in ("STUCK_RUNS", "STUCK_TIME", "DEAD_SHARE", "DEAD_TORQUE", "SPIKE")
     ),
-    ("observers.fixed_gain.kalman", "LARGEST_TURN", turn_limit),
+    ("observers.fixed_gain.sampled_model", "LARGEST_TURN", turn_limit),
     ("observers.fixed_gain.h_infinity", "MARGIN", h_infinity_error),
     (
         "observers.fixed_gain.gates",

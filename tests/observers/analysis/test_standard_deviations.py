@@ -11,7 +11,8 @@ from table_i import PAPER
 
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import disturbance_observer, h_infinity, kalman, shaft_torque, standard_deviations
-from lostmotion.observers.fixed_gain.kalman import covariances_of, sampled_model
+from lostmotion.observers.fixed_gain.kalman import covariances_of
+from lostmotion.observers.fixed_gain.sampled_model import sampled_model
 from lostmotion.signals import excitation
 from lostmotion.simulation import simulate
 

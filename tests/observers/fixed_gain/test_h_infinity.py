@@ -9,7 +9,8 @@ from table_i import PAPER
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import h_infinity, kalman
 from lostmotion.observers.fixed_gain.h_infinity import WEIGHTS, _gain, _smallest_level, _weight_rows
-from lostmotion.observers.fixed_gain.kalman import covariances_of, sampled_model
+from lostmotion.observers.fixed_gain.kalman import covariances_of
+from lostmotion.observers.fixed_gain.sampled_model import sampled_model
 from lostmotion.simulation import simulate
 
 DT = 1e-4

@@ -17,13 +17,12 @@ from ..arguments import flag, sensors, two_masses
 from ..fixed_gain.kalman import (
     MEASUREMENT_COVARIANCE,
     PROCESS_COVARIANCE,
-    SampledModel,
     covariances_of,
     expected_innovation,
     kalman,
     predictor_gain,
-    sampled_model,
 )
+from ..fixed_gain.sampled_model import SampledModel, sampled_model
 from ..model import SENSORS
 
 Array = NDArray[np.float64]

@@ -13,7 +13,8 @@ from ...errors import InvalidInput
 from ...systems import DiscreteSystem
 from ..arguments import mapping, number
 from ..scale import scale_of, sized
-from .kalman import SampledModel, covariances_of, predictor_gain, sampled_model
+from .kalman import covariances_of, predictor_gain
+from .sampled_model import SampledModel, sampled_model
 
 Array = NDArray[np.float64]
 
