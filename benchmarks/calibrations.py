@@ -8,17 +8,28 @@ numbers hardly differ says that the constant may be anything near; comments at t
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.identification import breakaway, friction_ladder, locked_backlash, lost_motion, torque_step
+from lostmotion.identification import (
+    breakaway,
+    friction_ladder,
+    locked_backlash,
+    lost_motion,
+    rigid_drive,
+    ring_down,
+    torque_step,
+)
+from lostmotion.observers import extended_kalman, h_infinity, kalman, neural_network, sliding_mode
 from lostmotion.recording import Recording
 
 DT = 1e-3
@@ -61,16 +72,16 @@ def locked_loads() -> list[tuple[Recording, float]]:
     return made
 
 
-def locked_backlash_error() -> str:
-    errors = []
-    for recording, gap in locked_loads():
-        value = locked_backlash(recording).values["backlash"]
-        errors.append(np.inf if value is None else abs(value / gap - 1.0))
-    return spread(errors)
+def identified(
+    find: Callable[[Recording], Any], name: str, recordings: Callable[[], list[tuple[Recording, float]]]
+) -> str:
+    """Errors of one value, found in recordings that come with the true one."""
+    found = [(find(recording).values[name], truth) for recording, truth in recordings()]
+    return spread([np.inf if value is None else abs(value / truth - 1.0) for value, truth in found])
 
 
 @cache
-def two_encoders() -> list[Recording]:
+def two_encoders() -> list[tuple[Recording, float]]:
     made = []
     t = np.arange(15_000) * DT
     for seed in SEEDS:
@@ -86,13 +97,8 @@ def two_encoders() -> list[Recording]:
             "angle_motor": counted(run["angle_motor"], 16, rng),
             "angle_load": counted(np.interp(t - 3.2e-3, t, run["angle_load"]), 16, rng),
         }
-        made.append(Recording(t, signals))
+        made.append((Recording(t, signals), 0.003))
     return made
-
-
-def lost_motion_error() -> str:
-    found = [lost_motion(recording).values["backlash"] for recording in two_encoders()]
-    return spread([np.inf if value is None else abs(value / 0.003 - 1.0) for value in found])
 
 
 @cache
@@ -106,14 +112,6 @@ def starts() -> list[tuple[Recording, float]]:
         level = max(truth.drivetrain.frictions[-1].level_at_rest)
         made.append((recording.with_signals("derived", angle_motor=angle), level))
     return made
-
-
-def breakaway_error() -> str:
-    errors = []
-    for recording, level in starts():
-        value = breakaway(recording).values["breakaway_plus"]
-        errors.append(np.inf if value is None else abs(value / level - 1.0))
-    return spread(errors)
 
 
 def ladder_error() -> str:
@@ -154,6 +152,184 @@ def torque_step_error() -> str:
     return f"{spread(errors)}, {silent} of {len(SEEDS)} silent"
 
 
+@cache
+def ringing() -> list[Recording]:
+    """Two steps of an oscillator of 28 Hz and 4 % damping, with noise of a tenth of the step."""
+    made, t, w = [], np.arange(12_000) * DT, 2.0 * np.pi * 28.0
+    for seed in range(1, 11):
+        rng = np.random.default_rng(seed)
+        y = 0.1 * rng.standard_normal(t.size)
+        for start, height in ((4.0, 1.0), (8.0, -1.0)):
+            u = np.maximum(t - start - rng.uniform(-0.2, 0.2), 0.0)
+            y += height * (u > 0.0) * (1.0 - np.exp(-0.04 * w * u) * np.cos(w * np.sqrt(1.0 - 0.04**2) * u))
+        made.append(Recording(t, {"torque_shaft": y}))
+    return made
+
+
+def ring_down_error() -> str:
+    """Of frequency, then of the damping ratio; and how many of the intervals of the latter hold it."""
+    found = [ring_down(recording) for recording in ringing()]
+    of = {name: [np.inf if f.values[name] is None else abs(f.values[name] / truth - 1.0) for f in found]
+          for name, truth in (("frequency", 28.0), ("damping_ratio", 0.04))}  # fmt: skip
+    held = [f.intervals["damping_ratio"] for f in found if f.values["damping_ratio"] is not None]
+    inside = sum(low <= 0.04 <= high for low, high in held)
+    return f"{spread(of['frequency'])}; {spread(of['damping_ratio'])}, {inside} of {len(found)} held"
+
+
+@cache
+def emps() -> Recording:
+    folder = Path(os.environ.get("LOSTMOTION_DATA", Path(__file__).parents[2] / "shared" / "data"))
+    columns = {"position": "qm", "force": {"column": "vir", "scale": 35.1507}}
+    return lm.read_recording(folder / "emps" / "DATA_EMPS.mat", time="t", channels=columns)
+
+
+def emps_error() -> str:
+    """Of the published inertia and Coulomb force of EMPS."""
+    values = rigid_drive(emps(), angle="position", torque="force").values
+    published = {"inertia": 95.1089, "coulomb": 20.3935, "viscous": 203.5034}
+    return spread([abs((values[name] or np.inf) / value - 1.0) for name, value in published.items()])
+
+
+@cache
+def driven() -> list[tuple[Recording, Any]]:
+    """Three seconds of excitation at 10 kHz on the rigs, motor speed and shaft torque, and the truth."""
+    torque = lm.signals.excitation(3.0, 1e-4, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    return [lm.rig.record(s, torque_motor=torque, channels=("speed_motor", "torque_shaft")) for s in SEEDS]
+
+
+def bursts(values: np.ndarray, fault: str, size: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Twenty milliseconds of a fault every 0.3 s; which samples are bad, and 20 ms from 50 ms after them."""
+    shown, bad, after = values.copy(), np.zeros(values.size, bool), np.zeros(values.size, bool)
+    for i, start in enumerate(range(6000, values.size - 1500, 3000)):
+        burst = slice(start, start + 200)
+        bad[burst] = after[start + 700 : start + 900] = True
+        shown[burst] = shown[start - 1] if fault == "frozen" else shown[burst] + (-1) ** i * size
+    return shown, bad, after
+
+
+def observer_error(make: Callable[..., Any], fault: str = "", size: float = 8.0, off: float = 1.0) -> str:
+    """Of the load speed, % of its range, rms (``off``: factor on the load inertia of its model); with a fault: how many
+    times as large after bursts of it, and the share of bad and of good samples that are flagged."""
+    errors, ratios, flagged = [], [], []
+    for recording, truth in driven():
+        plant = lm.Drivetrain.two_mass(**truth.parameters)
+        law = make(
+            plant.with_parameters(inertia_load=off * plant.inertia_load), dt=1e-4, speed_from_counts=True
+        )
+        data = {name: recording[name] for name in law.inputs}
+        exact, clean = truth.signals["speed_load"], law.run(data)
+        wrong = clean["speed_load_estimated"] - exact
+        errors.append(rms(wrong[10000:]) / float(np.ptp(exact)))
+        if fault:
+            shown, bad, after = bursts(data["speed_motor"], fault, size)
+            found = law.run({**data, "speed_motor": shown})
+            ratios.append(rms((found["speed_load_estimated"] - exact)[after]) / rms(wrong[after]))
+            flagged.append(
+                (np.mean(found["input_fault"][bad] != 0), np.mean(found["input_fault"][~bad] != 0))
+            )
+    if not fault:
+        return spread(errors)
+    of_bad, of_good = 100.0 * np.mean(flagged, axis=0)
+    return f"{np.median(ratios):.3g} / {max(ratios):.3g} times, flagged {of_bad:.3g} and {of_good:.2g} %"
+
+
+def h_infinity_error() -> str:
+    """Of the load speed with the true load inertia, and with one 20 % too small; the level is 1 + 0.1·factor."""
+    module = import_module("lostmotion.observers.fixed_gain.h_infinity")
+    # What counts is the distance from the smallest level.
+    level = 1.0 + (module.MARGIN / 1.1) * 0.1
+    make = partial(h_infinity, margin=level)
+    return f"{observer_error(make)}; {observer_error(make, off=0.8)}"
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def twist_error() -> str:
+    """Of the load speed, % of its range, of an observer of speed and twist at 1 ms on two masses without noise."""
+    plant = lm.Drivetrain.two_mass(**TABLE_I)
+    torque = lm.signals.excitation(5.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(plant, dt=DT, torque_motor=torque)
+    law = lm.observers.kalman(plant, measured=("speed_motor", "twist"), dt=DT)
+    found = law.run({name: run[name] for name in law.inputs})["speed_load_estimated"]
+    return spread([rms((found - run["speed_load"])[1000:]) / float(np.ptp(run["speed_load"]))])
+
+
+def turn_limit() -> str:
+    """Largest error of the load speed, % of its range, at the sample time in which the closed mode turns so far."""
+    module = import_module("lostmotion.observers.fixed_gain.kalman")
+    limit, errors = module.LARGEST_TURN, []
+    for factor, gap in ((1.0, 0.012), (0.1, 0.012), (1.0, 0.003), (10.0, 0.03)):
+        plant = lm.Drivetrain.two_mass(**{**TABLE_I, "stiffness": factor * 6285.896, "backlash": gap})
+        dt = limit / module.mode_rate(plant)
+        torque = lm.signals.excitation(20.0, dt, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+        run = lm.simulate(plant, dt=dt, torque_motor=torque)
+        law = lm.observers.kalman(plant, dt=dt)
+        with np.errstate(all="ignore"):
+            found = law.run({name: run[name] for name in law.inputs})["speed_load_estimated"]
+        errors.append(float(np.max(np.abs(found - run["speed_load"]))) / float(np.ptp(run["speed_load"])))
+    return spread(errors)
+
+
+@cache
+def closed_shaft() -> list[tuple[Recording, np.ndarray]]:
+    made = []
+    plant = lm.Drivetrain.two_mass(
+        inertia_motor=0.01, inertia_load=0.02, stiffness=110.0, coulomb=0.3, viscous=0.01
+    )
+    for seed in SEEDS:
+        rng = np.random.default_rng(seed)
+        exact = lm.simulate(
+            plant, dt=DT, torque_motor=3.0 + lm.signals.noise(1.0, 60.0, 1.0, 4.0, DT, seed=seed)
+        )
+        shown = {"speed_motor": 0.01, "torque_shaft": 0.02}
+        shown = {name: exact[name] + size * rng.standard_normal(len(exact)) for name, size in shown.items()}
+        made.append((Recording(exact.time, shown), exact["speed_load"]))
+    return made
+
+
+def shaft_torque_error() -> str:
+    """After jumps of 5 Nm for 2 ms and zeros for 20 ms: the load speed's error against that without a fault."""
+    ratios = []
+    for recording, exact in closed_shaft():
+        law = lm.observers.shaft_torque(110.0, dt=DT)
+        clean = law.run(recording)["speed_load_estimated"] - exact
+        for length, zero in ((2, False), (20, True)):
+            torque, after = recording["torque_shaft"].copy(), np.zeros(exact.size, bool)
+            for start in range(600, 3800, 300):
+                burst = slice(start, start + length)
+                torque[burst] = 0.0 if zero else torque[burst] + 5.0
+                after[start + length : start + length + 50] = True
+            found = law.run({"speed_motor": recording["speed_motor"], "torque_shaft": torque})
+            ratios.append(rms((found["speed_load_estimated"] - exact)[after]) / rms(clean[after]))
+    return f"{np.median(ratios):.3g} / {max(ratios):.3g} times"
+
+
+def fault_warnings() -> str:
+    """Warnings of the rigs' own recordings, then of the same with a speed that sticks, is dead, or has a spike."""
+    from lostmotion.io.recordings import signal_faults
+
+    counts = np.zeros(4, int)
+    for recording, _ in driven():
+        for kind in range(4):
+            speed = recording["speed_motor"].copy()
+            if kind == 1:
+                speed[8000:8300] = speed[8000]
+            elif kind == 2:
+                speed[9000:15000] = 0.0
+            elif kind == 3:
+                speed[7777] += 20000.0 * float(np.std(np.diff(speed)))
+            signals = {name: speed if name == "speed_motor" else recording[name] for name in recording}
+            counts[kind] += bool(
+                signal_faults.stuck("speed_motor", speed, recording, "")
+                + signal_faults.dead(signals, recording.time, "")
+                + signal_faults.spikes("speed_motor", speed, recording, "")
+            )
+    clean, *found = counts
+    return f"{clean} false, found " + " ".join(f"{n} of {len(SEEDS)}" for n in found)
+
+
 def spread(errors: list[float]) -> str:
     values = 100.0 * np.array(errors)
     found = values[np.isfinite(values)]
@@ -162,14 +338,52 @@ def spread(errors: list[float]) -> str:
 
 
 RAMPS, ENCODERS = "identification.backlash.ramps", "identification.backlash.two_encoders"
+FAULTS, SPEED = "io.recordings.signal_faults", "observers.motor_speed.parameters"
+TORQUE, TWO_MASS = "observers.fixed_gain.shaft_torque", "observers.filters.two_mass_parameters"
 BREAK, LADDER = "identification.friction.breakaway", "identification.friction.constant_speeds"
 #: Module, constant, what is measured (median / largest error).
 ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
-    *((RAMPS, name, locked_backlash_error) for name in ("REVERSAL", "CLEARANCE", "JUMP", "SWING")),
-    *((ENCODERS, name, lost_motion_error) for name in ("CUTOFF", "TURNING", "IN_CONTACT")),
-    *((BREAK, name, breakaway_error) for name in ("SMOOTHING", "MOVING", "LATE")),
+    *(
+        (RAMPS, name, partial(identified, locked_backlash, "backlash", locked_loads))
+        for name in ("REVERSAL", "CLEARANCE", "JUMP", "SWING")
+    ),
+    *(
+        (ENCODERS, name, partial(identified, lost_motion, "backlash", two_encoders))
+        for name in ("CUTOFF", "TURNING", "IN_CONTACT")
+    ),
+    *(
+        (BREAK, name, partial(identified, breakaway, "breakaway_plus", starts))
+        for name in ("SMOOTHING", "MOVING", "LATE")
+    ),
     (LADDER, "STEADY", ladder_error),
     ("identification.friction.torque_step", "CONSTANT", torque_step_error),
+    ("identification.friction.inverse_dynamics", "SIGN_CUTOFF", emps_error),
+    ("identification.shaft.ring_down", "STEP_WINDOW", ring_down_error),
+    *(
+        (FAULTS, name, fault_warnings)
+        for name in ("STUCK_RUNS", "STUCK_TIME", "DEAD_SHARE", "DEAD_TORQUE", "SPIKE")
+    ),
+    ("observers.fixed_gain.kalman", "LARGEST_TURN", turn_limit),
+    ("observers.fixed_gain.h_infinity", "MARGIN", h_infinity_error),
+    (
+        "observers.fixed_gain.gates",
+        "OPEN_AT",
+        partial(observer_error, partial(kalman, contact_scheduling=True)),
+    ),
+    *(
+        ("observers.fixed_gain.shaft_torque", name, shaft_torque_error)
+        for name in ("TORQUE_DEVIATIONS", "HOLD", "MEMORY")
+    ),
+    *(
+        (SPEED, name, partial(observer_error, sliding_mode, "jump"))
+        for name in ("JUMP_LIMIT", "JUMP_LIMIT_RATE")
+    ),
+    ("observers.motor_speed.neural_network", "INNOVATION", partial(observer_error, neural_network, off=0.8)),
+    (TWO_MASS, "EIGENMODE_TURN", partial(observer_error, extended_kalman)),
+    *(
+        (TWO_MASS, name, partial(observer_error, extended_kalman, "jump"))
+        for name in ("GATE", "LARGEST_DEVIATION")
+    ),
 )
 
 

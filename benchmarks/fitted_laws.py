@@ -182,7 +182,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--from", dest="family", choices=["rig", "zoo"], default="rig")
     arguments = parser.parse_args()
-    passed = dict.fromkeys(LAWS, 0)
+    made, passed = dict.fromkeys(LAWS, 0), dict.fromkeys(LAWS, 0)
     print(f"| {' | '.join(HEADS)} |\n|" + "---|" * len(HEADS))
     everyone = zoo_drives(arguments.set) if arguments.family == "zoo" else rig_drives(arguments.set)
     for drive in islice(everyone, arguments.first, arguments.first + arguments.drives):
@@ -190,24 +190,37 @@ def main() -> None:
         laws = design(material, found)
         if found.drivetrain is None:
             inertia = drive.rig.drivetrain.inertia_total
-            print(f"| {drive.seed} | {inertia:.1e} | not identified: {found.missing} |")
+            print(f"| {drive.seed} | {inertia:.1e} | no laws: {found.missing} |", flush=True)
             continue
         d = found.drivetrain
+        reasons = {
+            "pi": laws.pi_skipped,
+            "pole_placement": laws.skipped,
+            "soft_landing": laws.landing_skipped,
+        }
         for name in LAWS:
             metrics, _ = judged(drive, laws, name)
+            made[name] += bool(metrics)
             passed[name] += passes(metrics, drive.torque_limit)
-            source = laws.taken["pi_kp" if name == "pi" else "poles"]["source"]
-            cells = [
-                "–" if (v := metrics.get(n)) is None else f"{scale * v:.3g}"
-                for n, scale in (
-                    ("overshoot", 1.0), ("settling_time", 1e3), ("steady_error", 100.0),
-                    ("peak_torque", 1.0 / drive.torque_limit), ("impact_speed", 1.0),
-                )
-            ]  # fmt: skip
             drawn = (d.inertia_total, d.inertia_load / d.inertia_motor, d.pole_frequency, 1e3 * laws.dt)
-            row = [str(drive.seed), *(f"{value:.2g}" for value in drawn), name, *cells, source]
+            row = [str(drive.seed), *(f"{value:.2g}" for value in drawn), name]
+            row += (
+                _cells(metrics, drive.torque_limit, laws, name) if metrics else [f"refused: {reasons[name]}"]
+            )
             print(f"| {' | '.join(row)} |", flush=True)
-    print(", ".join(f"{name}: {passed[name]} of {arguments.drives}" for name in LAWS))
+    counts = (f"{name}: {made[name]} handed out, {passed[name]} of them within all targets" for name in LAWS)
+    print(f"{arguments.drives} drives. " + "; ".join(counts))
+
+
+def _cells(metrics: dict[str, float | None], limit: float, laws: Design, name: str) -> list[str]:
+    """Of the table: the metrics of a law, and whether it meets the targets or what limits it."""
+    scales = (
+        ("overshoot", 1.0), ("settling_time", 1e3), ("steady_error", 100.0), ("peak_torque", 1.0 / limit),
+        ("impact_speed", 1.0),
+    )  # fmt: skip
+    cells = ["–" if (v := metrics.get(n)) is None else f"{scale * v:.3g}" for n, scale in scales]
+    source = str(laws.taken["pi_kp" if name == "pi" else "poles"]["source"])
+    return [*cells, source if passes(metrics, limit) else f"**fails**, {source}"]
 
 
 if __name__ == "__main__":

@@ -197,7 +197,7 @@ def test_impossible_sample_times_are_refused(tmp_path: Path, dt: float) -> None:
 def test_places_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
     (tmp_path / "ex.csv").write_text("")
     (tmp_path / "dd.png").mkdir()
-    for place in (tmp_path / "ex.csv" / "x", Path(), tmp_path / "a\0b", tmp_path / ("n" * 5000)):
+    for place in (tmp_path / "ex.csv" / "x", Path(), Path(".."), tmp_path / "a\0b", tmp_path / ("n" * 5000)):
         with pytest.raises(lm.InvalidInput, match="expected"), outputs(place, ".json"):
             pytest.fail("the work was started")
     with pytest.raises(lm.InvalidInput, match=r"dd\.png"), outputs(tmp_path / "dd", ".json", ".png"):

@@ -45,3 +45,12 @@ def test_value_and_interval_have_the_same_decimals(numbers, shown) -> None:
 
 def test_an_empty_table_is_no_text() -> None:
     assert parameters.text({}) == ""
+
+
+def test_markdown_is_aligned_for_a_terminal() -> None:
+    markdown = (
+        "Leaderboard:\n\n| observer | error |\n|---|---|\n| H∞ | 1.05 |\n| Observer 1 | – |\n\nTwo rigs."
+    )
+    assert tables.aligned(markdown).split("\n") == [
+        "Leaderboard:", "", "  observer    error", "  H∞          1.05", "  Observer 1  –", "", "Two rigs.",
+    ]  # fmt: skip

@@ -11,8 +11,6 @@ from plants import trajectory
 import lostmotion as lm
 from lostmotion.drivetrain import Actuator, Drivetrain, Friction, Shaft
 
-DT = 1e-4
-
 
 @dataclass(frozen=True)
 class Judged:
@@ -26,6 +24,9 @@ class Judged:
     def counts(self) -> bool:
         """Whether the reference's runs at rtol 1e-12 and 1e-13 agree."""
         return self.disagreement <= 1e-10
+
+
+DT = 1e-4
 
 
 def friction(rng: np.random.Generator, kind: int) -> Friction:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -10,11 +11,13 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.drivetrain import Actuator
 from lostmotion.errors import Problem
+from lostmotion.rig import Rig
 from lostmotion.stages.design import design
 from lostmotion.stages.material import Material, Settings
 from lostmotion.stages.parameters import Found, find_parameters
-from lostmotion.stages.validation import validate_controllers
+from lostmotion.stages.validation import control_step, judged_step, validate_controllers
 
 DT = 2e-4
 KNOWN = {
@@ -123,6 +126,19 @@ def test_counts_that_are_too_coarse() -> None:
     assert not [p for p in helped.problems if "Nothing is identified" in p.remedy]
 
 
+def test_counts_that_are_too_coarse_are_one_message(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the second estimator says besides: it saw the same counts."""
+    from lostmotion.identification.prediction_error import problems
+
+    # The package's function hides the module of its name.
+    module = sys.modules["lostmotion.identification.prediction_error.identify"]
+    monkeypatch.setattr(module, "confirmed", lambda *fit: (*fit[:3], [problems.rigid()]))
+    coarse = find_parameters(material(recorded(1.0, step=15.0), START))
+    assert told(coarse, "Nothing is identified").where == "speed_motor"
+    fine = find_parameters(material(recorded(1.0), START))
+    assert told(fine, "Nothing is identified").where == "identification"
+
+
 @pytest.mark.parametrize("name", ["inertia_motor", "inertia_load", "stiffness"])
 def test_a_parameter_that_is_not_known(name: str) -> None:
     """The nameplate's key."""
@@ -221,6 +237,82 @@ def test_too_few_samples_in_a_period() -> None:
 def test_too_short_a_recording() -> None:
     assert "Record longer" in find_parameters(material(recorded(0.3), START)).skipped
     assert not find_parameters(material(recorded(1.0), START)).skipped
+
+
+def width(found: Found, name: str) -> float:
+    """Of the 95 % interval over the value."""
+    entry = found.table[name]
+    return float((entry["high"] - entry["low"]) / entry["value"])
+
+
+def test_gaps_in_the_recording() -> None:
+    """One long piece."""
+    whole = recorded(3.4)
+    speed = whole["speed_motor"].copy()
+    speed[4250::4250] = np.nan
+    pieces = find_parameters(material(whole.with_signals("measured", speed_motor=speed), START))
+    assert "a long piece tells more" in told(pieces, "starts anew after each gap").remedy
+    helped = find_parameters(material(whole, START))
+    assert not about(helped, "gap")
+    assert width(helped, "damping") < 0.5 * width(pieces, "damping")
+
+
+def test_rows_that_are_taken_as_one() -> None:
+    """A finer encoder."""
+    coarse = find_parameters(material(recorded(1.5, step=2.0), START))
+    assert told(coarse, "A finer encoder tells more").where == "speed_motor"
+    helped = find_parameters(material(recorded(1.5, step=0.2), START))
+    assert not about(helped, "encoder")
+    for name in ("inertia_motor", "stiffness", "backlash"):
+        assert width(helped, name) < 0.5 * width(coarse, name), name
+
+
+def pushed_one_way() -> lm.Recording:
+    """The motor drives in one direction with more torque than its noise takes off: the gap stays closed."""
+    torque = 4.0 + lm.signals.noise(2.0, 200.0, 0.5, 2.0, DT, seed=2)
+    run = lm.simulate(lm.Drivetrain.two_mass(**KNOWN), torque_motor=torque, dt=DT)
+    speed = run["speed_motor"] + 1e-3 * np.random.default_rng(1).standard_normal(len(run))
+    return lm.Recording(run.time, {"torque_motor": run["torque_motor"], "speed_motor": speed})
+
+
+def test_a_backlash_that_is_not_excited() -> None:
+    """Reversals of the shaft torque."""
+    without = find_parameters(material(pushed_one_way(), START))
+    assert told(without, "Record reversals of the shaft torque").where == "backlash"
+    assert without.table["backlash"]["value"] is None
+    helped = find_parameters(material(recorded(1.5), START))
+    assert not about(helped, "Record reversals of the shaft torque")
+    assert helped.table["backlash"]["value"] == pytest.approx(KNOWN["backlash"], rel=0.02)
+
+
+def test_a_mode_beyond_the_model() -> None:
+    """Smaller ``kp`` and ``ki`` under [law], where the mode of a third inertia (640 Hz, hardly damped) rings."""
+    plant = lm.Drivetrain(
+        (0.012, 0.006, 0.11),
+        (lm.Shaft(60_000.0, damping=0.02), lm.Shaft(9_000.0, damping=0.4, backlash=0.012)),
+        (lm.Friction(), lm.Friction(), lm.Friction(coulomb=2.0, viscous=0.0175)),
+        Actuator(3e-4, 40.0),
+    )
+    torque = lm.signals.excitation(2.0, DT, seed=3, inertia=0.128, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(plant, torque_motor=torque, dt=DT)
+    speed = run["speed_motor"] + 1e-3 * np.random.default_rng(1).standard_normal(len(run))
+    recording = lm.Recording(run.time, {"torque_motor": run["torque_motor"], "speed_motor": speed})
+    asked = material(recording, START, torque_limit=40.0)
+    found = find_parameters(asked)
+    assert (
+        "smaller kp and ki, or slower poles, under [law]" in told(found, "A further inertia or shaft").remedy
+    )
+    rig = Rig(plant, {name: lm.Sensor(name) for name in ("speed_motor", "speed_load")}, 1)
+    default = design(asked, found)
+    gains = {name: default.taken[f"pi_{name}"]["value"] for name in ("kp", "ki")}
+    smaller = {"kp": gains["kp"] / 3.0, "ki": gains["ki"] / 9.0}
+    helped = design(material(recording, START, torque_limit=40.0, **smaller), found)
+    steady = []
+    for laws in (default, helped):
+        assert laws.pi is not None
+        response = control_step(rig, laws.pi, DT, default.step)
+        steady.append(judged_step(response, default.step)["steady_error"])
+    assert steady[0] > 0.05 and steady[1] < 0.005, steady
 
 
 def test_no_sample_time() -> None:

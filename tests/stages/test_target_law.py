@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lostmotion.certificates import margins
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.metrics import step_metrics
 from lostmotion.simulation import simulate
@@ -34,6 +35,17 @@ def test_the_default_keeps_its_margin_and_says_what_limits_it() -> None:
         poles = default_poles(drive, dt, False)
         assert poles.source == limit
         assert law_margin(drive, poles.values, dt, False).sensitivity <= LARGEST_SENSITIVITY
+
+
+def test_it_has_a_margin_in_every_contact_state() -> None:
+    """30° is the least that is usual (Åström & Murray 2021, Feedback Systems, section 10.3); the gap open and the load
+    held are not what the poles are chosen by."""
+    law = target_law(DRIVE, default_poles(DRIVE, DT, True).values, 70.0, DT, True)
+    found = margins(DRIVE, law, delay=1, torque_load=-20.0)
+    assert len(found) == 4
+    for state, margin in found.items():
+        assert margin.stable and margin.phase is not None, state
+        assert math.degrees(margin.phase) > 30.0 and margin.disk > 0.5 and margin.delay > 5e-4, state
 
 
 def test_late_and_noisy_drives_get_slower_laws() -> None:

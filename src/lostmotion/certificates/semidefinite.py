@@ -106,7 +106,7 @@ class Inequalities:
         """Unknowns with a margin in bases in which each condition is the identity at a centre; None if none has.
 
         The largest margin is often below Clarabel's tolerance: V of a slow motion falls in a sample by 1e-8 of what V
-        of a fast one does, and no scaling of states helps. Around a centre that satisfies the conditions nearly,
+        of a fast one does, and no scaling of states helps. Around a centre that nearly satisfies the conditions,
         margins are shares of what each motion has there.
         """
         parts = self._around(centre)

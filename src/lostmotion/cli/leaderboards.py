@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..display.tables import aligned
 from .compiling import compile_kernels
-from .messages import finished, interruptible
+from .messages import finished, interruptible, say
 
 if TYPE_CHECKING:
     from ..compare.score_table import ScoreTable
@@ -134,5 +136,6 @@ def _compare(
         lines("compare", 0.0)
         table = work(lambda fraction, text: lines("compare", fraction, text))
         lines("compare", 1.0)
-    typer.echo(table.to_markdown())
+    shown = table.to_markdown()
+    say(aligned(shown) if sys.stdout.isatty() else shown)
     finished([], out, *(f"/leaderboard.{ending}" for ending in ("md", "json", "csv", "svg")))

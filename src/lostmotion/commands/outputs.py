@@ -39,7 +39,7 @@ def outputs(
         Before anything is computed: where a file cannot be written, is one of the sources, or is there and not as this
         package wrote it (unless ``force``).
     """
-    if not out.name:
+    if out.name in ("", ".."):
         raise InvalidInput(str(out), "a folder", "the name of the files to write", "Add a name.")
     files = tuple(Path(f"{stem(out)}{suffix}") for suffix in suffixes)
     check_writable(*files, sources=sources)

@@ -34,8 +34,8 @@ Array = NDArray[np.float64]
 
 #: Shown as bands, and summed up.
 _SIGNALS = ("speed_motor", "speed_load", "twist", "torque_shaft")
-#: Bytes of memory that a variant takes, and seconds of one core for each of its samples and inertias (calibrated,
-#: machine not recorded).
+#: Bytes of memory that a variant takes, and seconds of one core for each of its samples and inertias (numerics: 200
+#: samples of each of four signals, three times; calibrated on two cores of an Intel Xeon, docs/benchmarks/batch.md).
 MEMORY, SECONDS = 20e3, 2e-8
 #: Names that ``simulation.batch.store`` gives to chunks.
 _CHUNK = re.compile(r"variants-\d{6,}(\.summary)?\.npz", re.ASCII)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +33,18 @@ def _indices(n: int) -> NDArray[np.int64]:
 
 def median(values: Sequence[float]) -> Estimate:
     """Median over seeds; the interval by resampling the seeds (Efron 1979, percentiles)."""
+    return _resampled(values, np.median)
+
+
+def share(values: Sequence[float]) -> Estimate:
+    """Share of seeds with a one, out of zeros and ones; the interval likewise."""
+    return _resampled(values, np.mean)
+
+
+def _resampled(values: Sequence[float], statistic: Callable[..., Any]) -> Estimate:
     array = np.asarray(values, dtype=float)
-    resampled = np.median(array[_indices(array.size)], axis=1)
-    low, high = np.percentile(resampled, [2.5, 97.5])
-    return Estimate(float(np.median(array)), float(low), float(high))
+    low, high = np.percentile(statistic(array[_indices(array.size)], axis=1), [2.5, 97.5])
+    return Estimate(float(statistic(array)), float(low), float(high))
 
 
 def ratio(own: Mapping[int, float], reference: Mapping[int, float]) -> Estimate | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Sequence
 from html import escape
+from itertools import groupby
 
 #: Columns of a representation (option: as wide as most terminals at least).
 WIDTH = 100
@@ -18,6 +19,18 @@ def text(rows: Iterable[Sequence[str]], indent: str = "  ") -> str:
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     lines = ("  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) for row in cells)
     return plain("\n".join(f"{indent}{line}".rstrip() for line in lines))
+
+
+def aligned(markdown: str) -> str:
+    """The same text with its tables in aligned columns, for a terminal."""
+    parts = []
+    for of_table, lines in groupby(markdown.split("\n"), key=lambda line: line.startswith("|")):
+        if of_table:
+            rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+            parts.append(text([row for row in rows if not all(set(cell) <= set("-:") for cell in row)]))
+        else:
+            parts += lines
+    return "\n".join(parts)
 
 
 def listing(items: Iterable[str], indent: str = "  ", later: str = "  ") -> str:

@@ -18,10 +18,9 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io.storage.whole_files import make_folder, write_bytes
 from ..io.storage.written_files import replacing
-from ..recording import unit_of
 from ..systems import DiscreteSystem, Stepper
 from .compiler import C_FLAGS, NO_COMPILER, find_compiler, run
-from .facts import facts
+from .facts import facts, spelling
 from .stepper_context import stepper_context
 
 #: Largest difference, relative to the largest output, up to which a check passes in single precision (option:
@@ -245,14 +244,7 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
     return {
         **rows,
         "unused": [symbol for symbol in symbols if symbol not in used],
-        "name": name,
-        "guard": f"{name.upper()}_H",
-        "real": real,
-        "flags": " ".join(C_FLAGS),
-        "law_name": law.name.replace("*/", "* /"),
-        "dt": repr(law.dt),
-        "inputs": [(n, unit_of(n)) for n in law.inputs],
-        "outputs": [(n, unit_of(n)) for n in law.outputs],
+        **spelling(law, name, real),
         "states": law.states,
         "initial_state": [repr(float(v)) for v in law.initial_state],
         "curves": curves,

@@ -14,10 +14,25 @@ from ..plain_data import shown
 from ..recording import unit_of
 from ..systems import DiscreteSystem, Stepper
 from ..version import VERSION
+from .compiler import C_FLAGS
 
 #: The environment variable that sets the date (s since 1970), so that the same law gives the same bytes on any day:
 #: reproducible-builds.org/specs/source-date-epoch.
 EPOCH = "SOURCE_DATE_EPOCH"
+
+
+def spelling(law: DiscreteSystem | Stepper, name: str, real: str) -> dict[str, Any]:
+    """For the templates: how names, numbers and signals of any law are written in C."""
+    return {
+        "name": name,
+        "guard": f"{name.upper()}_H",
+        "real": real,
+        "flags": " ".join(C_FLAGS),
+        "law_name": law.name.replace("*/", "* /"),
+        "dt": repr(law.dt),
+        "inputs": [(n, unit_of(n)) for n in law.inputs],
+        "outputs": [(n, unit_of(n)) for n in law.outputs],
+    }
 
 
 def facts(law: DiscreteSystem | Stepper, drivetrain: Drivetrain | None) -> dict[str, Any]:

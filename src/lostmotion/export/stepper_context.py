@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..recording import unit_of
 from ..systems import Stepper
-from .compiler import C_FLAGS
+from .facts import spelling
 from .kernel_source import c_functions
 
 
@@ -14,14 +13,7 @@ def stepper_context(law: Stepper, name: str, real: str) -> dict[str, Any]:
     """For ``stepper.c.jinja``, and for header and README as those of a DiscreteSystem."""
     start = law.functions.init(law.parameters.copy())
     return {
-        "name": name,
-        "guard": f"{name.upper()}_H",
-        "real": real,
-        "flags": " ".join(C_FLAGS),
-        "law_name": law.name.replace("*/", "* /"),
-        "dt": repr(law.dt),
-        "inputs": [(n, unit_of(n)) for n in law.inputs],
-        "outputs": [(n, unit_of(n)) for n in law.outputs],
+        **spelling(law, name, real),
         "states": range(start.size),
         "initial_state": [repr(float(value)) for value in start],
         "parameters_in_order": [repr(float(value)) for value in law.parameters],

@@ -80,7 +80,7 @@ def stability_range(
     axis.set_yticks(range(len(proofs)), list(proofs))
     axis.grid(False, axis="y")
     axis.set_xlabel("load speed (rad/s), standstill to the left; hatched: not proved")
-    axis.set_title(title)
+    axis.set_title(title, fontweight="bold")
     return figure
 
 

@@ -40,7 +40,7 @@ _NAMES = {
 _TAKEN = {
     "sample_time": "Sample time",
     "torque_limit": "Torque limit",
-    "not_told": "Not told by the recording",
+    "not_told": "Not identified from the recording",
     "poles": "Poles of the state feedback",
     "integral_action": "Integral action of the state feedback",
     "pi_kp": "PI: kp",

@@ -29,10 +29,10 @@ def not_told(found: Found) -> frozenset[str]:
 
 
 def possible_drives(drivetrain: Drivetrain, unknown: frozenset[str]) -> tuple[Drivetrain, ...]:
-    """The drivetrain, and the corners of what is not told of it.
+    """The drivetrain, and the corners of what is not identified of it.
 
-    Inertias and stiffness are a factor ``OFF`` off, either way, and the lag is longer. Where the backlash is not told
-    there is one: how large it is does not change what a small oscillation sees of it.
+    Inertias and stiffness are a factor ``OFF`` off, either way, and the lag is longer. Where the backlash is not
+    identified there is one: how large it is does not change what a small oscillation sees of it.
     """
     least = {}
     if "damping" in unknown and not drivetrain.damping > 0.0:

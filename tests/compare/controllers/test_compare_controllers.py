@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from lostmotion.compare import compare_controllers
-from lostmotion.compare.controllers import CASES, CONTESTANTS
+from lostmotion.compare.controllers import CASES, CONTESTANTS, ControlTable
 from lostmotion.compare.controllers.cases import WORKS
 from lostmotion.compare.controllers.experiment import experiment, run, zoo_drive
+from lostmotion.compare.controllers.score_controllers import score_controllers
 from lostmotion.compare.controllers.scores import score
 from lostmotion.compare.controllers.work import work
 from lostmotion.errors import InvalidInput
@@ -145,8 +146,30 @@ def test_tables(small):
     rows = list(csv.DictReader((folder / "leaderboard.csv").open()))
     assert [row["controller"] for row in rows] == 2 * ["PI, Table II", "pole placement"]
     text = (folder / "leaderboard.md").read_text()
-    assert text.count("| pole placement |") == 5 and "encoder 10 to 18 bit" in text
+    assert text.count("| pole placement |") == 6 and "encoder 10 to 18 bit" in text
     assert (folder / "leaderboard.svg").stat().st_size > 5000
+
+
+def test_a_law_that_cannot_be_designed_is_refused_and_the_rest_goes_on(monkeypatch):
+    def impossible(setting):
+        raise InvalidInput("controller", "this drive", "another", "None.")
+
+    entries = [replace(ENTRY["PI, Table II"], control=impossible), ENTRY["pole placement"]]
+    monkeypatch.setattr("lostmotion.compare.controllers.score_controllers.CONTESTANTS", entries)
+    _, _, found = score_controllers(("true states", 1, None, ("PI, Table II", "pole placement")))
+    assert found["PI, Table II"]["refused"] == 1.0 and found["PI, Table II"]["overshoot"] is None
+    assert found["pole placement"]["refused"] == 0.0 and found["pole placement"]["overshoot"] < 2.0
+
+
+def test_what_is_told_of_unstable_runs_is_their_share():
+    scores = {
+        "step": {seed: {"LQI": {"unstable": float(seed == 1), "overshoot": 2.0}} for seed in (1, 2, 3, 4)}
+    }
+    table = ControlTable({"LQI": "speed"}, (CASE["step"],), (1, 2, 3, 4), scores, {})
+    found = table.median("LQI", "step", "unstable")
+    assert found.value == 0.25 and found.low == 0.0 and found.high > 0.25
+    assert table.median("LQI", "step", "overshoot").value == 2.0
+    assert "| 2 |" in table.to_markdown() and "| 25 |" in table.to_markdown()
 
 
 def test_it_goes_on_where_it_was_stopped(small):

@@ -299,8 +299,8 @@ def test_misuse_is_told_at_once():
         lm.identify(broken(speed_motor=1e9 * good["speed_motor"]), start=PLANT)
     with pytest.raises(lm.InvalidInput, match="every parameter"):
         lm.identify(good, start=PLANT, fixed=NAMES)
-    with pytest.raises(lm.InvalidInput, match="at least 2000 rows"):
-        lm.identify(good.window(0.0, 0.1), start=PLANT)
+    with pytest.raises(lm.InvalidInput, match="at least 1000 rows"):
+        lm.identify(good.window(0.0, 0.05), start=PLANT)
     with pytest.raises(lm.InvalidInput, match="torque_motor"):
         lm.identify(good.only("speed_motor"), start=PLANT)
     with pytest.raises(lm.InvalidInput, match="stifness"):

@@ -19,14 +19,17 @@ from lostmotion.identification.statistics.levenberg_marquardt import Fit
 
 
 @cache
-def found(bits: int = 20, drift: float = 0.0, factor: float = 1.0) -> Identification:
+def found(
+    bits: int = 20, drift: float = 0.0, factor: float = 1.0, second_estimator: bool = True
+) -> Identification:
     torque = lm.signals.excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     load = drift * np.sin(2.0 * np.pi * np.arange(20000) * DT / 4.0)
     run = lm.simulate(PLANT, torque_motor=torque, torque_load=load, dt=DT)
     count = 2.0 * np.pi / 2**bits
     speed = speed_from_counts(run, count)
     recording = run.only("torque_motor").with_signals("measured", speed_motor=speed)
-    return lm.identify(recording, start=PLANT.with_parameters(stiffness=factor * PLANT.stiffness))
+    start = PLANT.with_parameters(stiffness=factor * PLANT.stiffness)
+    return lm.identify(recording, start=start, second_estimator=second_estimator)
 
 
 def told(result: Identification, words: str) -> list[Problem]:
@@ -64,10 +67,19 @@ def test_values_from_coarse_counts_are_right_or_not_told(bits: int):
 
 def test_nothing_is_told_where_no_rows_can_be_joined():
     """Counts of 9 bit: joining six rows leaves too much of the speed's variation."""
-    result = found(bits=9)
+    result = found(bits=9, second_estimator=False)
     assert set(result.sources.values()) == {"not excited"} and result.intervals == {}
     assert any("Nothing is identified" in p.remedy for p in result.problems)
     assert result.drivetrain.stiffness == pytest.approx(PLANT.stiffness)
+
+
+def test_the_second_estimator_tells_from_coarse_counts():
+    """It takes the counts as angles: their rounding does not add up."""
+    result = found(bits=9)
+    assert {"inertia_motor", "inertia_load", "stiffness", "backlash"} <= set(result.intervals)
+    for name, (low, high) in result.intervals.items():
+        assert low <= getattr(PLANT, name) <= high, name
+    assert not any("Nothing is identified" in p.remedy for p in result.problems)
 
 
 def test_a_start_far_off():

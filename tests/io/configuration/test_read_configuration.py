@@ -24,8 +24,10 @@ from lostmotion.io.configuration.read import (
     read_configuration,
     template,
 )
+from lostmotion.io.recordings.torque_and_speed import inertia_shown
 from lostmotion.io.storage.drivetrain_files import save_drivetrain
 from lostmotion.io.tables.channels import Channel
+from lostmotion.recording import Recording
 
 Problems = Callable[[Callable[[], object]], tuple[Problem, ...]]
 MINIMAL = '[[recording]]\nfile = "rig.csv"\n'
@@ -367,3 +369,53 @@ def test_a_recording_instead_of_a_job_is_said_to_be_none(tmp_path: Path, name: s
         read_configuration(tmp_path / name)
     (problem,) = caught.value.problems
     assert repr(name[1:]) in problem.got and "[[recording]]" in problem.remedy and name in problem.remedy
+
+
+INERTIA = 0.1
+SLIP = """
+[nameplate]
+inertia_motor = 0.04
+inertia_load = {load}
+[[recording]]
+file = "log.csv"
+time = {{ column = "t", unit = "s" }}
+channels.torque_motor = {{ column = "u", unit = "{torque}" }}
+channels.speed_motor = {{ column = "w", unit = "{speed}" }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("load", "torque", "speed", "told"),
+    [
+        (0.06, "Nm", "rad/s", False),
+        (0.12, "Nm", "rad/s", False),
+        (60.0, "Nm", "rad/s", True),
+        (0.06, "mNm", "rad/s", True),
+        (0.06, "Nm", "rpm", True),
+    ],
+)
+def test_an_acceleration_that_is_not_the_nameplates(
+    tmp_path: Path, load: float, torque: str, speed: str, told: bool
+) -> None:
+    """A wrong unit is seen although neither file nor TOML contradicts itself; the right one is the remedy."""
+    time = 1e-3 * np.arange(4000)
+    force = 3.0 * np.sin(2.0 * np.pi * 0.7 * time) + np.random.default_rng(1).normal(size=time.size)
+    table = np.column_stack([time, force, np.cumsum(force) * 1e-3 / INERTIA])
+    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header="t,u,w", comments="", fmt="%.9g")
+    (tmp_path / "rig.toml").write_text(SLIP.format(load=load, torque=torque, speed=speed))
+    ((_, recording),) = load_recordings(read_configuration(tmp_path / "rig.toml"))
+    found = [p for p in recording.meta["problems"] if "an acceleration as of" in p.got]
+    assert bool(found) == told
+    assert all("Check unit and scale in the channels of torque and speed" in p.remedy for p in found)
+
+
+def test_an_inertia_is_shown_only_where_torque_and_acceleration_agree() -> None:
+    rng = np.random.default_rng(3)
+    time = 1e-3 * np.arange(4000)
+    force = 3.0 * np.sin(2.0 * np.pi * 0.7 * time) + 0.3 * rng.normal(size=time.size)
+    drive = Recording(time, {"torque_motor": force, "speed_motor": np.cumsum(force) * 1e-3 / INERTIA})
+    inertia, correlation = inertia_shown(drive)
+    assert inertia == pytest.approx(INERTIA, rel=0.05) and correlation > 0.9
+    unrelated = Recording(time, {"torque_motor": force, "speed_motor": rng.normal(size=4000)})
+    assert abs(inertia_shown(unrelated)[1]) < 0.5
+    assert inertia_shown(Recording(time, {"torque_motor": force})) == (0.0, 0.0)

@@ -6,6 +6,7 @@ from typing import Any
 
 from ...version import VERSION
 from ..score_table import ScoreTable, plain
+from ..statistics import Estimate, share
 from .cases import Case
 from .scores import METRICS
 
@@ -19,12 +20,13 @@ COLUMNS = {
     "impact_speed": ("impact rad/s", 1.0), "lash_time": ("lash ms", 1e3), "load_jerk": ("jerk krad/s³", 1e-3),
     "recovery_error": ("largest error rad/s", 1.0), "recovery_time": ("back after ms", 1e3),
     "tracking_error": ("RMS error rad/s", 1.0), "ripple": ("torque ripple Nm", 1.0),
-    "rest_speed": ("load speed rad/s", 1.0), "unstable": ("unstable %", 1e2), "time_per_step": ("ns per step", 1e9),
+    "rest_speed": ("load speed rad/s", 1.0), "unstable": ("unstable %", 1e2), "refused": ("refused %", 1e2),
+    "time_per_step": ("ns per step", 1e9),
 }  # fmt: skip
 #: What is shown of the cases of one kind of work.
 SHOWN = {
     "step": ("arrival_time", "rise_time", "overshoot", "settling_time", "oscillation", "swing", "motor_overshoot",
-             "motor_deviation", "peak_torque", "impact_speed", "impacts", "lash_time", "unstable",
+             "motor_deviation", "peak_torque", "impact_speed", "impacts", "lash_time", "unstable", "refused",
              "time_per_step"),
     "pulse": ("arrival_time", "overshoot", "settling_time", "impact_speed", "motor_overshoot"),
     "load step": ("recovery_error", "recovery_time", "steady_error", "unstable"),
@@ -33,8 +35,10 @@ SHOWN = {
     "tip-in": ("arrival_time", "overshoot", "load_jerk", "impact_speed", "lash_time", "unstable"),
     "tip-out": ("arrival_time", "overshoot", "load_jerk", "impact_speed", "lash_time", "unstable"),
 }  # fmt: skip
+#: Of these the share of the runs is told.
+SHARES = ("unstable", "refused")
 #: What is shown of each group of cases in which the drive or the model differs: its worst case.
-BY_GROUP = ("overshoot", "impact_speed", "arrival_time", "unstable")
+BY_GROUP = ("overshoot", "impact_speed", "arrival_time", "unstable", "refused")
 
 
 class ControlTable(ScoreTable[Case]):
@@ -43,14 +47,21 @@ class ControlTable(ScoreTable[Case]):
     ENTRY = "controller"
     METRICS = METRICS
 
+    def median(self, entry: str, case: str, metric: str) -> Estimate | None:
+        """Median over seeds with its 95 % interval; of ``SHARES`` the share."""
+        values = self.values(entry, case, metric)
+        if metric in SHARES and values:
+            return share(list(values.values()))
+        return super().median(entry, case, metric)
+
     def worst(self, entry: str, case: str, metric: str) -> float | None:
         """The largest value over the seeds."""
         return max(self.values(entry, case, metric).values(), default=None)
 
     def worst_of_group(self, entry: str, group: str, metric: str) -> float | None:
-        """The largest median of the group's cases; for ``unstable`` the share of all its runs."""
+        """The largest median of the group's cases; for ``SHARES`` that of all its runs."""
         cases = [case.name for case in self.cases if case.group == group]
-        if metric == "unstable":
+        if metric in SHARES:
             runs = [v for case in cases for v in self.values(entry, case, metric).values()]
             return sum(runs) / len(runs) if runs else None
         medians = [found.value for case in cases if (found := self.median(entry, case, metric)) is not None]
@@ -110,7 +121,8 @@ class ControlTable(ScoreTable[Case]):
         if found is None or worst is None:
             return "–"
         middle, largest = _number(factor * found.value), _number(factor * worst)
-        return middle if middle == largest or metric == "time_per_step" else f"{middle} ({largest})"
+        alone = middle == largest or metric in ("time_per_step", *SHARES)
+        return middle if alone else f"{middle} ({largest})"
 
     def _group_table(self, metric: str, groups: tuple[str, ...]) -> str:
         heading, factor = COLUMNS[metric]

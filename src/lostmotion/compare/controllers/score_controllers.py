@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from ...errors import InvalidInput
 from ..jobs import Job, Result
+from ..scores import Score
 from .cases import CASES
-from .contestants import CONTESTANTS
-from .experiment import experiment, run
-from .scores import score, time_per_step
+from .contestants import CONTESTANTS, Contestant
+from .experiment import Experiment, experiment, run
+from .scores import METRICS, score, time_per_step
+
+
+def _scored(law: Contestant, data: Experiment) -> Score:
+    """Its score; ``refused`` alone where the law cannot be designed for this drive and sample time."""
+    try:
+        found = run(law, data)
+    except InvalidInput:
+        return {**dict.fromkeys(METRICS), "refused": 1.0}
+    return {**score(found, data), "refused": 0.0}
 
 
 def score_controllers(job: Job) -> Result:
@@ -21,8 +32,8 @@ def score_controllers(job: Job) -> Result:
     for law in names:
         asked = "torque" if data.work.asks_for_torque else "speed"
         if entries[law].kind == asked:
-            found[law] = score(run(entries[law], data), data)
-            if name == CASES[0].name:
+            found[law] = _scored(entries[law], data)
+            if name == CASES[0].name and not found[law]["refused"]:
                 found[law]["time_per_step"] = time_per_step(entries[law], data)
         else:
             found[law] = {}

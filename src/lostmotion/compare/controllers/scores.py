@@ -30,7 +30,7 @@ LAST_PART = 0.2
 METRICS = (
     "rise_time", "arrival_time", "overshoot", "settling_time", "steady_error", "peak_torque", "rms_torque",
     "motor_overshoot", "motor_deviation", "oscillation", "swing", "impacts", "impact_speed", "lash_time", "load_jerk",
-    "recovery_error", "recovery_time", "tracking_error", "ripple", "rest_speed", "unstable", "time_per_step",
+    "recovery_error", "recovery_time", "tracking_error", "ripple", "rest_speed", "unstable", "refused", "time_per_step",
 )  # fmt: skip
 
 

@@ -38,15 +38,17 @@ class Breakaway(Estimates):
     angle: Floats
 
 
-#: Speeds are means over this long, s (calibrated, data not recorded: five periods of a 100 Hz eigenmode).
+#: Speeds are means over this long, s (calibrated on the virtual rigs 1 to 4, whose eigenmode it averages over five
+#: periods: half and double give the same level, 0.6 % off at most; benchmarks/calibrations.py).
 SMOOTHING = 0.05
-#: The drive moves from this part of the largest speed on (calibrated, data not recorded).
+#: The drive moves from this part of the largest speed on (calibrated on the same: half gives the
+#: same, double 1.6 % instead of 0.6 %).
 MOVING = 0.01
 #: Time at rest before a start, to which the reference line of the angle is fitted, s (option).
 REST = 0.4
 #: Largest delay of a start in the signals, s: the torque follows its set-point, and a load's start shows through the
-#: shaft (calibrated on the virtual rig, seeds not recorded, where it was 2 ms: its current loop and a quarter period of
-#: its 100 Hz eigenmode).
+#: shaft (calibrated on the same, where half and double give the same level; there it is 2 ms: the current loop and a
+#: quarter period of the 100 Hz eigenmode).
 LATE = 3e-3
 #: The angle has departed from that line at this many standard deviations of its scatter (numerics: by chance one sample
 #: in 500 million has).

@@ -21,8 +21,9 @@ from .result import Floats, torque_to_use
 SETTLING = 0.4
 #: Parts of a plateau whose scatter gives its margin (numerics: Student's factor is 2.4, hardly above that of many).
 PARTS = 8
-#: A plateau counts as steady while its speed scatters by less than this part of its mean (calibrated, data not
-#: recorded): else it slips and sticks.
+#: A plateau counts as steady while its speed scatters by less than this part of its mean (calibrated on plateaus of
+#: which the slowest slip and stick, seeds 1 to 4: half and double leave out the same ones; benchmarks/calibrations.py):
+#: else it slips and sticks.
 STEADY = 0.3
 #: Shapes of the Stribeck rise, exp(−(speed/stribeck_speed)^exponent) (physics): Tustin's and the Gaussian one.
 EXPONENTS = (1.0, 2.0)
@@ -129,15 +130,9 @@ def friction_ladder(
         values = {"coulomb": None, "viscous": None}
     values |= {n: None for n in ("stribeck", "stribeck_speed") if n not in values}
     return FrictionLadder(
-        values=values,
-        intervals=intervals,
-        problems=problems,
-        exponent=exponent,
-        speed=w,
-        torque=m,
-        margin=margin,
-        steady=steady,
-    )
+        values=values, intervals=intervals, problems=problems, exponent=exponent,
+        speed=w, torque=m, margin=margin, steady=steady,
+    )  # fmt: skip
 
 
 def _windows(recording: Recording, reference: str) -> list[tuple[float, float]]:

@@ -16,8 +16,8 @@ from .result import Floats, FrictionFit, checked_inertia, reported, torque_to_us
 
 #: Samples in, one sample out by default (option: that of the EMPS benchmark at 1 kHz, Janot, Gautier & Brunot 2019).
 DECIMATION = 10
-#: Cut-off of the speed whose sign the friction takes, over the sample rate (calibrated, data not recorded: 100 Hz at
-#: the 1 kHz of EMPS).
+#: Cut-off of the speed whose sign the friction takes, over the sample rate (calibrated on EMPS at 1 kHz: half and
+#: double give the published values within 0.06 % as well; benchmarks/calibrations.py).
 SIGN_CUTOFF = 0.1
 #: Decimated samples dropped at both ends: the filter is ±10 of them long, but its far ends weigh little (numerics).
 EDGE = 2

@@ -23,8 +23,8 @@ TURNING = 0.02
 AVERAGING = 0.1
 #: Fewest averages (numerics: three in each of the blocks that the intervals come from).
 MIN_AVERAGES = 60
-#: A torque is constant if it departs from one level in each direction by less than this part of it (calibrated, data
-#: not recorded).
+#: A torque is constant if it departs from one level in each direction by less than this part of it (calibrated on steps
+#: and levels on the virtual rigs 1 to 4: half and double find the same; benchmarks/calibrations.py).
 CONSTANT = 0.01
 
 

@@ -33,8 +33,9 @@ FURTHER = ("speed_load", "twist", "torque_shaft", "angle_motor")
 #: Contact laws that the observer can have.
 CONTACTS = ("viscoelastic", "dead_zone")
 
-#: Fewest rows and shortest time that are accepted (numerics: five periods of a 10 Hz mode).
-MIN_ROWS, MIN_TIME = 2000, 0.5
+#: Fewest rows and shortest time that are accepted (numerics: 200 periods of six samples are 1200 rows; five
+#: periods of a 10 Hz mode).
+MIN_ROWS, MIN_TIME = 1000, 0.5
 
 #: Time before the innovations count, s (numerics), and after a gap: there the observer knows less than at rest, and its
 #: slowest pole is at about 14 1/s.
@@ -77,8 +78,8 @@ def identify(
 
     Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
     sticking, with friction at both ends, a delay and an unknown load torque (``candidates``). The fit stands if nothing
-    predicts clearly better. Else what does is told, if it explains the recording down to the sensor's noise; if not,
-    the intervals contain both, or nothing is identified (``agreement``).
+    predicts clearly better. Else what does is told, if several starts lead to it; if not, the intervals contain both,
+    or nothing is identified (``agreement``).
 
     Parameters
     ----------
@@ -166,6 +167,8 @@ def identify(
         say(0.9, "comparing with the contact-switching filter")
         predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed)
     result = _result(pieces, predictor, stage, values, start, fixed, total)
+    if not result.names and warnings.is_too_coarse(result.prediction):
+        doubts = []  # one reason why nothing is identified is enough: no model explains what is lost in the counts
     result = replace(result, problems=(*result.problems, *doubts, *ambiguous, *coarse))
     say(1.0, "identified")
     return result

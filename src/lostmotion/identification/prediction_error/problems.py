@@ -121,8 +121,8 @@ def unmodelled_mode(frequency: float) -> Problem:
     """Hz."""
     got = f"prediction errors with a peak at {frequency:.0f} Hz"
     remedy = (
-        "A further inertia or shaft: the intervals are widened for it. A torque with less content there "
-        "narrows them."
+        "A further inertia or shaft: the intervals are widened for it. If the drive rings there under a default law, "
+        "give smaller kp and ki, or slower poles, under [law]."
     )
     return Problem.warning("identification", got, "no resonance beyond that of motor and load", remedy)
 

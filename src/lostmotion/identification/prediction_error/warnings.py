@@ -119,6 +119,11 @@ def too_coarse(level: float, deviation: float) -> bool:
     return level > COARSE * deviation
 
 
+def is_too_coarse(prediction: Prediction) -> bool:
+    """Whether the noise of the motor speed leaves too little of it."""
+    return too_coarse(prediction.levels.get("speed_motor", 0.0), prediction.deviation)
+
+
 def low_frequency_excess(residual: NDArray[np.float64]) -> float:
     """Power of a residual in the lower tenth of the band, as a multiple of what white noise would have there.
 
@@ -162,21 +167,21 @@ def warnings(
     problems += _correlated(names, covariance)
     if not converged:
         problems.append(problem.still_moving())
-    problems += _of_prediction(prediction)
+    problems += _of_prediction(prediction, bool(names))
     samples = 1.0 / (found.pole_frequency * dt)
     if samples < SAMPLES_PER_PERIOD:
         problems.append(problem.few_samples_per_period(samples, SAMPLES_PER_PERIOD))
     return tuple(problems)
 
 
-def _of_prediction(prediction: Prediction) -> list[Problem]:
-    """What the innovations say about model and sensor."""
+def _of_prediction(prediction: Prediction, told: bool) -> list[Problem]:
+    """What the innovations say about model and sensor; ``told``: whether anything is identified in spite of them."""
     problems = []
     excess = low_frequency_excess(prediction.residual)
     if excess > NOT_WHITE and prediction.rms > NEGLIGIBLE * float(np.std(prediction.speed_motor)):
         problems.append(problem.not_white(excess, NOT_WHITE))
-    level = prediction.levels.get("speed_motor", 0.0)
-    if too_coarse(level, prediction.deviation):
+    if not told and is_too_coarse(prediction):
+        level = prediction.levels["speed_motor"]
         problems.append(problem.too_coarse(level, prediction.deviation, COARSE))
     if prediction.unmodelled_frequency is not None:
         problems.append(problem.unmodelled_mode(prediction.unmodelled_frequency))

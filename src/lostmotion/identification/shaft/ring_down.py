@@ -19,16 +19,17 @@ Floats = NDArray[np.float64]
 #: What is looked for.
 VALUES = ("frequency", "damping_ratio")
 
-#: Means over this many seconds on both sides make a step stand out (calibrated, data not recorded: three periods of the
-#: Aalto rig's 28 Hz).
+#: Means over this many seconds on both sides make a step stand out (calibrated on ten ring-downs of 28 Hz with noise,
+#: of which it is three periods: half and double find frequency and damping as well; benchmarks/calibrations.py).
 STEP_WINDOW = 0.1
 #: A change of the mean is a step if it is this many robust standard deviations of all changes (numerics: hardly
 #: ever by chance).
 STEP_FACTOR = 6.0
 #: Steps at least this fraction of the largest are used together (option).
 STEP_FRACTION = 0.5
-#: Where the fit starts after the step and how long it is, in periods (calibrated, data not recorded). The first pair
-#: gives the estimate, the others its spread. The step itself is over after half a period.
+#: Where the fit starts after the step and how long it is, in periods (option; six windows of different start and
+#: length: what depends on the choice shows as a difference between them). The first pair gives the estimate, the others
+#: its spread. The step itself is over after half a period.
 WINDOWS = ((0.5, 10.0), (0.5, 6.0), (0.5, 14.0), (1.0, 10.0), (1.0, 14.0), (1.5, 10.0))
 #: Largest damping ratio: above, there is hardly a second period to measure (numerics: each is 14 % of the one before).
 MAX_DAMPING_RATIO = 0.3

@@ -154,17 +154,10 @@ def shaft_stiffness(
     found = {name: values.get(name) for name in VALUES} | known
     given: dict[str, Source] = dict.fromkeys(known, "nameplate")
     return ShaftStiffness(
-        values=found,
-        intervals=intervals,
-        sources=given,
-        problems=tuple(problems),
-        frequency=frequency,
-        response=response,
-        coherence=coherence,
-        used=used,
-        segments=len(x),
+        values=found, intervals=intervals, sources=given, problems=tuple(problems),
+        frequency=frequency, response=response, coherence=coherence, used=used, segments=len(x),
         torque_reverses=reverses,
-    )
+    )  # fmt: skip
 
 
 def _twist(difference: Floats, dt: float) -> Floats:

@@ -14,7 +14,7 @@ from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
-from ..recordings.checks import check_identifiable
+from ..recordings.checks import check_identifiable, check_inertia
 from ..recordings.read import read_recording
 from ..storage.toml_files import read_toml
 from ..tables.channels import Channel
@@ -173,7 +173,9 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
         try:
             recording = source.read()
             if source.use == "identify":
-                found = (*recording.meta["problems"], *check_identifiable(recording))
+                found = (
+                    *recording.meta["problems"], *check_identifiable(recording), *_inertia(recording, configuration),
+                )  # fmt: skip
                 recording = replace(recording, meta={**recording.meta, "problems": found})
             loaded.append((source.use, recording))
             problems.extend(recording.meta["problems"])
@@ -182,6 +184,12 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
     if any(problem.severity == "error" for problem in problems):
         raise InputProblems(problems)
     return loaded
+
+
+def _inertia(recording: Recording, configuration: Configuration) -> tuple[Problem, ...]:
+    """Whether acceleration and torque are those of the nameplate's inertias, where it gives them."""
+    inertias = [configuration.nameplate.get(name) for name in ("inertia_motor", "inertia_load")]
+    return check_inertia(recording, sum(known)) if len(known := [j for j in inertias if j]) == 2 else ()
 
 
 def template() -> str:

@@ -9,12 +9,12 @@ from ...argument_checks import checks_arguments
 from ...errors import InputProblems, Problem
 from ...recording import Recording
 from .signal_faults import LARGEST, STUCK_SHARE, Place, dead, longest_run, places, spikes, stuck
-from .torque_and_speed import column_order, torque_agreement
+from .torque_and_speed import column_order, inertia_shown, torque_agreement
 
 #: Fewest samples of a recording. Option: less than a few periods of any shaft at any sensible sample time.
 MINIMUM_SAMPLES = 100
 #: Fewest rows and shortest time (s) of a recording to identify from: what ``identify`` itself asks for (option).
-IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME = 2000, 0.5
+IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME = 1000, 0.5
 #: Largest deviation of a step from the median step, as a fraction of it. Option: the error of a speed derived
 #: with the mean step stays below it; logging clocks that drift by 2 % pass.
 RASTER_TOLERANCE = 0.05
@@ -32,6 +32,11 @@ SLOW = 0.02
 #: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Calibrated as
 #: ``torque_and_speed.BLOCK``: the other correlation was -0.24 to 0 in all of these.
 SWAPPED, SWAPPED_MARGIN = 0.4, 0.2
+
+
+#: Least correlation of acceleration and torque that tells an inertia, and how far off that may be (options: within a
+#: factor of two by the correlation, and of two by the nameplate; rpm for rad/s is a factor of nine).
+CORRELATED, FAR_OFF = 0.5, 5.0
 
 
 def check_finite(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
@@ -102,6 +107,23 @@ def stop_at_errors(problems: list[Problem]) -> None:
     """Raises what was found, warnings included, where an error is among it."""
     if any(problem.severity == "error" for problem in problems):
         raise InputProblems(problems)
+
+
+def check_inertia(recording: Recording, nameplate: float) -> tuple[Problem, ...]:
+    """A warning where the motor accelerates as no drive of the nameplate's inertia (kg m2, of all) would."""
+    shown, correlation = inertia_shown(recording)
+    if correlation < CORRELATED or 1.0 / FAR_OFF < shown / nameplate < FAR_OFF:
+        return ()
+    where = str(recording.meta.get("file", "recording"))
+    got, expected = (
+        f"an acceleration as of {shown:.2g} kg m2",
+        f"about {nameplate:.2g} kg m2, as on the nameplate",
+    )
+    remedy = (
+        "Check unit and scale in the channels of torque and speed, and inertia_motor and inertia_load under "
+        "[nameplate]."
+    )
+    return (Problem.warning(f"{where}, torque_motor and speed_motor", got, expected, remedy),)
 
 
 @checks_arguments

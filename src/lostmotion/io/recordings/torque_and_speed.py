@@ -1,4 +1,4 @@
-"""How motor torque and motor speed go together: what tells a wrong sign, and columns that are swapped."""
+"""How motor torque and motor speed go together: what tells a wrong sign, swapped columns, and a wrong unit."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...recording import Recording
+
+Array = NDArray[np.float64]
 
 #: Blocks over which torque and speed are averaged, s, and how many are needed. Calibrated on rigs 1 to 4, where the
 #: correlation of a right recording is 0.13 with blocks of 2.5 ms, 0.23 with 10 ms, 0.88 with 25 ms, and on measured
@@ -20,27 +22,52 @@ def column_order(recording: Recording) -> tuple[float, float]:
     of friction, is taken out. Over torques of many frequencies the first is near 1, the second near 0; a sine, and a
     controller's answer, follow each other both ways.
     """
-    if "torque_motor" not in recording or "speed_motor" not in recording:
+    means = _block_means(recording)
+    return (0.0, 0.0) if means is None else (_following(*means), _following(*means[::-1]))
+
+
+def inertia_shown(recording: Recording) -> tuple[float, float]:
+    """Inertia that the motor's speed shows under its torque (kg m2), and the correlation behind it; or 0, 0.
+
+    Over means of blocks, as ``column_order``. The ratio of the deviations of torque and acceleration is too large and
+    too small alike by noise; at a correlation of one half it is within a factor of two.
+    """
+    means = _block_means(recording)
+    if means is None:
         return 0.0, 0.0
+    force, change = _rests(*means)
+    size, duration = float(np.linalg.norm(change)), max(1, round(BLOCK / recording.dt)) * recording.dt
+    return (float(np.linalg.norm(force)) * duration / size, _following(*means)) if size > 0.0 else (0.0, 0.0)
+
+
+def _block_means(recording: Recording) -> tuple[Array, Array] | None:
+    """Motor torque and speed, a row for each block; None where there are too few."""
+    if "torque_motor" not in recording or "speed_motor" not in recording:
+        return None
     rows = max(1, round(BLOCK / recording.dt))
     blocks = len(recording) // rows
     if blocks < FEWEST_BLOCKS:
-        return 0.0, 0.0
+        return None
     torque, speed = (
         recording[name][: blocks * rows].reshape(blocks, rows).mean(axis=1)
         for name in ("torque_motor", "speed_motor")
     )
-    return _following(torque, speed), _following(speed, torque)
+    return torque, speed
 
 
-def _following(cause: NDArray[np.float64], followed: NDArray[np.float64]) -> float:
+def _rests(cause: Array, followed: Array) -> tuple[Array, Array]:
+    """Between two blocks each: the cause, and the change of what follows it, without what goes with its own size."""
     between, change = 0.5 * (followed[1:] + followed[:-1]), np.diff(followed)
     own = np.column_stack([np.ones_like(between), between, np.sign(between)])
 
-    def rest(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def rest(values: Array) -> Array:
         return np.asarray(values - own @ np.linalg.lstsq(own, values, rcond=None)[0])
 
-    a, b = rest(0.5 * (cause[1:] + cause[:-1])), rest(change)
+    return rest(0.5 * (cause[1:] + cause[:-1])), rest(change)
+
+
+def _following(cause: Array, followed: Array) -> float:
+    a, b = _rests(cause, followed)
     size = float(np.linalg.norm(a) * np.linalg.norm(b))
     return float(a @ b) / size if size > 0.0 else 0.0
 

@@ -21,7 +21,7 @@ REPEATS = 3.0
 STEPS, ROUNDING = 2.45, 1e-9
 
 #: Rate at which standard deviations grow while samples are refused as frozen or jumps, 1/s. Calibration: the virtual
-#: rig, seeds not recorded, where a jump of 8 rad/s is refused for 20 ms.
+#: rigs 1 to 4, where the extended Kalman filter refuses a jump of 8 rad/s for 19.9 ms (benchmarks/calibrations.py).
 REFUSED_RATE = 60.0
 
 

@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 Parameters = NDArray[np.void]
 
 #: Standard deviation of the motor's turn by eigenmodes that no two-mass model has, rad: added to the error of a count.
-#: Calibration: the virtual rig, seeds not recorded, whose innovations are five times those of a 20-bit encoder.
+#: Calibration: the virtual rigs 1 to 4, where half and double are 3 % worse in the load speed
+#: (benchmarks/calibrations.py).
 EIGENMODE_TURN = 1e-5
 
 #: The same of the shaft's twist, rad: added to the error of a torque or twist sensor. Calibration: virtual rigs 1 to 4,
@@ -32,7 +33,8 @@ EIGENMODE_TURN = 1e-5
 EIGENMODE_TWIST = 1.6e-4
 
 #: A jump is an innovation beyond GATE of its own standard deviations and MISMATCH, in the sensor's unit. Calibration:
-#: the virtual rig, seeds not recorded, whose eigenmodes beyond the model throw 0.6 rad/s at hard impacts.
+#: the virtual rigs 1 to 4, where of jumps of 8 rad/s for 20 ms the extended Kalman filter refuses the first 19.9 ms,
+#: with half of it all, with double 18 ms (benchmarks/calibrations.py).
 GATE = 4.0
 #: Calibration: the same.
 MISMATCH: Mapping[str, float] = MappingProxyType(
@@ -50,8 +52,8 @@ TORQUE_MISSING = 1500.0
 #: After all sensors were missing the twist drifts for as long again: its variance grows by the square of this, rad/s,
 #: per time and per time that they were missing. Calibration: virtual rigs 1 to 4 (11 mrad, about the gap, after 20 ms).
 SIDE_UNKNOWN = 0.8
-#: Largest standard deviation of the speed while samples are refused as jumps, rad/s. Calibration: the virtual rig,
-#: seeds not recorded, where a jump of 8 rad/s is refused for 20 ms.
+#: Largest standard deviation of the speed while samples are refused as jumps, rad/s. Calibration: the same, where half
+#: and double make no difference.
 LARGEST_DEVIATION = 10.0
 #: Numerics: a sample is predicted in substeps in which the shaft's closed mode turns by at most this angle, rad, since
 #: the gap term is held over a substep; 0.25 ms on the paper's rig.

@@ -29,7 +29,8 @@ LARGEST_CORRECTION = {
     "speed_motor": 100.0, "speed_load": 100.0, "twist": 0.1, "torque_shaft": 1000.0, "angle_motor": 1.0
 }  # fmt: skip
 
-#: Shaft torque above which a gate passes so much, Nm on the paper's rig (calibrated, data not recorded).
+#: Shaft torque above which a gate passes so much, Nm on the paper's rig (calibrated on the virtual rigs 1 to 4: half
+#: and double give the same error of the load speed; benchmarks/calibrations.py).
 OPEN_AT = 1.0
 
 #: max(z, 0) (numerics).

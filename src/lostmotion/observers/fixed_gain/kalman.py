@@ -30,11 +30,11 @@ PROCESS_COVARIANCE: Mapping[str, float] = MappingProxyType(
     }
 )  # fmt: skip
 
-#: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8.
-#: Options: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s. Calibrated, data not recorded: the
-#: twist with 3, since with 1 the gap term held over the sample disturbs the speeds from 0.5 ms on (load speed 0.42
-#: instead of 0.04 % at 1 ms). The torque's is that of the paper's rig, in proportion to the square of torque over speed
-#: (``scale.scale_of``).
+#: Continuous measurement covariance per signal. speed_motor and torque_shaft: Fietzek & Rinderknecht, eq. 8. Options:
+#: speed_load as speed_motor; angles with 1 mrad where a speed has 1 rad/s. Calibrated on Table I at 1 ms without noise
+#: (benchmarks/calibrations.py): the twist with 3, since with 1 the gap term held over the sample disturbs the load
+#: speed (0.41 instead of 0.03 % of its range). The torque's is that of the paper's rig, in proportion to the square of
+#: torque over speed (``scale.scale_of``).
 MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
     {"speed_motor": 1.0, "speed_load": 1.0, "torque_shaft": 10.0, "twist": 1e-5, "angle_motor": 1e-6}
 )
@@ -42,8 +42,10 @@ MEASUREMENT_COVARIANCE: Mapping[str, float] = MappingProxyType(
 #: An error that decays slower than this rate (1/s) counts as not observable (numerics).
 SLOWEST_RATE = 1e-6
 
-#: A fixed gain holds its gap term over a sample. It becomes unstable if the eigenmode of the closed shaft turns by more
-#: than 1.6 rad in a sample (calibrated with motor speed alone and gap, drivetrain not recorded).
+#: Largest angle, rad, by which the eigenmode of the closed shaft may turn in a sample, over which a fixed gain holds
+#: its gap term (calibrated with the motor speed alone on Table I, a tenth of its stiffness, and gaps of 3 to 30 mrad:
+#: the load speed is up to 3 % of its range off, with half the angle 0.4 %, with double 6 %;
+#: benchmarks/calibrations.py).
 LARGEST_TURN = 1.5
 
 #: Decay of every state of the drivetrain inside the gap, 1/s, see ``_gain_in_the_gap`` (numerics: small

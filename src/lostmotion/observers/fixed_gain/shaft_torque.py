@@ -21,11 +21,12 @@ TORQUE_NOISE = 0.02
 JERK = 3e4
 
 #: Largest accepted difference between measured and predicted torque, in standard deviations of that difference by the
-#: model (calibrated, data not recorded: a quarter of it is the largest sudden change).
+#: model (calibrated on a closed shaft, seeds 1 to 4, by the error after jumps and zeros of the torque: half and double
+#: are up to 1.7 times worse; benchmarks/calibrations.py). A quarter of it is the largest sudden change.
 TORQUE_DEVIATIONS = 60.0
-#: How long a fault is bridged by prediction, s, its fewest samples, and how long an error is remembered, s (calibrated,
-#: data not recorded: without a model of either end a longer prediction is worse than the fault, whose effect decays as
-#: fast).
+#: How long a fault is bridged by prediction, s, its fewest samples, and how long an error is remembered, s (calibrated
+#: on the same: half of HOLD or MEMORY does as well, double MEMORY is 1.6 times worse, double HOLD 24 times: without a
+#: model of either end a longer prediction is worse than the fault, whose effect decays as fast).
 HOLD, FEWEST, MEMORY = 3e-3, 3, 0.1
 
 INPUTS = ("speed_motor", "torque_shaft")

@@ -68,7 +68,7 @@ def _finish(axis: Axes, names: list[str]) -> None:
     axis.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axis.set_ylim(len(names) - 0.4, -0.6)
     axis.axvline(0.0, color="#999999", linewidth=0.8)
-    axis.set_title("Parameters with 95 % intervals")
+    axis.set_title("Parameters with 95 % intervals", fontweight="bold")
     handles, labels = axis.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     if unique:

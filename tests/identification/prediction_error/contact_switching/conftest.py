@@ -17,6 +17,11 @@ PLANT = lm.Drivetrain.two_mass(
 
 
 @pytest.fixture(scope="session")
+def plant() -> lm.Drivetrain:
+    return PLANT
+
+
+@pytest.fixture(scope="session")
 def values() -> dict[str, float]:
     """True parameters, and the rates of the filter's unknown torques."""
     true = {name: value for name, value in PLANT.parameters().items() if name in NAMES}

@@ -32,8 +32,8 @@ def confirmed(
 
     Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
     Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does,
-    its own values are told if it explains the recording. If nothing does, the difference is part of the intervals, and
-    too large a one leaves nothing.
+    or the fit tells nothing, its own values are told if other starts lead there as well. Else the difference is part of
+    the intervals, and too large a one leaves nothing.
     """
     fit = Fit(predictor, stage, told, start)
     try:
@@ -41,7 +41,7 @@ def confirmed(
     except InvalidInput:
         return fit.stays()
     search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece)
-    if not stage.free or _stands(search.glimpse(), fit):
+    if stage.free and _stands(search.glimpse(), fit):
         return fit.stays()
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
     rivals = search.rivals(own)
@@ -52,10 +52,12 @@ def confirmed(
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
     # Where the recording is explained, whatever predicts alike may be right as well.
     others = [*better, *(one for one in rivals if explained and alike(one, best))]
-    if better and (found := search.estimate(rivals)) is not None:
+    if (better or not stage.free) and (found := search.estimate(rivals)) is not None:
         return fit.replaced_by(found)
     if not explained and (excess := fit.excess(flt)) > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
+    if not stage.free:
+        return fit.stays()
     return fit.with_room_for(others, explained)
 
 

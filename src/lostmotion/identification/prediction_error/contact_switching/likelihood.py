@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
+from ..innovations import THREADS
 from .filter import INDEX, ContactFilter, Run, pole_of
 
 Array = NDArray[np.float64]
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 #: Leverage that a row may have in a step, in multiples of the mean one (numerics): all, then ever less. A row after an
 #: impact may have a thousand times the sensitivity of others, and be right in a small neighbourhood alone.
@@ -27,6 +32,12 @@ GAIN, LARGE_GAIN = 1e-4, 0.02
 FIRST_LEVEL, LEVEL_FACTOR = 0.03, 5.0
 #: Rates of the filter's unknown torques, and the factor by which they are searched (numerics).
 RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
+#: Rounds of fitting the parameters and the rates in turn at most; a round that lowers the cost by less is the last one.
+#: (Numerics: what the filter follows with an unknown torque it does not follow with its parameters, so that both
+#: change together, and slowly.)
+ROUNDS, ROUND_GAIN = 10, 1e-3
+#: Constant load torque at most, over the torque's standard deviation (numerics).
+MOST_LOAD = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +55,7 @@ class Box:
         lower[INDEX["delay"]], upper[INDEX["delay"]] = -0.6, 0.02 / flt.dt
         for name in ("asymmetry", "asymmetry_motor"):
             lower[INDEX[name]], upper[INDEX[name]] = -0.95, 0.95
+        lower[INDEX["load_torque"]], upper[INDEX["load_torque"]] = -MOST_LOAD, MOST_LOAD
         for name in ("share", "compliance"):
             lower[INDEX[name]], upper[INDEX[name]] = np.log(2e-3), np.log(0.95)
         return cls(lower, upper)
@@ -51,6 +63,12 @@ class Box:
     def including(self, theta: Array, far: float) -> Box:
         """Wide enough for a factor ``far`` around another θ, too."""
         return Box(np.minimum(self.lower, theta - np.log(far)), np.maximum(self.upper, theta + np.log(far)))
+
+
+def side_by_side(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+    """The function of each, on two threads: the passes of the filter leave the interpreter free."""
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(function, items))
 
 
 def minimise(
@@ -188,8 +206,12 @@ def descend(
 def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int = 8) -> Candidate:
     """The candidate on other rows or under another law, with the rates of its unknown torques fitted as well."""
     at = replace(flt, level=candidate.flt.level)
-    theta, _ = minimise(at, candidate.theta, candidate.free, box, iterations)
-    theta, run = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
+    theta, run = minimise(at, candidate.theta, candidate.free, box, iterations)
+    for _ in range(ROUNDS):
+        before = run.cost
+        theta, run = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
+        if not before - run.cost > ROUND_GAIN:
+            break
     return replace(candidate, theta=theta, cost=run.cost, flt=at)
 
 

@@ -16,8 +16,8 @@ from .likelihood import Candidate
 Array = NDArray[np.float64]
 
 #: Shares of the friction that start at the motor; rates of the unknown torques over the pole's and over the torque's
-#: standard deviation (numerics).
-AT_MOTOR, RATE, TORQUE_RATE = 0.3, 0.5, 0.1
+#: standard deviation (numerics: of a load torque so little that the rest of the model is looked at first).
+AT_MOTOR, RATE, TORQUE_RATE = 0.3, 0.5, 1e-3
 #: What a start without nameplate value has, over the torque's deviation: Coulomb and viscous torque, wind-up in a gap;
 #: and a lag in samples (numerics).
 COULOMB, VISCOUS, GAP, LAG = 0.03, 0.01, 0.5, 0.5
@@ -47,13 +47,21 @@ def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]
     given |= dict.fromkeys(("backlash", "coulomb", "viscous", "torque_rate"), 0.0)
     given |= {"stiffness": own**2 * load, "damping": 2.0 * own * load}
     given |= {"inertia_motor": start.inertia_total, "inertia_load": load}
-    names = ("inertia_motor", "coulomb_motor", "viscous_motor", "asymmetry_motor", "lag", "delay")
+    names = (
+        "inertia_motor",
+        "coulomb_motor",
+        "viscous_motor",
+        "asymmetry_motor",
+        "load_torque",
+        "lag",
+        "delay",
+    )
     return flt.theta(given), sorted(INDEX[name] for name in names)
 
 
 def free_places(start: Drivetrain, fixed: Collection[str]) -> list[int]:
     """Places of what is fitted; friction of the motor stays where the nameplate gives it, or the load's is fixed."""
-    kinds: dict[str, list[str]] = {"coulomb": ["asymmetry"], "viscous": [], "lag": ["delay"]}
+    kinds: dict[str, list[str]] = {"coulomb": ["asymmetry", "load_torque"], "viscous": [], "lag": ["delay"]}
     if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
         kinds["coulomb"] += ["coulomb_motor", "asymmetry_motor"]
         kinds["viscous"] += ["viscous_motor"]

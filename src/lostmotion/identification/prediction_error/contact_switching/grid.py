@@ -1,0 +1,83 @@
+"""A coarse grid of starts: what the slow motion leaves open, in the drive's own dimensionless numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....drivetrain import Drivetrain
+from ..innovations import NAMES as TOLD
+from .filter import ContactFilter
+from .slow_motion import SlowMotion
+from .starts import DAMPING_RATIO, LAG, RATE, TORQUE_RATE
+
+Array = NDArray[np.float64]
+
+#: Load over motor inertia; torsional frequency over the nameplate's; backlash over the wind-up at the torque's standard
+#: deviation; the motor's share of the friction (numerics: beyond the inertias and nameplates of drives either way).
+RATIOS = tuple(np.geomspace(1.0 / 40.0, 40.0, 8))
+POLES = tuple(np.geomspace(0.25, 4.0, 9))
+BACKLASHES = (0.02, 0.3, 2.0, 10.0)
+AT_MOTOR = (0.1, 0.9)
+#: Halvings of a sample at most: a grid need not place an impact finely (numerics).
+HALVINGS = 4
+
+
+@dataclass(frozen=True)
+class Point:
+    """Place in the grid, and the parameter vector there."""
+
+    place: tuple[int, ...]
+    theta: Array
+
+
+def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Iterator[Point]:
+    """The grid; what is fixed keeps the nameplate's value."""
+    slow = SlowMotion.of(flt, start)
+    torque, total, pole = float(np.std(flt.torque)), slow.inertia, 2.0 * np.pi * start.pole_frequency
+    known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
+    if start.coulomb_motor > 0.0 or start.viscous_motor > 0.0:
+        known |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
+    else:
+        known |= {f"{name}_motor": 0.0 for name in ("coulomb", "viscous") if name in fixed}
+    axes = [list(enumerate(axis)) for axis in (RATIOS, POLES, BACKLASHES, AT_MOTOR)]
+    for (i, ratio), (j, factor), (k, gap), (m, share) in product(*axes):
+        omega = factor * pole
+        motor, load = total / (1.0 + ratio), total * ratio / (1.0 + ratio)
+        stiffness = omega**2 * motor * load / total
+        values = {
+            "inertia_motor": motor, "inertia_load": load, "stiffness": stiffness,
+            "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * torque / stiffness,
+            "coulomb": (1.0 - share) * slow.coulomb, "viscous": (1.0 - share) * slow.viscous,
+            "coulomb_motor": share * slow.coulomb, "viscous_motor": share * slow.viscous,
+            "load_torque": slow.load_torque, "lag": LAG * flt.dt, "delay": LAG * flt.dt,
+            "motor_rate": RATE * omega, "load_rate": RATE * omega, "torque_rate": TORQUE_RATE * torque,
+        } | known  # fmt: skip
+        yield Point((i, j, k, m), flt.theta(values))
+
+
+def best(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> list[Array]:
+    """The best point of each plane of the grid, the best of all first.
+
+    Of the points that predict best, many are one mistake: all inertia in the motor, say. The best for each inertia
+    ratio, each frequency, each backlash lets the others have their descent too.
+    """
+    coarse = replace(flt, halvings=min(flt.halvings, HALVINGS))
+    found = sorted(
+        (
+            (coarse.run(point.theta).cost, number, point)
+            for number, point in enumerate(points(flt, start, fixed))
+        ),
+    )
+    kept: dict[tuple[int, ...], Array] = {}
+    seen: set[tuple[int, int]] = set()
+    for _, _, point in found:
+        planes = set(enumerate(point.place))
+        if not planes <= seen:
+            kept[point.place] = point.theta
+            seen |= planes
+    return list(kept.values())
