@@ -168,6 +168,21 @@ def mutations(count: int) -> None:
         )
 
 
+def box_mutations(count: int) -> None:
+    """The same for certificates of boxes."""
+    sys.path[:0] = [
+        str(Path(__file__).parents[1] / "tests" / room) for room in ("certificates/box", "fixtures")
+    ]
+    import test_box_mutations as tests
+
+    for seed, name in enumerate(tests.BOXES):
+        own = count // len(tests.BOXES) + (seed < count % len(tests.BOXES))
+        agreed, proved = tests.verdicts(tests.certificate(name), own, seed)
+        print(
+            f"{name}: {agreed} of {own} verdicts agree; {proved} damaged certificates still prove their claim"
+        )
+
+
 FOUR = ("inertia_load", "stiffness", "coulomb", "backlash")
 FIVE = (*FOUR, "inertia_motor")
 
@@ -233,13 +248,16 @@ def cpu_time() -> float:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--mutations", type=int, default=0)
+    parser.add_argument(
+        "--mutations", type=int, default=0, help="only so many damaged certificates of this kind"
+    )
     parser.add_argument("--boxes", action="store_true", help="tolerances instead of the nominal loops")
     parser.add_argument("--observers", action="store_true", help="errors of observers instead of the loops")
     given = parser.parse_args()
-    if given.observers:
+    if given.mutations:
+        damage = observer_mutations if given.observers else box_mutations if given.boxes else mutations
+        damage(given.mutations)
+    elif given.observers:
         observers()
     else:
         boxes() if given.boxes else table()
-    if given.mutations:
-        (observer_mutations if given.observers else mutations)(given.mutations)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -131,14 +132,15 @@ def test_the_equilibrium_is_where_the_simulation_settles(compensation: str) -> N
         {"friction": lm.drivetrain.Friction(2.0, 0.0175, stribeck=((0.0, 1.0), (0.1, 0.0)))},
         {"friction": lm.drivetrain.Friction(2.0, 0.0175, breakaway=3.0)},
         {"contact": "limited"},
+        {"actuator": lm.drivetrain.Actuator(rate_limit=1000.0)},
     ],
 )
 def test_a_drivetrain_without_a_proof_is_refused(changes: dict[str, Any]) -> None:
-    from dataclasses import replace
-
     plant = drivetrain(**{k: v for k, v in changes.items() if k == "contact"})
     if "friction" in changes:
         plant = replace(plant, frictions=(lm.drivetrain.Friction(), changes["friction"]))
+    if "actuator" in changes:
+        plant = replace(plant, actuator=changes["actuator"])
     with pytest.raises(InvalidInput, match="certify: drivetrain"):
         prove_running(plant, lm.controllers.pi(dt=1e-4))
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from damaged_certificates import leaves, mutated, said
 from table_i import TABLE_I
 
 import lostmotion as lm
@@ -140,51 +141,6 @@ def region_may_be(loop: LureLoop, corners: list[Equilibrium], bounds: tuple[Sect
             elif slope != 0 and (i < p or i - p in moving):
                 return False
     return True
-
-
-#: No part of the claim: how the law starts, and what it does with rejected inputs.
-NOT_READ = ("initial_state", "checks", "P", "Q", "R", "outputs")
-
-
-def leaves(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Paths to all numbers and lists of a certificate that the claim depends on."""
-    if isinstance(value, dict):
-        own = [key for key in value if not (path == ("law",) and key in NOT_READ)]
-        return [p for key in own for p in leaves(value[key], (*path, key))]
-    if isinstance(value, list):
-        return [path, *(p for i, v in enumerate(value) for p in leaves(v, (*path, i)))]
-    return [path] if isinstance(value, float | int) else []
-
-
-def mutated(certificate: dict[str, Any], rng: random.Random, paths: list[tuple[Any, ...]]) -> dict[str, Any]:
-    """One number changed a little, much, or in sign; or a list made longer or shorter."""
-    data = copy.deepcopy(certificate)
-    *way, last = rng.choice(paths)
-    place: Any = data
-    for key in way:
-        place = place[key]
-    value = place[last]
-    if isinstance(value, list):
-        if value and rng.random() < 0.5:
-            value.pop()
-        else:
-            value.append(0.0)
-    elif isinstance(value, bool):
-        place[last] = not value
-    elif isinstance(value, int):
-        place[last] = value + rng.choice((-1, 1))
-    else:
-        scale = rng.choice((-1.0, 0.0, 0.5, 1.0 - 1e-6, 1.0 + 1e-6, 1.001, 2.0))
-        place[last] = value * scale if value else rng.choice((1e-9, -1e-9, 1.0))
-    return data
-
-
-def said(judge: Any, data: dict[str, Any]) -> bool:
-    """A verdict; what cannot be read at all is not proved."""
-    try:
-        return bool(judge(data))
-    except (lm.LostMotionError, LookupError, TypeError, ValueError, ArithmeticError, AttributeError):
-        return False
 
 
 def test_its_verdict_is_that_of_an_independent_check(

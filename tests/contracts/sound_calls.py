@@ -319,7 +319,13 @@ def _certificates() -> list[Call]:
         Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
         Call(
             certificates.peak_bounds,
-            {"drivetrain": rigid, "law": certificates.continuous_pi(), "reference": 1.0},
+            {
+                "drivetrain": rigid,
+                "law": certificates.continuous_pi(),
+                "reference": 1.0,
+                "delay": 0,
+                "substeps": 1,
+            },
         ),
         Call(certificates.continuous_state_feedback, {"drivetrain": plant(), "poles": [-400.0] * 3}),
         Call(
@@ -347,6 +353,18 @@ def _certificates() -> list[Call]:
         Call(
             certificates.worst_case,
             {"drivetrain": plant(), "law": shaky, "proof": proof(), "rounds": 1, "seed": 1},
+        ),
+        Call(
+            certificates.worst_reference,
+            {
+                "drivetrain": plant(),
+                "law": shaky,
+                "reference": 1.0,
+                "signal": "twist",
+                "starts": 1,
+                "duration": 32 * DT,
+                "seed": 1,
+            },
         ),
         Call(certificates.limit_cycle, loop | swings | {"state": (0.0, 1.0, 0.0), "settle": 0.05}),
         Call(certificates.harmonic_balance, loop | swings | {"amplitudes": [0.1, 1.0]}),

@@ -25,10 +25,10 @@ def limiter(plant=PLANT, **changes) -> DiscreteSystem:
     return soft_landing(plant, **{"dt": DT, "contact_speed": 0.6, "torque_limit": LIMIT, **changes})
 
 
-def landing(plant: Drivetrain, torque: float, **changes):
+def landing(plant: Drivetrain, torque: float, known: Drivetrain | None = None, **changes):
     """A constant wished torque from the far edge of the gap on, all states known; at rest at first."""
     law = connect(
-        [limiter(plant, **changes), ACTING],
+        [limiter(known or plant, **changes), ACTING],
         inputs=("torque_wished", "twist_estimated", "twist_elastic_estimated", "speed_motor_estimated",
                 "speed_load_estimated"),
         outputs=("torque_motor",),
@@ -37,14 +37,14 @@ def landing(plant: Drivetrain, torque: float, **changes):
         inputs=("twist",), outputs=("twist_elastic_estimated",), dt=DT, curves=(dead(plant),),
         G=np.ones((1, 1)), J=np.ones((1, 1)),
     )  # fmt: skip
-    known = {
+    seen = {
         "twist_estimated": "twist",
         "speed_motor_estimated": "speed_motor",
         "speed_load_estimated": "speed_load",
     }
     return simulate(
         plant, dt=DT, law=[elastic, law], delay=1, torque_wished=np.full(4000, torque),
-        sensors={name: Sensor(source) for name, source in known.items()},
+        sensors={name: Sensor(source) for name, source in seen.items()},
         state=(-np.sign(torque) * 0.49 * plant.backlash, 0.0, 0.0),
     )  # fmt: skip
 
@@ -66,6 +66,16 @@ def test_the_gap_closes_at_the_speed_that_was_asked_for(contact_speed, backlash,
         # What is left is the lag of the control behind the falling speed, and samples of 0.1 ms on small gaps.
         assert 0.6 * contact_speed < abs(first.speed) < 1.3 * contact_speed
         assert np.sign(first.speed) == np.sign(torque)
+
+
+@pytest.mark.parametrize("coulomb", [2.0, 8.0, 16.0])
+def test_a_motor_that_rubs_a_little_harder_than_known_does_not_stop_in_the_gap(coulomb):
+    rubs = PLANT.with_parameters(coulomb_motor=1.1 * coulomb, coulomb=0.0)
+    found = landing(rubs, 60.0, PLANT.with_parameters(coulomb_motor=coulomb, coulomb=0.0), contact_speed=0.3)
+    first = next(e for e in found.events if e.kind == "impact")
+    gain = PLANT.inertia_motor / (PLANT.lag + DT)
+    assert 0.05 < first.speed < 0.3 + 2.0 * coulomb / gain
+    assert found["speed_load"][-1] > 5.0
 
 
 @pytest.mark.parametrize("share", [0.8, 1.2])

@@ -22,6 +22,7 @@ from .robustness.loop_margins import Margins
 from .robustness.peak_bounds import PeakBounds, peak_bounds
 from .robustness.simulated_variants import VariantCount, count_variants
 from .robustness.worst_case import WorstCase, worst_case
+from .robustness.worst_reference import WorstReference, worst_reference
 from .running import RunningProof, prove_running
 from .statement import conditions, headline, stability
 
@@ -39,6 +40,7 @@ __all__ = [
     "RunningProof",
     "VariantCount",
     "WorstCase",
+    "WorstReference",
     "around",
     "best_injection",
     "box_headline",
@@ -66,4 +68,5 @@ __all__ = [
     "stability",
     "verdict",
     "worst_case",
+    "worst_reference",
 ]

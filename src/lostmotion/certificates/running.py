@@ -42,9 +42,9 @@ STEP = 0.5
 #: that the limit leaves (option: larger regions allow larger steps, and are proved more seldom).
 SHARES = (0.2, 0.5)
 
-#: Times that the inequalities are centred at numbers that do not satisfy them yet (numerics: once is nearly always
-#: enough, three times help laws with many curves).
-CENTRINGS = 3
+#: Times that the inequalities are centred at numbers that do not satisfy them yet, where the search without it ends
+#: (numerics: once is nearly always enough, twice for laws with many curves).
+CENTRINGS = 2
 
 #: Load speed up to which a proof holds, rad/s (option).
 FASTEST = 1000.0
@@ -245,7 +245,7 @@ class _Search:
                 low = middle
         return high
 
-    def _solves(self, speed: float, goal: _Goal, centrings: int = 1) -> bool:
+    def _solves(self, speed: float, goal: _Goal, centrings: int = 0) -> bool:
         """Whether the solver finds numbers from a speed on."""
         try:
             self.at(speed, goal, centrings)
@@ -260,13 +260,10 @@ class _Search:
         Raises ``Unproved`` where nothing is: then nothing is at smaller speeds.
         """
         goals = [_Goal(), *(_Goal(self.step, share) for share in SHARES if self.loop.limit is not None)]
-        for goal in goals:
-            try:
-                self.at(speed, goal)
-            except Unproved as error:
-                self.reason = str(error)
-            else:
-                return goal
+        for centrings in (0, 1):
+            for goal in goals:
+                if self._solves(speed, goal, centrings):
+                    return goal
         raise Unproved(self.reason)
 
     def with_larger_steps(self, speed: float, candidate: _Candidate) -> list[_Candidate]:
@@ -281,7 +278,7 @@ class _Search:
                     break
         return found
 
-    def at(self, speed: float, goal: _Goal, centrings: int = CENTRINGS) -> _Candidate:
+    def at(self, speed: float, goal: _Goal, centrings: int = 0) -> _Candidate:
         """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
         if (speed, goal) not in self._found:
             rest, problem, numbers = self._problem(speed, goal)

@@ -53,15 +53,20 @@ class Layout:
         made: dict[str, Array] = {}
         start = 0
         for name, n in self.symmetric.items():
-            upper = np.triu_indices(n)
+            upper = _upper(n)
             matrix = np.zeros((n, n))
-            matrix[upper] = vector[start : start + upper[0].size]
-            made[name] = matrix + np.triu(matrix, 1).T
+            matrix[upper] = matrix[upper[::-1]] = vector[start : start + upper[0].size]
+            made[name] = matrix
             start += upper[0].size
         for name, count in self.multipliers.items():
             made[name] = vector[start : start + count]
             start += count
         return made
+
+    def row_of(self, multiplier: str) -> Array:
+        """The row that reads a single multiplier from the vector."""
+        places = np.repeat(list(self.multipliers), list(self.multipliers.values())) == multiplier
+        return np.append(np.zeros(self.size - self.multiplier_count), places)
 
 
 class Inequalities:
@@ -115,6 +120,16 @@ class Inequalities:
         found = _solved(self.layout, parts, weights, trace / sum(part.shape[1] for part in parts), _ended)
         return None if found is None or _is_nothing(found[1]) else found[0]
 
+    def largest(self, wanted: str, bounded: str, margin: float) -> dict[str, Array] | None:
+        """Unknowns with the largest multiplier ``wanted`` where the multiplier ``bounded`` is 1 at most and every
+        condition minus margin·I is positive semidefinite; None if the solver ends without numbers."""
+        weights = _weights(self.parts)
+        cost = -self.layout.row_of(wanted)
+        found = _cheapest(
+            self.layout, self.parts, weights, cost, self.layout.row_of(bounded) * weights, margin=margin
+        )
+        return None if found is None else _unknowns(self.layout, found * weights)
+
     def _around(self, centre: Unknowns) -> list[Array]:
         """The parts in such bases, as far as a condition is positive at the centre."""
         made = self.conditions(centre)
@@ -155,36 +170,58 @@ def _solved(
     ended: Callable[[Any], bool] | None = None,
 ) -> tuple[dict[str, Array], float] | None:
     """Unknowns with the largest margin, and the margin; trace · unknowns/weights ≤ 1. Stops where ``ended``."""
+    bounded, cost = np.append(trace, 0.0), np.append(np.zeros(layout.size), -1.0)
+    found = _cheapest(layout, parts, weights, cost, bounded, ended=ended)
+    return None if found is None else (_unknowns(layout, found[:-1] * weights), float(found[-1]))
+
+
+def _cheapest(
+    layout: Layout,
+    parts: Sequence[Array],
+    weights: Array,
+    cost: Array,
+    bounded: Array,
+    *,
+    margin: float | None = None,
+    ended: Callable[[Any], bool] | None = None,
+) -> Array | None:
+    """The scaled unknowns of least cost, with bounded · unknowns/weights ≤ 1, for which every condition keeps a margin;
+    None: the margin is one unknown more. Stops where ``ended``."""
     import clarabel
     from scipy.sparse import csc_matrix, vstack
 
     size, count = layout.size, layout.multiplier_count
     blocks: list[Any] = []
     cones: list[Any] = []
+    right: list[Array] = []
     for part in parts:
-        n = part.shape[1]
-        columns = -_packed(part * weights[:, None, None])
-        blocks.append(csc_matrix(np.column_stack([columns.T, _packed(np.eye(n))])))
-        cones.append(clarabel.PSDTriangleConeT(n))
-    positive = np.hstack([np.zeros((count, size - count)), -np.eye(count), np.zeros((count, 1))])
-    blocks += [csc_matrix(positive), csc_matrix(np.append(trace, 0.0)[np.newaxis])]
+        one = _packed(np.eye(part.shape[1]))
+        columns = -_packed(part * weights[:, None, None]).T
+        blocks.append(csc_matrix(columns if margin is not None else np.column_stack([columns, one])))
+        cones.append(clarabel.PSDTriangleConeT(part.shape[1]))
+        right.append(-(margin or 0.0) * one)
+    positive = np.hstack(
+        [np.zeros((count, size - count)), -np.eye(count), np.zeros((count, cost.size - size))]
+    )
+    blocks += [csc_matrix(positive), csc_matrix(bounded[np.newaxis])]
     cones += [clarabel.NonnegativeConeT(count), clarabel.NonnegativeConeT(1)]
+    right += [np.zeros(count), np.ones(1)]
     matrix = csc_matrix(vstack(blocks))
-    right = np.append(np.zeros(matrix.shape[0] - 1), 1.0)
-    cost = np.append(np.zeros(size), -1.0)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
-    nothing = csc_matrix((size + 1, size + 1))
-    solver = clarabel.DefaultSolver(nothing, cost, matrix, right, cones, settings)
+    nothing = csc_matrix((cost.size, cost.size))
+    solver = clarabel.DefaultSolver(nothing, cost, matrix, np.concatenate(right), cones, settings)
     if ended is not None:
         solver.set_termination_callback(ended)
     found = np.asarray(solver.solve().x)
-    if found.size != size + 1 or not np.all(np.isfinite(found)):
-        return None
-    values = found[:-1] * weights
-    values[size - count :] = np.maximum(values[size - count :], 0.0)
-    return layout.unknowns(values), float(found[-1])
+    return found if found.size == cost.size and np.all(np.isfinite(found)) else None
+
+
+def _unknowns(layout: Layout, values: Array) -> dict[str, Array]:
+    """The unknowns out of one vector, multipliers not below zero."""
+    start = layout.size - layout.multiplier_count
+    return layout.unknowns(np.append(values[:start], np.maximum(values[start:], 0.0)))
 
 
 def _diagonal(layout: Layout) -> Array:
@@ -197,6 +234,12 @@ def _packed(matrix: Matrix) -> Array:
     given = np.asarray(matrix, dtype=float)
     rows, columns, weights = _triangle(given.shape[-1])
     return np.asarray(weights * given[..., columns, rows])
+
+
+@cache
+def _upper(size: int) -> tuple[Any, Any]:
+    """Rows and columns of the upper triangle."""
+    return np.triu_indices(size)
 
 
 @cache

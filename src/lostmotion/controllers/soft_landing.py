@@ -32,6 +32,9 @@ BOUND_RELEASE = 2.0
 #: Steepest fall of the approach speed with the distance, as a share of the control's rate. The feedforward of braking
 #: then never takes more than this share of the speed: the motor cannot stall before the edge (numerics).
 STEEPEST = 0.5
+#: The motor's Coulomb friction counts so many times. A torque on its way counts as motion, which a motor at rest does
+#: not make: K·(lag + dt)/J ≤ 1 times the torque is missing, so a motor starts from twice its friction on (physics).
+FRICTION_RESERVE = 2.0
 #: Curves of the law with all bounds (numerics).
 MOST_CURVES = 13
 #: Points of the braking parabola (numerics: on the paper's rig the chords then lie up to 2 % below it).
@@ -65,7 +68,7 @@ def soft_landing(
 
     ::
 
-        U₊ = K·(W(h − x) − w) + release·stiffness·max(twist_elastic, 0)      U₋ likewise, with all signs turned
+        U₊ = K·(W(h − x) − w) + M + release·stiffness·max(twist_elastic, 0)      U₋ likewise, with all signs turned
         W(s) = V(s)·(1 − V′(s)·J/K)                V·V′ = min(a, c·V) from V(0) = v on, V = v behind the edge
         w = speed_motor − speed_load + (lag·torque_actuator + dt·torque_motor_acting)/J
         x = twist + lag·(speed_motor − speed_load) + dt·(w − dt·torque_motor_acting/(2·J))
@@ -80,7 +83,7 @@ def soft_landing(
     To cross the gap in least time the motor runs beyond the set-point. ``motor_bounded`` keeps it below, in the gap
     and while the shaft winds up; small steps of the set-point still cross the gap with the contact speed::
 
-        U₊ = min(U₊, K·(max(speed_reference − speed_load, v) − w) + BOUND_RELEASE·stiffness·max(twist_elastic, 0))
+        U₊ = min(U₊, K·(max(speed_reference − speed_load, v) − w) + M + BOUND_RELEASE·stiffness·max(twist_elastic, 0))
 
     A hard brake swings the inertia between shaft and joint, which then meets the edge with the speed that it has by
     chance. Behind a bound there is less speed to brake, so take less ``braking_torque``.
@@ -123,8 +126,10 @@ def soft_landing(
 
     Notes
     -----
-    Friction of the motor and the load's acceleration are left out: on the paper's rig 10 Nm at the load shift the
-    contact speed by 0.03 rad/s, and of the motor's friction see ``motor_friction_speed``.
+    The load's acceleration is left out: on the paper's rig 10 Nm at the load shift the contact speed by 0.03 rad/s. The
+    motor's Coulomb friction counts as if it always held the motor back, ``FRICTION_RESERVE`` times, or the motor would
+    come to rest in the gap: U₊ has that torque M on top. So the gap closes faster than wished, by M/K or less where the
+    friction holds back, by 1.5·M/K where it helps.
     """
     braking_torque = BRAKING_SHARE * torque_limit if braking_torque is None else braking_torque
     rate = approach_rate(drivetrain.lag, dt) if rate is None else rate
@@ -145,13 +150,17 @@ def soft_landing(
     # The curve is over the way to the edge; a known edge is in the curve, an estimated one in its argument.
     half = 0.5 * one["backlash_estimated"] if backlash_estimated else 0.0 * distance
     edge = (0.0 if backlash_estimated else 0.5 * drivetrain.backlash) - tolerance * drivetrain.backlash
-    approach = _approach(drivetrain.backlash, edge, contact_speed, braking_torque / inertia, rate, gain)
+    motor = drivetrain.frictions[0]
+    friction = FRICTION_RESERVE * max(motor.coulomb_plus, motor.coulomb_minus)
+    approach = _approach(
+        drivetrain.backlash, edge, contact_speed, braking_torque / inertia, rate, gain, friction
+    )
     upper, lower = net.both(approach, -distance, half)
     wound = net.both(_beyond(0.0, release * drivetrain.stiffness), elastic)
     upper, lower = upper + wound[0] - gain * speed, lower + wound[1] + gain * speed
     if motor_bounded:
         error = one["speed_reference"] - one["speed_load_estimated"]
-        ahead_of_load = net.both(_beyond(contact_speed, gain), error)
+        ahead_of_load = net.both(_beyond(contact_speed, gain, friction), error)
         wound = net.both(_beyond(0.0, BOUND_RELEASE * drivetrain.stiffness), elastic)
         upper = net.least(upper, ahead_of_load[0] + wound[0] - gain * speed)
         lower = net.least(lower, ahead_of_load[1] + wound[1] + gain * speed)
@@ -163,15 +172,6 @@ def soft_landing(
         acting = np.array([[float(name == "torque_motor_acting") for name in inputs]])
         state = {"states": ("torque_actuator",), "A": np.array([[decay]]), "B": (1.0 - decay) * acting}
     return net.system(torque, inputs, dt, state)
-
-
-def motor_friction_speed(drivetrain: Drivetrain, rate: float) -> float:
-    """Speed (rad/s) that the motor's Coulomb friction takes off the approach; rate (1/s) is that of its control.
-
-    The control is proportional: with a contact speed below this the motor may come to rest in the gap.
-    """
-    friction = drivetrain.frictions[0]
-    return max(friction.coulomb_plus, friction.coulomb_minus) / (rate * drivetrain.inertia_motor)
 
 
 class _Curves:
@@ -211,9 +211,9 @@ class _Curves:
         )  # fmt: skip
 
 
-def _beyond(level: float, slope: float) -> PiecewiseLinear:
-    """slope·max(z, level)."""
-    return PiecewiseLinear(((level, slope * level),), 0.0, slope)
+def _beyond(level: float, slope: float, offset: float = 0.0) -> PiecewiseLinear:
+    """slope·max(z, level) + offset."""
+    return PiecewiseLinear(((level, slope * level + offset),), 0.0, slope)
 
 
 def approach_rate(lag: float, dt: float) -> float:
@@ -222,9 +222,9 @@ def approach_rate(lag: float, dt: float) -> float:
 
 
 def _approach(
-    backlash: float, edge: float, contact: float, braking: float, rate: float, gain: float
+    backlash: float, edge: float, contact: float, braking: float, rate: float, gain: float, friction: float
 ) -> PiecewiseLinear:
-    """K·W over the way to the edge − ``edge``: rad → Nm.
+    """K·W + friction over the way to the edge − ``edge``: rad → Nm.
 
     The points of the parabola lie at equal steps of the speed.
     """
@@ -237,7 +237,7 @@ def _approach(
     if straight > 0.0:
         s, w = np.append(0.0, s), np.append(contact * (1.0 - STEEPEST), w)
     behind = contact / rate
-    points = np.column_stack([np.append(-behind, s) - edge, gain * np.append(contact, w)])
+    points = np.column_stack([np.append(-behind, s) - edge, gain * np.append(contact, w) + friction])
     slope = float(np.diff(points[-2:, 1])[0] / np.diff(points[-2:, 0])[0])
     return PiecewiseLinear(tuple((float(a), float(b)) for a, b in points), 0.0, slope)
 

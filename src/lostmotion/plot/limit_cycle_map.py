@@ -53,7 +53,7 @@ def limit_cycle_map(
     rows, columns = np.nonzero(found.expected)
     axis.plot(
         columns - 0.33, rows + 0.3, "o", markersize=5, markerfacecolor="none", markeredgecolor="#0B4F8A",
-        label="expected by describing functions; in the cells: frequency in Hz, ~ no period that repeats",
+        label="expected by describing functions; number: Hz; ~: no period; white: at rest",
     )  # fmt: skip
     axis.set_xticks(range(found.first_values.size), [f"{value:g}" for value in found.first_values])
     axis.set_yticks(range(found.second_values.size), [f"{value:g}" for value in found.second_values])

@@ -18,8 +18,8 @@ from ..recording import Recording
 from ..systems import DiscreteSystem
 from .law_task import GIVEN, LawTask, controller_of, gains_of, landing_of, law_of, poles_of, tried
 from .material import Material
-from .parameters import Found
-from .possible_drives import DECISIVE, OFF, not_told
+from .parameters import OFF, Found
+from .possible_drives import DECISIVE, not_told
 from .speed_step import PAPER_STEP, SpeedStep, speed_step
 from .target_law import Poles
 

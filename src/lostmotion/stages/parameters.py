@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..drivetrain import PARAMETER_UNITS, Drivetrain
@@ -18,6 +19,8 @@ from ..identification import (
     ring_down,
     shaft_stiffness,
 )
+from ..io.recordings.checks import CORRELATED
+from ..io.recordings.torque_and_speed import inertia_shown
 from ..recording import Recording
 from .material import Material
 
@@ -26,6 +29,9 @@ NEEDED = ("inertia_motor", "inertia_load", "stiffness")
 #: Shown although they are not known; zero is taken for the design, which then damps the shaft by itself, and suits a
 #: drive with a gap as well.
 SHOWN = (*NEEDED, "backlash", "damping")
+#: A nameplate's value that the recording did not tell may be off by this factor (option: that within which
+#: ``identify`` asks for it).
+OFF = 2.0
 #: Signals that identification by prediction error needs.
 DRIVEN = ("torque_motor", "speed_motor")
 #: Signals that the measurement of a shaft needs.
@@ -105,7 +111,9 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
                 "part of the motor's inertia": share,
                 "part of the shaft's compliance before it": compliance,
             }
-        return _finished(material.nameplate, table, found, fits=fits, problems=tuple(problems))
+        made = _finished(material.nameplate, table, found, fits=fits, problems=tuple(problems))
+        reason = contradiction(made, recording)
+        return replace(made, drivetrain=None, missing=reason) if reason else made
     # Without a motor torque, the stiffness still follows from the speeds at both ends and the torque of the shaft.
     if all(name in recording for name in SHAFT):
         shaft, ringing = shaft_stiffness(recording), ring_down(recording, seed=material.seed)
@@ -180,10 +188,7 @@ def _finished(
     missing = [name for name in NEEDED if name not in values]
     drivetrain: Drivetrain | None = None
     reason = ""
-    contradiction = _contradiction(table, problems)
-    if contradiction is not None:
-        reason = f"the recording contradicts the nameplate: {contradiction}"
-    elif missing:
+    if missing:
         keys = " and ".join(f"{name} = ..." for name in missing)
         reason = f"{', '.join(missing)} not known: give {keys} under [nameplate], or record a test that identifies it"
     elif found is None:
@@ -194,8 +199,17 @@ def _finished(
     return Found(ordered, drivetrain, reason, found, shaft, ringing, skipped, fits or {}, problems)
 
 
-def _contradiction(table: Mapping[str, Mapping[str, Any]], problems: tuple[Problem, ...]) -> Problem | None:
-    """What the identification says against the motor torque itself, where it does not tell the inertias."""
-    if any(table[name]["source"] != "not excited" for name in ("inertia_motor", "inertia_load")):
-        return None
-    return next((problem for problem in problems if problem.where == "torque_motor"), None)
+def contradiction(found: Found, recording: Recording) -> str:
+    """Why no law may be made of the nameplate's inertias, which the recording did not tell; nothing if one may."""
+    drivetrain, inertias = found.drivetrain, ("inertia_motor", "inertia_load")
+    if drivetrain is None or any(found.table[name]["source"] != "not excited" for name in inertias):
+        return ""
+    inertia, correlation = inertia_shown(recording)
+    seen, off = math.copysign(inertia, correlation), inertia / drivetrain.inertia_total
+    if abs(correlation) < CORRELATED or (correlation > 0.0 and 1.0 / OFF < off < OFF):
+        return ""
+    return (
+        f"the recording contradicts the nameplate: it shows an inertia of {seen:.2g} instead of "
+        f"{drivetrain.inertia_total:.2g} kg m2. Check sign, scale and unit in the channels of torque and speed, and "
+        "inertia_motor and inertia_load under [nameplate]"
+    )

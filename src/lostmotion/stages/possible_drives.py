@@ -6,11 +6,8 @@ import math
 from itertools import product
 
 from ..drivetrain import Drivetrain
-from .parameters import Found
+from .parameters import OFF, Found
 
-#: A nameplate's value that the recording did not tell may be off by this factor (option: that within which
-#: ``identify`` asks for it).
-OFF = 2.0
 #: Lag and delay of a drive of which neither is known, s (option: a current loop of 1 ms behind a fieldbus of 1 ms).
 USUAL_LAG = 2e-3
 #: Damping ratio of the torsional mode where no damping is known (option: less than drives with joints have; without

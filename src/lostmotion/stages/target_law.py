@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from ..controllers import pole_placement, quadratic_poles, soft_landing
 from ..controllers.pole_placement import DEFAULT_POLES
-from ..controllers.soft_landing import approach_rate, motor_friction_speed
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..observers import kalman
@@ -178,12 +177,10 @@ def target_law(
 
 def _landing(drivetrain: Drivetrain, torque_limit: float, dt: float) -> DiscreteSystem:
     crossing = math.sqrt(2.0 * torque_limit / drivetrain.inertia_motor * drivetrain.backlash)
-    rate = approach_rate(drivetrain.lag, dt)
     return soft_landing(
         drivetrain,
         dt=dt,
-        contact_speed=LANDING_SHARE * crossing + motor_friction_speed(drivetrain, rate),
-        rate=rate,
+        contact_speed=LANDING_SHARE * crossing,
         torque_limit=torque_limit,
         tolerance=TOLERANCE,
         release=RELEASE,

@@ -26,12 +26,22 @@ def orbit() -> LimitCycle:
 
 
 def test_a_known_orbit_of_stick_and_slip(orbit: LimitCycle) -> None:
-    # Period and multipliers of a prototype of another author: 156.69887 ms; 1, 1.4e-4, 0, 0. Its samples lay elsewhere.
-    assert orbit.period == pytest.approx(156.69887e-3, rel=1e-5)
+    # Period and multipliers of a prototype of another author: 156.69887 ms; 1, 1.4e-4, 0, 0. The orbit's is 6 ppm less.
+    assert orbit.period == pytest.approx(156.697916e-3, rel=1e-8)
     assert (orbit.samples, orbit.periods) == (1567, 1) and orbit.residual < 1e-8
     assert np.abs(orbit.multipliers) == pytest.approx([1.0, 1.4e-4, 0.0, 0.0], abs=5e-6)
     assert orbit.is_stable
     assert [event.kind for event in orbit.recording.events] == ["stick", "slip"]
+
+
+def test_its_period_differs_by_what_the_freed_sample_time_makes_of_the_gain() -> None:
+    """Of 1567 samples in the prototype's period each is 7 ppm short of 0.1 ms; the law adds ki·0.1 ms in it. With a ki
+    less by as much the integral gain per second is the loop's, and the period that of the prototype."""
+    period = 156.698873e-3
+    law = lm.controllers.pi(dt=DT, ki=200.0 * (period / 1567) / DT)
+    found = limit_cycle(PLANT, law, reference=REFERENCE)
+    assert found is not None and found.samples == 1567
+    assert found.period == pytest.approx(period, rel=2e-8)
 
 
 def test_its_period_is_that_of_a_free_simulation(orbit: LimitCycle) -> None:
@@ -39,7 +49,8 @@ def test_its_period_is_that_of_a_free_simulation(orbit: LimitCycle) -> None:
         PLANT, law=lm.controllers.pi(dt=DT), dt=DT, speed_reference=np.full(200_000, REFERENCE)
     )
     slips = np.array([event.time for event in loop.events if event.kind == "slip"])[20:]
-    assert (slips[-1] - slips[0]) / (slips.size - 1) == pytest.approx(orbit.period, rel=1e-5)
+    free = (slips[-1] - slips[0]) / (slips.size - 1)
+    assert free == pytest.approx(orbit.period, rel=1e-5) and free == pytest.approx(156.698873e-3, rel=1e-8)
     assert orbit.swing("speed_load") == pytest.approx(np.ptp(loop["speed_load"][100_000:]), rel=1e-3)
 
 

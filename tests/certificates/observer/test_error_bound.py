@@ -17,7 +17,7 @@ import pytest
 from table_i import PAPER
 
 import lostmotion as lm
-from lostmotion.certificates import ObserverError, observer_error, observer_verdict
+from lostmotion.certificates import ObserverError, observer_error, observer_headline, observer_verdict
 from lostmotion.certificates.observer.error_bound import STATES, error_model
 from lostmotion.certificates.plant import Plant, plant_of
 from lostmotion.certificates.rational import Matrix, rational
@@ -81,6 +81,21 @@ def test_the_exported_observer_stays_within_it(proved: ObserverError) -> None:
     estimated = lm.observers.kalman(PAPER, dt=1e-4).run(run)
     for name, bound in (proved.bounds or {}).items():
         assert np.max(np.abs(estimated[f"{name}_estimated"] - run[name])) < bound
+
+
+def test_at_every_contact_the_exported_observer_is_within_it(proved: ObserverError) -> None:
+    """The bound at re-contact: at the first sample of each contact after the gap was crossed, and it is said so."""
+    n, dt = 20_000, 1e-4
+    torque = 6.0 * np.sign(np.sin(2.0 * np.pi * 5.0 * dt * np.arange(n)))
+    run = lm.simulate(PAPER, dt=dt, torque_motor=torque, state=(0.015, -3.0, 1.0))
+    estimated = lm.observers.kalman(PAPER, dt=dt).run(run)
+    touched = np.abs(run["twist"]) > 0.5 * PAPER.backlash
+    contacts = 1 + np.flatnonzero(touched[1:] & ~touched[:-1])
+    assert contacts.size > 10
+    for name, bound in (proved.bounds or {}).items():
+        error = np.abs(estimated[f"{name}_estimated"] - run[name])[contacts]
+        assert 0.0 < np.max(error) < bound
+    assert "at the moment of contact too" in observer_headline(proved)
 
 
 def test_injection_and_a_torque_sensor_prove_more(proved: ObserverError) -> None:

@@ -1,54 +1,83 @@
-"""Bounds of all motions: integrals that are known, simulations that stay within, and how far above them they are."""
+"""Bounds of all motions: loops whose peaks are known, simulations that stay within, and how far above them they are."""
 
 from __future__ import annotations
-
-from fractions import Fraction
 
 import numpy as np
 import pytest
 from table_i import PAPER
 
 import lostmotion as lm
-from lostmotion.certificates import continuous_pi, peak_bounds
-from lostmotion.certificates.rational import rational
-from lostmotion.certificates.robustness.peak_integrals import peak_integrals
+from lostmotion.certificates import PeakBounds, continuous_pi, peak_bounds, worst_reference
+from lostmotion.certificates.continuous.continuous_law import ContinuousLaw
+from lostmotion.certificates.robustness.peak_outputs import sampled_peak_loop
 from lostmotion.errors import InvalidInput
 
-
-def test_integrals_of_known_impulse_responses() -> None:
-    """A lag: 1/rate. A swing e^(−a·t)·sin(b·t): coth(π·a/2b)·b/(a² + b²)."""
-    lag = peak_integrals(rational([[-4.0]]), rational([[3.0]]), rational([[-2.0]]))
-    assert lag is not None and 1.5 <= lag[0, 0] <= 1.5 * (1.0 + 1e-3)
-    a, b = 2.0, 30.0
-    swing = peak_integrals(rational([[-a, b], [-b, -a]]), rational([[0.0], [1.0]]), rational([[1.0, 0.0]]))
-    exact = b / (a**2 + b**2) / np.tanh(np.pi * a / (2.0 * b))
-    assert swing is not None and exact <= swing[0, 0] <= exact * (1.0 + 2e-3)
-    assert peak_integrals(rational([[Fraction(1)]]), rational([[1.0]]), rational([[1.0]])) is None, "it grows"
+SAMPLED = lm.controllers.pi(dt=1e-4)
+SIGNALS = ("twist", "speed_motor", "speed_load", "torque_motor")
+RIGID = lm.Drivetrain.two_mass(
+    inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, damping=4.0, viscous=0.0175
+)
 
 
-def worst_simulated(reference: float) -> np.ndarray:
-    """Largest twist, speeds and torque over square waves of many periods."""
-    dt, samples, law = 1e-4, 4000, lm.controllers.pi(dt=1e-4)
-    worst = np.zeros(4)
-    for period in np.geomspace(30, 2000, 12):
-        square = reference * np.sign(np.sin(2.0 * np.pi * (np.arange(samples) + 0.5) / period))
-        run = lm.simulate(PAPER, law=law, dt=dt, speed_reference=square)
-        names = ("twist", "speed_motor", "speed_load", "torque_motor")
-        worst = np.maximum(worst, [np.max(np.abs(run[name])) for name in names])
-    return worst
+def ratios(bounds: PeakBounds, simulated: dict[str, float]) -> np.ndarray:
+    return np.array([getattr(bounds, name) / simulated[name] for name in SIGNALS])
 
 
-def test_no_simulation_exceeds_the_bounds_and_they_are_not_far_off() -> None:
-    bounds = peak_bounds(PAPER, continuous_pi(), 5.0)
-    found = np.array([bounds.twist, bounds.speed_motor, bounds.speed_load, bounds.torque_motor])
-    ratio = found / worst_simulated(5.0)
+def test_a_linear_loop_stays_below_the_bound_and_near_it() -> None:
+    """Without gap and friction the worst set-point is known: at its limit, with the sign of the impulse response."""
+    bounds = peak_bounds(RIGID, continuous_pi(), 1.0)
+    step = lm.simulate(RIGID, law=SAMPLED, dt=1e-4, speed_reference=np.r_[np.zeros(5), np.ones(4000)])
+    response = np.diff(step["speed_motor"])
+    peak = np.abs(response).sum()
+    assert peak < bounds.speed_motor < 1.4 * peak
+    assert np.isclose(
+        peak_bounds(RIGID, continuous_pi(), 2.0).speed_motor, 2.0 * bounds.speed_motor, rtol=1e-3
+    )
+
+
+@pytest.mark.parametrize(("reference", "law", "acts"), [(0.5, SAMPLED, False), (5.0, continuous_pi(), None)])
+def test_no_simulation_exceeds_the_bounds_and_they_are_not_far_off(
+    reference: float, law: lm.DiscreteSystem | ContinuousLaw, acts: bool | None
+) -> None:
+    """The torque limit of 73.5 Nm cannot act at 0.5 rad/s, and may at 5 rad/s."""
+    bounds = peak_bounds(PAPER.with_parameters(torque_limit=73.5), law, reference)
+    worst = {
+        name: worst_reference(PAPER, SAMPLED, reference, name, starts=1, duration=0.1).peak
+        for name in SIGNALS
+    }
+    ratio = ratios(bounds, worst)
     assert np.all(ratio >= 1.0) and np.all(ratio <= 2.5), ratio
+    assert bounds.limit_acts is acts
 
 
-def test_whether_the_torque_limit_can_act() -> None:
-    still = peak_bounds(PAPER.with_parameters(torque_limit=73.5), continuous_pi())
-    assert still.limit_acts is False and still.torque_motor < 25.0
-    assert peak_bounds(PAPER.with_parameters(torque_limit=5.0), continuous_pi()).limit_acts is None
+def test_how_far_it_may_hunt_at_standstill() -> None:
+    """Every motion ends in the gap, or in contact with at most the Coulomb torque: 6.32 mrad."""
+    bounds = peak_bounds(PAPER, continuous_pi())
+    run = lm.simulate(
+        PAPER,
+        law=SAMPLED,
+        dt=1e-4,
+        speed_reference=np.zeros(5000),
+        state=(0.02, 3.0, -1.0),
+    )
+    settled = {name: float(np.max(np.abs(run[name][-2000:]))) for name in SIGNALS}
+    assert all(getattr(bounds, name) >= settled[name] for name in SIGNALS)
+    assert 6.31e-3 < bounds.twist < 7.0e-3 and bounds.speed_motor < 0.5 and bounds.torque_motor < 5.0
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+def test_the_torque_limit_is_left_out_of_the_loop(delay: int) -> None:
+    """The drivetrain's and the law's own, with its anti-windup: what is left is the loop without a limit."""
+    plain = sampled_peak_loop(PAPER, SAMPLED, delay)
+    for plant, law in (
+        (PAPER.with_parameters(torque_limit=73.5), SAMPLED),
+        (PAPER, lm.controllers.pi(dt=1e-4, torque_limit=73.5)),
+    ):
+        found = sampled_peak_loop(plant, law, delay)
+        assert found.limit == 73.5 and plain.limit == np.inf
+        for name in ("A", "E", "Z", "S", "S_w", "S_v", "R"):
+            difference = getattr(found.loop, name) - getattr(plain.loop, name)
+            assert np.max(np.abs(difference.astype(float)), initial=0.0) < 1e-12, name
 
 
 def test_what_is_not_bounded_is_refused() -> None:
@@ -56,3 +85,5 @@ def test_what_is_not_bounded_is_refused() -> None:
         peak_bounds(PAPER, continuous_pi(kp=-10.0))
     with pytest.raises(InvalidInput, match="lag"):
         peak_bounds(PAPER.with_parameters(lag=1e-3), continuous_pi())
+    with pytest.raises(InvalidInput, match="substeps"):
+        peak_bounds(PAPER, lm.controllers.pi(dt=1e-4), substeps=0)

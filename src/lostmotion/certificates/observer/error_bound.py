@@ -199,8 +199,8 @@ def observer_headline(proof: ObserverError) -> str:
     twist, motor, load = (proof.bounds[name] for name in STATES)
     return (
         f"Proved: whatever the drive does, the observer's errors come and stay within {1e3 * twist:.1f} mrad (twist), "
-        f"{motor:.3g} rad/s (motor) and {load:.3g} rad/s (load), with the whole gap and friction, while its parameters "
-        "are right."
+        f"{motor:.3g} rad/s (motor) and {load:.3g} rad/s (load), with the whole gap and friction, at the moment of "
+        "contact too, while its parameters are right."
     )
 
 

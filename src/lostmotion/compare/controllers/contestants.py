@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ... import controllers, observers
-from ...controllers.soft_landing import approach_rate, motor_friction_speed
+from ...controllers.soft_landing import approach_rate
 from ...curves import saturation
 from ...drivetrain import Drivetrain
 from ...stages.target_law import default_poles, target_law
@@ -146,8 +146,6 @@ def behind(wished: DiscreteSystem, s: Setting, **options: Any) -> DiscreteSystem
     """A law with soft landing behind it; the law alone where there is no gap."""
     if s.model.backlash == 0.0:
         return wished
-    options = {"rate": approach_rate(s.model.lag, s.dt), **options}
-    options["contact_speed"] += motor_friction_speed(s.model, options["rate"])
     landing = controllers.soft_landing(s.model, dt=s.dt, torque_limit=s.torque_limit, **options)
     first = wished.renamed({"torque_motor": "torque_wished"})
     inputs = dict.fromkeys([*first.inputs, *landing.inputs])

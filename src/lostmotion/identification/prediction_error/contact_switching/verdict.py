@@ -16,7 +16,7 @@ from ..gain_schedule import Stage
 from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
-from .candidates import CORE, Estimate
+from .estimate import CORE, Estimate
 from .filter import INDEX, ContactFilter
 from .likelihood import Candidate
 from .starts import told_vector

@@ -9,23 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
-from ...statistics.block_covariance import sandwich, student_factor
-from ..innovations import NAMES as TOLD
-from ..model_error import model_allowance
 from . import grid
-from .filter import INDEX, LAWS, NAMES, ContactFilter, pole_of
-from .likelihood import (
-    FIRST_LEVEL,
-    Box,
-    Candidate,
-    descend,
-    inverse_hessian,
-    minimise,
-    polish,
-    side_by_side,
-)  # fmt: skip
+from .estimate import CORE, Estimate, distance, told
+from .filter import INDEX, LAWS, ContactFilter, pole_of
+from .likelihood import FIRST_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
-from .starts import free_places, lag, rigid_start, starts, told_vector, with_values
+from .starts import free_places, rigid_start, starts, with_values
 
 Array = NDArray[np.float64]
 
@@ -61,10 +50,6 @@ OTHERS = 2
 EXPLAINED = 0.25
 #: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
 NOISE_ALONE = 0.02
-#: What the model leaves unexplained is no noise: it may push a value one way in all rows. Part of it that does so
-#: (calibrated on development drives 0 to 139 and calibration drives 10050 to 10103, 2026-11-22, see
-#: docs/benchmarks/zoo.md: 95 % of 121 errors need 0.026 at most; twice that leaves room for drives unlike them).
-COHERENT = 0.05
 #: Steps from the fit's likeliest values without its intervals (numerics).
 FREED_STEPS = 10
 #: What a friction that the fit does not have starts with, over its usual start (numerics).
@@ -73,20 +58,6 @@ LITTLE = 10.0
 GLIMPSE, LEAST = 4, 2000
 #: Steps from a point of the grid; descents that go on to the end; displacements of the best at most (numerics).
 FIRST_STEPS, POLISHED, DISPLACEMENTS = 3, 6, 2
-#: Places of inertias, stiffness and backlash: what the others hang on.
-CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
-#: A value is told if a cost this factor away would be clearly higher (numerics, as ``identifiability.NOT_EXCITED``).
-NOT_EXCITED = 3.0
-
-
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate."""
-
-    theta: Array
-    half: Array
-    covariance: Array
-    best: Candidate
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,18 +178,18 @@ class Search:
         if not np.isfinite(others[0].cost):
             return None
         finished = _finished(others, self.flt.liveliest(ROWS), self.piece, self.box)
-        estimate = _told(finished[0], [*plausible(finished), *others], self.box, self.fixed)
+        estimate = told(finished[0], [*plausible(finished), *others], self.box, self.fixed)
         return estimate if self._found_again(estimate, others[0], found) else None
 
     def _found_again(self, estimate: Estimate, best: Candidate, found: Sequence[Candidate]) -> bool:
         """Whether so many other starts lead to the estimate; half way from the nameplate is one more."""
-        told = [i for i in CORE if np.isfinite(estimate.half[i])]
+        core = [i for i in CORE if np.isfinite(estimate.half[i])]
 
         def same(one: Candidate) -> bool:
-            away = _distance(told_vector(one), estimate.theta)
-            return bool(np.all(away[told] < np.maximum(AGAIN, estimate.half[told])))
+            away = distance(one, estimate.best)
+            return bool(np.all(away[core] < np.maximum(AGAIN, estimate.half[core])))
 
-        if not told:
+        if not core:
             return False
         others = {one.start for one in found if one.start != best.start and same(one)}
         if len(others) == OTHERS - 1:
@@ -264,88 +235,9 @@ def _cost(one: Candidate) -> float:
 
 
 def _apart(found: Sequence[Candidate]) -> list[Candidate]:
-    """The candidates without those that are a better one again."""
+    """Candidates whose inertias, stiffness, damping or backlash are no better one's."""
     kept: list[Candidate] = []
     for one in found:
-        if all(_difference(one, other) > SAME for other in kept):
+        if all(np.max(distance(one, other)[:5]) > SAME for other in kept):
             kept.append(one)
     return kept
-
-
-def _difference(one: Candidate, other: Candidate) -> float:
-    """Largest of inertias, stiffness, damping and backlash; what neither has is no difference."""
-    a, b = told_vector(one)[:5], told_vector(other)[:5]
-    return float(np.max(np.abs(np.where(a == b, 0.0, a - b))))
-
-
-def _distance(one: Array, other: Array) -> Array:
-    """Between two vectors of logarithms; infinite where one has no value, so that nothing agrees on it."""
-    known = np.isfinite(one) & np.isfinite(other)
-    return np.where(known, np.abs(np.where(known, one, 0.0) - np.where(known, other, 0.0)), np.inf)
-
-
-def _told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
-    """Values of the best candidate; half widths from the sandwich covariance, and where plausible ones disagree."""
-    run = best.flt.run(best.theta, best.free)
-    gather = _gather(best)
-    white = inverse_hessian(run.jacobian) * np.mean(run.weighted**2)
-    coloured = sandwich(run.jacobian, run.weighted)
-    covariance = gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
-    spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
-    theta = told_vector(best)
-    apart = np.max([_distance(told_vector(one), theta) for one in others], axis=0)
-    # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
-    unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
-    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * np.hypot(1.0, COHERENT * unexplained)
-    half = np.hypot(half, _allowance(best))
-    for i, name in enumerate(TOLD):
-        place = INDEX[name]
-        held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
-        if name in fixed or held or not half[i] < np.log(NOT_EXCITED) or _other_does_as_well(best, name):
-            half[i] = np.inf
-    lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)}
-    # Neither load nor spring: the rest fits many a drive. A spring before a load that does not answer is like a gap.
-    if {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
-        half[:] = np.inf
-    return Estimate(theta, half, covariance, best)
-
-
-def _allowance(best: Candidate) -> Array:
-    """(8,) what a third inertia that the recording shows leaves open: it is one of several, and damped otherwise."""
-    from ....kernels.innovations.intermediate_inertia import two_springs
-
-    values = dict(zip(NAMES, map(float, best.flt.values(best.theta)), strict=True))
-    share, motor, load = values["share"], values["inertia_motor"], values["inertia_load"]
-    if not share > 0.0:
-        return np.zeros(len(TOLD))
-    drivetrain = Drivetrain.two_mass(**{name: values[name] for name in TOLD})  # type: ignore[arg-type]
-    first, last = two_springs(motor, load, values["stiffness"], share, values["compliance"])
-    inertias = np.array([(1.0 - share) * motor, share * motor, load])
-    stiffness = np.array([[first, -first, 0.0], [-first, first + last, -last], [0.0, -last, last]])
-    mode = np.sqrt(np.max(np.linalg.eigvals(stiffness / inertias[:, None]).real)) / (2.0 * np.pi)
-    return model_allowance(TOLD, drivetrain, best.flt.dt, float(mode), sampled=True, joint=True)
-
-
-def _gather(candidate: Candidate) -> Array:
-    """(8, m) derivatives of the told parameters by the free ones: a delay counts as lag."""
-    gather = np.zeros((len(TOLD), len(candidate.free)))
-    values, dt = candidate.flt.values(candidate.theta), candidate.flt.dt
-    own, total = values[INDEX["lag"]] + dt, lag(candidate) + dt
-    for column, place in enumerate(candidate.free):
-        if NAMES[place] == "delay":
-            gather[-1, column] = dt / total
-        elif NAMES[place] in TOLD:
-            gather[TOLD.index(NAMES[place]), column] = own / total if NAMES[place] == "lag" else 1.0
-    return gather
-
-
-def _other_does_as_well(candidate: Candidate, name: str) -> bool:
-    """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
-    if name not in ("backlash", "coulomb", "viscous", "damping"):
-        return False
-    for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):
-        theta = candidate.theta.copy()
-        theta[INDEX[name]] += np.log(factor)
-        if alike(replace(candidate, theta=theta, cost=candidate.flt.run(theta).cost), candidate):
-            return True
-    return False

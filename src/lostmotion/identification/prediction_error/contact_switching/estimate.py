@@ -1,0 +1,113 @@
+"""What the best candidate tells: values, and intervals from its likelihood and from what predicts about as well."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....drivetrain import Drivetrain
+from ...statistics.block_covariance import sandwich, student_factor
+from ..innovations import NAMES as TOLD
+from ..model_error import model_allowance
+from .filter import INDEX, NAMES
+from .likelihood import Box, Candidate, inverse_hessian
+from .likelihood_ratio import alike
+from .starts import lag, told_vector
+
+Array = NDArray[np.float64]
+
+#: What the model leaves unexplained is no noise: it may push a value one way in all rows. Part of it that does so
+#: (calibrated on development drives 0 to 139 and calibration drives 10050 to 10103, 2026-11-22, see
+#: docs/benchmarks/zoo.md: 95 % of 121 errors need 0.026 at most; twice that leaves room for drives unlike them).
+COHERENT = 0.05
+#: Places of inertias, stiffness and backlash: what the others hang on.
+CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
+#: A value is told if a cost this factor away would be clearly higher (numerics, as ``identifiability.NOT_EXCITED``).
+NOT_EXCITED = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate."""
+
+    theta: Array
+    half: Array
+    covariance: Array
+    best: Candidate
+
+
+def distance(one: Candidate, other: Candidate) -> Array:
+    """(8,) of the told parameters' logarithms: 0 where neither has a value, infinite where one has none."""
+    a, b = told_vector(one), told_vector(other)
+    with np.errstate(invalid="ignore"):
+        return np.where(a == b, 0.0, np.abs(a - b))
+
+
+def told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
+    """Values of the best candidate; half widths from the sandwich covariance, and where plausible ones disagree."""
+    run = best.flt.run(best.theta, best.free)
+    gather = _gather(best)
+    white = inverse_hessian(run.jacobian) * np.mean(run.weighted**2)
+    coloured = sandwich(run.jacobian, run.weighted)
+    covariance = gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
+    spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
+    theta = told_vector(best)
+    apart = np.max([distance(one, best) for one in others], axis=0)
+    # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
+    unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
+    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * np.hypot(1.0, COHERENT * unexplained)
+    half = np.hypot(half, _allowance(best))
+    for i, name in enumerate(TOLD):
+        place = INDEX[name]
+        held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
+        if name in fixed or held or not half[i] < np.log(NOT_EXCITED) or _other_does_as_well(best, name):
+            half[i] = np.inf
+    lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)}
+    # Neither load nor spring: the rest fits many a drive. A spring before a load that does not answer is like a gap.
+    if {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
+        half[:] = np.inf
+    return Estimate(theta, half, covariance, best)
+
+
+def _allowance(best: Candidate) -> Array:
+    """(8,) what a third inertia that the recording shows leaves open: it is one of several, and damped otherwise."""
+    from ....kernels.innovations.intermediate_inertia import two_springs
+
+    values = dict(zip(NAMES, map(float, best.flt.values(best.theta)), strict=True))
+    share, motor, load = values["share"], values["inertia_motor"], values["inertia_load"]
+    if not share > 0.0:
+        return np.zeros(len(TOLD))
+    drivetrain = Drivetrain.two_mass(**{name: values[name] for name in TOLD})  # type: ignore[arg-type]
+    first, last = two_springs(motor, load, values["stiffness"], share, values["compliance"])
+    inertias = np.array([(1.0 - share) * motor, share * motor, load])
+    stiffness = np.array([[first, -first, 0.0], [-first, first + last, -last], [0.0, -last, last]])
+    mode = np.sqrt(np.max(np.linalg.eigvals(stiffness / inertias[:, None]).real)) / (2.0 * np.pi)
+    return model_allowance(TOLD, drivetrain, best.flt.dt, float(mode), sampled=True, joint=True)
+
+
+def _gather(candidate: Candidate) -> Array:
+    """(8, m) derivatives of the told parameters by the free ones: a delay counts as lag."""
+    gather = np.zeros((len(TOLD), len(candidate.free)))
+    values, dt = candidate.flt.values(candidate.theta), candidate.flt.dt
+    own, total = values[INDEX["lag"]] + dt, lag(candidate) + dt
+    for column, place in enumerate(candidate.free):
+        if NAMES[place] == "delay":
+            gather[-1, column] = dt / total
+        elif NAMES[place] in TOLD:
+            gather[TOLD.index(NAMES[place]), column] = own / total if NAMES[place] == "lag" else 1.0
+    return gather
+
+
+def _other_does_as_well(candidate: Candidate, name: str) -> bool:
+    """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
+    if name not in ("backlash", "coulomb", "viscous", "damping"):
+        return False
+    for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):
+        theta = candidate.theta.copy()
+        theta[INDEX[name]] += np.log(factor)
+        if alike(replace(candidate, theta=theta, cost=candidate.flt.run(theta).cost), candidate):
+            return True
+    return False

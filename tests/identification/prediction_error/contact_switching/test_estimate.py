@@ -1,0 +1,77 @@
+"""What the best candidate tells: where it is silent, and what widens its intervals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lostmotion.identification.prediction_error.contact_switching.estimate import (
+    COHERENT,
+    CORE,
+    TOLD,
+    distance,
+    told,
+)
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+
+
+@pytest.fixture
+def best(flt: ContactFilter, values: dict[str, float]) -> Candidate:
+    """The truth, over some rows."""
+    part = flt.liveliest(4000)
+    theta = part.theta(values)
+    free = sorted(INDEX[name] for name in TOLD)
+    return Candidate("truth", theta, part.run(theta).cost, part, free)
+
+
+def without(one: Candidate, name: str) -> Candidate:
+    theta = one.theta.copy()
+    theta[INDEX[name]] = -np.inf
+    return replace(one, theta=theta)
+
+
+def box(one: Candidate) -> Box:
+    return Box.around(one.flt, one.theta, 100.0)
+
+
+def test_a_value_that_only_one_has_is_infinitely_far(best: Candidate):
+    place = TOLD.index("backlash")
+    assert distance(best, without(best, "backlash"))[place] == np.inf
+    assert distance(without(best, "backlash"), without(best, "backlash"))[place] == 0.0
+
+
+def test_the_truth_is_told_with_narrow_intervals(best: Candidate):
+    found = told(best, [best], box(best), ())
+    assert np.all(found.half[CORE] < 0.1)
+
+
+def test_what_is_left_unexplained_widens_all(best: Candidate):
+    plain, cost = told(best, [best], box(best), ()), 0.5
+    poor = told(replace(best, cost=cost), [best], box(best), ())
+    growth = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * cost)))
+    before = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost))))
+    assert poor.half[:3] / plain.half[:3] == pytest.approx(growth / before)
+
+
+def test_what_predicts_as_well_belongs_to_the_interval(best: Candidate):
+    theta = best.theta.copy()
+    theta[INDEX["stiffness"]] += 0.3
+    found = told(best, [best, replace(best, theta=theta)], box(best), ())
+    assert found.half[TOLD.index("stiffness")] >= 0.3
+
+
+def test_what_is_fixed_or_at_a_bound_is_not_told(best: Candidate):
+    bounds = box(best)
+    bounds.upper[INDEX["inertia_motor"]] = best.theta[INDEX["inertia_motor"]]
+    found = told(best, [best], bounds, ("coulomb",))
+    assert np.isinf(found.half[[TOLD.index("coulomb"), TOLD.index("inertia_motor")]]).all()
+
+
+def test_a_third_inertia_leaves_damping_and_lag_open(best: Candidate):
+    theta = best.theta.copy()
+    theta[[INDEX["share"], INDEX["compliance"]]] = np.log([0.2, 0.1])
+    found = told(replace(best, theta=theta), [best], box(best), ())
+    assert found.half[TOLD.index("damping")] >= 0.5

@@ -1,0 +1,42 @@
+"""The search over starts: what is displaced comes back, and one start alone is not believed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance, told
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
+from lostmotion.identification.prediction_error.contact_switching.search import DISPLACED, Search
+
+
+@pytest.fixture
+def search(flt: ContactFilter, plant: lm.Drivetrain) -> Search:
+    start = plant.with_parameters(stiffness=0.5 * plant.stiffness)
+    return replace(Search.of(flt, start, plant, (), None), part=flt.liveliest(3000))
+
+
+@pytest.fixture
+def best(search: Search, values: dict[str, float]) -> Candidate:
+    theta = search.part.theta(values)
+    free = sorted(INDEX[name] for name in TOLD)
+    return Candidate("truth", theta, search.part.run(theta).cost, search.part, free)
+
+
+def test_what_is_displaced_from_the_truth_comes_back(search: Search, best: Candidate):
+    found = search.displaced(best)
+    known = [name for name in DISPLACED if np.isfinite(best.theta[INDEX[name]])]
+    assert len(found) == 2 * len(known) == 8
+    lowest = min(found, key=lambda one: one.cost)
+    assert np.max(distance(lowest, best)[:5]) < 0.01
+
+
+def test_a_place_is_believed_where_other_starts_lead_there(search: Search, best: Candidate):
+    estimate = told(best, [best], search.box, ())
+    again = [replace(best, start=name) for name in ("grid 1", "grid 2")]
+    assert search._found_again(estimate, best, [best, *again])
+    assert not search._found_again(estimate, best, [best, best, best])
