@@ -33,14 +33,13 @@ ROOMS = (
     "compare", "controllers", "experiment", "identification/backlash", "identification/frequency",
     "identification/friction", "identification/shaft", "identification/statistics", "kernels/estimators",
     "kernels/estimators/interacting_models", "kernels/estimators/motor_speed", "kernels/estimators/moving_horizon",
-    "kernels/estimators/tracking", "observers/analysis", "observers/filters", "observers/fixed_gain",
+    "kernels/estimators/tracking", "metrics", "observers/analysis", "observers/filters", "observers/fixed_gain",
     "observers/motor_speed", "plot", "report", "rig", "stages", "structure", "systems",
 )  # fmt: skip
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SOURCES = [
     *(path for room in ROOMS for path in sorted((PACKAGE / room).glob("*.py"))),
     *sorted((PACKAGE / "plot").glob("*/*.py")),
-    PACKAGE / "metrics.py",
     PACKAGE / "signals.py",
     *sorted((ROOT / "benchmarks").glob("*.py")),
 ]

@@ -17,11 +17,13 @@ from .starts import DAMPING_RATIO, LAG, RATE, TORQUE_RATE
 
 Array = NDArray[np.float64]
 
-#: Load over motor inertia; torsional frequency over the nameplate's; backlash over the wind-up at the torque's standard
-#: deviation; the motor's share of the friction (numerics: beyond the inertias and nameplates of drives either way).
+#: Load over motor inertia (numerics: beyond what drives have).
 RATIOS = tuple(np.geomspace(1.0 / 40.0, 40.0, 8))
+#: Torsional frequency over the nameplate's (numerics: a nameplate is off by three either way).
 POLES = tuple(np.geomspace(0.25, 4.0, 9))
+#: Backlash over the wind-up at the torque's standard deviation (numerics: none to a wide gap).
 BACKLASHES = (0.02, 0.3, 2.0, 10.0)
+#: The motor's share of the friction (numerics: nearly none and nearly all).
 AT_MOTOR = (0.1, 0.9)
 #: Halvings of a sample at most: a grid need not place an impact finely (numerics).
 HALVINGS = 4
