@@ -219,7 +219,7 @@ def _with_piece(candidate: Candidate, piece: tuple[float, float] | None, box: Bo
         candidate,
         start="third inertia",
         theta=theta,
-        free=[*candidate.free, INDEX["share"], INDEX["compliance"]],
+        free=sorted({*candidate.free, INDEX["share"], INDEX["compliance"]}),
     )
     return polish(one, candidate.flt, box)
 
