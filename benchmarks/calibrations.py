@@ -263,6 +263,56 @@ def identification_error() -> str:
     return f"{spread(errors)}, {inside} of {count} in their interval, {warnings} warnings"
 
 
+def allowance_error() -> str:
+    """Of damping, lag and Coulomb torque: errors over half widths, and how many are in their interval."""
+    shares = []
+    for recording, truth in excited():
+        found = lm.identify(recording, start=NAMEPLATE)
+        for name in ("damping", "lag", "coulomb"):
+            value = found.values[name]
+            if value is not None:
+                low, high = found.intervals[name]
+                shares.append(2.0 * abs(value - truth.parameters[name]) / (high - low))
+    inside = sum(share <= 1.0 for share in shares)
+    return (
+        f"error over half width {np.median(shares):.2g} / {max(shares):.2g}, {inside} of {len(shares)} inside"
+    )
+
+
+def load_torque_error() -> str:
+    """Of inertias, stiffness, backlash under a load torque of 1.5 Nm at 0.3 Hz; and how many in their interval."""
+    errors, inside, count = [], 0, 0
+    torque = lm.signals.excitation(5.0, 1e-4, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    load = 1.5 * np.sin(2.0 * np.pi * 0.3 * 1e-4 * np.arange(torque.size))
+    for seed in SEEDS[:2]:
+        recording, truth = lm.rig.record(seed, torque_motor=torque, torque_load=load)
+        found = lm.identify(recording, start=NAMEPLATE, load_torque=True)
+        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
+            value = found.values[name]
+            if value is not None:
+                low, high = found.intervals[name]
+                count, inside = count + 1, inside + (low <= truth.parameters[name] <= high)
+                errors.append(abs(value / truth.parameters[name] - 1.0))
+    return f"{spread(errors)}, {inside} of {count} in their interval"
+
+
+def contact_laws() -> str:
+    """Laws of exact two masses that are found, of each law on two seeds; the others cannot be distinguished."""
+    found = []
+    for law in ("viscoelastic", "dead_zone"):
+        plant = lm.Drivetrain.two_mass(**{**TABLE_I, "lag": 3e-4}).with_contact(law)
+        for seed in SEEDS[:2]:
+            torque = lm.signals.excitation(3.0, 2e-4, seed=seed, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+            run = lm.simulate(plant, torque_motor=torque, dt=2e-4)
+            speed = np.diff(counted(run["angle_motor"], 18, np.random.default_rng(seed)), prepend=0.0) / 2e-4
+            speed[0] = 0.0
+            signals = {"torque_motor": torque, "speed_motor": speed}
+            recording = Recording(run.time, signals, meta={"speed_from_counts": True})
+            chosen = lm.identification.compare_contacts(recording, start=NAMEPLATE).better
+            found.append("none" if chosen is None else "right" if chosen == law else "wrong")
+    return ", ".join(f"{found.count(word)} {word}" for word in ("right", "wrong", "none"))
+
+
 def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
@@ -387,8 +437,17 @@ ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
             ("bootstrap", "FIRST"),
             ("warnings", "COARSE"),
             ("warnings", "SAMPLES_PER_PERIOD"),
+            ("warnings", "NOT_WHITE"),
+            ("initial_values", "RIVAL_COST"),
+            ("initial_values", "RIVAL_DISTANCE"),
         )
     ),
+    *(
+        ("identification.prediction_error.model_error", name, allowance_error)
+        for name in ("DAMPING_ALLOWANCE", "LAG_ALLOWANCE", "FRICTION_ALLOWANCE")
+    ),
+    ("identification.prediction_error.noise_levels", "MUCH_WORSE", load_torque_error),
+    ("identification.prediction_error.contact_comparison", "LEAST_GAIN", contact_laws),
     ("identification.friction.torque_step", "CONSTANT", torque_step_error),
     ("identification.friction.inverse_dynamics", "SIGN_CUTOFF", emps_error),
     ("identification.shaft.ring_down", "STEP_WINDOW", ring_down_error),

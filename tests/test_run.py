@@ -269,7 +269,7 @@ def test_measured_rig_ends_in_a_report_without_invented_numbers(measured_data: P
         }  # fmt: skip
     assert results["fits"]["prediction error"] == {"skipped": "no torque_motor in the recording"}
     for part in ("observers", "controllers", "export"):
-        assert "not known" in results[part]["skipped"]
+        assert "no torque_motor" in results[part]["skipped"]
     written = {p.name for p in (tmp_path / "out").iterdir()}
     assert "report.html" in written
     assert not written & {"law.json", "c", "drivetrain.toml", "truth.json"}

@@ -259,6 +259,7 @@ def _laws() -> list[Call]:
 def _further_laws(own: dict[str, Any], wished: dict[str, Any]) -> list[Call]:
     oscillates = wished | {"largest_oscillation": 2.0}
     slides = own | {"switching_torque": 1.0, "torque_limit": 5.0, "poles": (-40.0, -40.0), "rate": 100.0}
+    planned = {"largest_error": 1.0, "largest_torque": 10.0, "torque_limit": 5.0, "contact_speed": 0.4}
     course = {"largest_acceleration": 100.0, "largest_jerk": 1e4}
     along = {name: oscillates[name] for name in ("largest_error", "largest_torque", "largest_oscillation")}
     robust = own | oscillates | {"load_torque": 1.0, "margin": 1.5}
@@ -269,6 +270,7 @@ def _further_laws(own: dict[str, Any], wished: dict[str, Any]) -> list[Call]:
         Call(controllers.sliding_mode, slides),
         Call(controllers.super_twisting, slides | {"integral_rate": 10.0}),
         Call(controllers.predictive, own | oscillates | {"torque_limit": 5.0, "moves": 2, "passes": 2}),
+        Call(controllers.hybrid_predictive, own | planned),
         Call(controllers.speed_course, course | {"dt": DT}),
         Call(controllers.torque_ramp, {"unwinding_rate": 4e3, "winding_rate": 2e4, "dt": DT}),
         Call(controllers.flatness, own | course | along | {"torque_limit": 5.0}),

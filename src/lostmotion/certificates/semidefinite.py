@@ -214,7 +214,12 @@ def _cheapest(
     solver = clarabel.DefaultSolver(nothing, cost, matrix, np.concatenate(right), cones, settings)
     if ended is not None:
         solver.set_termination_callback(ended)
-    found = np.asarray(solver.solve().x)
+    try:
+        found = np.asarray(solver.solve().x)
+    except BaseException as error:  # a panic of the solver's library is no Exception
+        if type(error).__name__ != "PanicException":
+            raise
+        return None
     return found if found.size == cost.size and np.all(np.isfinite(found)) else None
 
 

@@ -77,7 +77,7 @@ def identify(
     identified (``findings``).
 
     Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
-    sticking, with friction at both ends, a delay and an unknown load torque (``search``). The fit stands if nothing
+    sticking, with friction at both ends, a delay and an unknown load torque (``descents``). The fit stands if nothing
     predicts clearly better. Else what does is told, if several starts lead to it; if not, the intervals contain both,
     or nothing is identified (``agreement``).
 

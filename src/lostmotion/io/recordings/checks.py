@@ -14,7 +14,7 @@ from .torque_and_speed import column_order, inertia_shown, torque_agreement
 #: Fewest samples of a recording. Option: less than a few periods of any shaft at any sensible sample time.
 MINIMUM_SAMPLES = 100
 #: Fewest rows and shortest time (s) of a recording to identify from: what ``identify`` itself asks for (option).
-IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME = 2000, 0.5
+IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME = 1000, 0.5
 #: Largest deviation of a step from the median step, as a fraction of it. Option: the error of a speed derived
 #: with the mean step stays below it; logging clocks that drift by 2 % pass.
 RASTER_TOLERANCE = 0.05

@@ -10,11 +10,11 @@ from .. import problems as problem
 from ..gain_schedule import Stage
 from ..identifiability import Told
 from ..innovations import Predictor
+from .descents import EXPLAINED, NOISE_ALONE, POLES, Search
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, polish
 from .likelihood_ratio import alike, clearly_better
-from .search import EXPLAINED, NOISE_ALONE, POLES, Search
 from .verdict import Fit, Outcome
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_switching.descents import DISPLACED, Search
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance, told
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
-from lostmotion.identification.prediction_error.contact_switching.search import DISPLACED, Search
 
 
 @pytest.fixture
