@@ -126,7 +126,13 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
             fits["shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
         if shaft.values["stiffness"] is not None:
             table["stiffness"] = shaft.table()["stiffness"]
-    return _finished(material.nameplate, table, None, shaft, ringing, reason, fits, tuple(problems))
+    made = _finished(material.nameplate, table, None, shaft, ringing, reason, fits, tuple(problems))
+    # Nothing but a nameplate that does not even know the gap: no law is made of that.
+    return (
+        made
+        if "backlash" in material.nameplate
+        else replace(made, drivetrain=None, missing=made.missing or reason)
+    )
 
 
 def two_mass(values: Mapping[str, Any]) -> Drivetrain:
