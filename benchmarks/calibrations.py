@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import astuple, is_dataclass, replace
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
@@ -313,6 +313,19 @@ def contact_laws() -> str:
     return ", ".join(f"{found.count(word)} {word}" for word in ("right", "wrong", "none"))
 
 
+def default_poles_apart() -> str:
+    """Fastest over slowest default pole, the slowest over the torsional mode: Table I with gap and lag × 1 and × 3."""
+    from lostmotion.stages.target_law import default_poles
+
+    apart, slowest = [], []
+    for gap, lag in ((1.0, 1.0), (3.0, 1.0), (1.0, 3.0), (3.0, 3.0)):
+        plant = lm.Drivetrain.two_mass(**{**TABLE_I, "backlash": 0.012 * gap, "lag": 3e-4 * lag})
+        sizes = np.abs(default_poles(plant, 1e-4, False).values)
+        apart.append(float(np.max(sizes) / np.min(sizes)))
+        slowest.append(float(np.min(sizes)) / (2.0 * np.pi * plant.pole_frequency))
+    return f"{np.median(apart):.3g} / {max(apart):.3g}, slowest {np.median(slowest):.2g} of the mode"
+
+
 def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
@@ -413,6 +426,8 @@ RAMPS, ENCODERS = "identification.backlash.ramps", "identification.backlash.two_
 FAULTS, SPEED = "io.recordings.signal_faults", "observers.motor_speed.parameters"
 TORQUE, TWO_MASS = "observers.fixed_gain.shaft_torque", "observers.filters.two_mass_parameters"
 BREAK, LADDER = "identification.friction.breakaway", "identification.friction.constant_speeds"
+#: Constants that are ratios above one.
+RATIOS = ("RIVAL_COST", "MUCH_WORSE")
 #: Module, constant, what is measured (median / largest error).
 ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
     *(
@@ -446,7 +461,10 @@ ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
         ("identification.prediction_error.model_error", name, allowance_error)
         for name in ("DAMPING_ALLOWANCE", "LAG_ALLOWANCE", "FRICTION_ALLOWANCE")
     ),
+    ("identification.prediction_error.gain_schedule", "LADDER", identification_error),
+    ("identification.prediction_error.noise_levels", "LOAD_RATES", load_torque_error),
     ("identification.prediction_error.noise_levels", "MUCH_WORSE", load_torque_error),
+    ("stages.target_law", "FASTEST", default_poles_apart),
     ("identification.prediction_error.contact_comparison", "LEAST_GAIN", contact_laws),
     ("identification.friction.torque_step", "CONSTANT", torque_step_error),
     ("identification.friction.inverse_dynamics", "SIGN_CUTOFF", emps_error),
@@ -488,14 +506,26 @@ def with_value(module: Any, name: str, value: float, measure: Callable[[], str])
         setattr(module, name, own)
 
 
+def scaled(value: Any, factor: float) -> Any:
+    """A number times a factor, or all numbers of a tuple or a dataclass."""
+    if isinstance(value, tuple):
+        return tuple(scaled(part, factor) for part in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return type(value)(*(factor * number for number in astuple(value)))
+    return factor * value
+
+
 def rows(wanted: list[str]) -> Iterator[str]:
     for path, name, measure in ROWS:
         if wanted and name not in wanted:
             continue
         module = import_module(f"lostmotion.{path}")
         own = getattr(module, name)
-        tried = [with_value(module, name, factor * own, measure) for factor in (0.5, 1.0, 2.0)]
-        yield f"| `{path.split('.')[-1]}.{name}` = {own:g} | " + " | ".join(tried) + " |"
+        # Of a ratio that is above one, what it is above one counts.
+        values = [1.0 + f * (own - 1.0) if name in RATIOS else scaled(own, f) for f in (0.5, 1.0, 2.0)]
+        tried = [with_value(module, name, value, measure) for value in values]
+        size = own if isinstance(own, tuple) else f"{own:g}"
+        yield f"| `{path.split('.')[-1]}.{name}` = {size} | " + " | ".join(tried) + " |"
 
 
 if __name__ == "__main__":
