@@ -152,7 +152,8 @@ class _Function:
             values = ", ".join(map(self.of, node.args))
             if node.func.id in _CASTS:
                 return f"(({self.real if _CASTS[node.func.id] == REAL else 'long'}){values})"
-            return f"{node.func.id}({values})"
+            if hasattr(self.scope.get(node.func.id), "py_func"):
+                return f"{node.func.id}({values})"
         raise TypeError(f"{self.name}: {ast.unparse(node)} has no C counterpart here")
 
     def element(self, node: ast.Subscript) -> str:

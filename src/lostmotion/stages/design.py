@@ -168,9 +168,8 @@ def _not_told(task: LawTask) -> dict[str, dict[str, Any]]:
     names = [name for name in DECISIVE if name in task.unknown]
     if not names:
         return {}
-    source = (
-        f"the laws suit inertias and stiffness up to a factor of {OFF:g} off, a longer lag, and any backlash"
-    )
+    # Poles and gains of the user's are taken as they are.
+    source = f"default poles and gains suit inertias and stiffness {OFF:g} times off, a longer lag, and any backlash"
     return {"not_told": {"value": names, "unit": "", "source": source}}
 
 

@@ -136,7 +136,8 @@ def _of_copies(readings: Sequence[Reading], shapes: Sequence[CurveShape]) -> lis
     for i, first in enumerate(readings):
         for second in readings[:i]:
             shape = shapes[first.curve]
-            if shapes[second.curve] == shape:
+            # A jump that is not odd may be turned round in the other curve: its shape does not tell.
+            if shapes[second.curve] == shape and shape.low == shape.high:
                 value = first.value - second.value
                 rest = first.argument - second.argument
                 if shape.steepest is not None:

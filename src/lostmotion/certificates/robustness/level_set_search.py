@@ -106,6 +106,8 @@ class _Search:
         # The more is known, the faster the best decay.
         for i in range(len(DECAYS)) if first is None else range(first, min(first + 2, len(DECAYS))):
             rate = Fraction(DECAYS[i] * self.slowest) * self.loop.loop.dt / self.substeps
+            if self.loop.sampled and rate * self.substeps > 2:
+                break  # the share of equation 31 would be negative, and V might leave its level at a sample
             found = self._gain(replace(own, rate=rate).floats(), MARGINS[0])
             if found is not None and found[0] > best:
                 best, rate_of_best, self.fastest[name] = found[0], rate, i
