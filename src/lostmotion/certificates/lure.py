@@ -184,6 +184,15 @@ def _limited_law(drivetrain: Drivetrain, law: DiscreteSystem) -> DiscreteSystem:
     )  # fmt: skip
 
 
+def largest_torque(drivetrain: Drivetrain, law: DiscreteSystem) -> float:
+    """What the torque cannot exceed in either direction, Nm; infinite without a limit."""
+    law = _limited_law(drivetrain, law)
+    own = _own_limit(law)
+    if own is None:
+        return float(np.inf)
+    return float(min(abs(law.curves[own].points[end][1]) for end in (0, -1)))
+
+
 def _own_limit(law: DiscreteSystem) -> int | None:
     """The curve that keeps the law's torque within bounds: the torque is its value and nothing else."""
     own = np.flatnonzero(law.J[0])

@@ -30,8 +30,9 @@ GAP_SHARES = (1.0, 0.3, 0.1)
 #: usual).
 LARGEST_SENSITIVITY = 1.7
 #: Fastest default law: torque that an error of one speed deserves, over what turns the drive to that speed in one
-#: radian of the torsional mode (calibrated on development drives, seeds not recorded: beyond it the fastest pole runs
-#: away from the other two). Then by which factor it becomes slower, and the slowest (numerics).
+#: radian of the torsional mode (calibrated on Table I with gap and lag × 1 and × 3, ``benchmarks/calibrations.py``:
+#: with half of it the slowest pole is at 0.15 of the mode instead of 0.25, with double at 0.34). Then by which factor
+#: it becomes slower, and the slowest (numerics).
 FASTEST, SLOWER, SLOWEST = 0.4, 0.8, 1e-4
 #: Density of the law's load torque on the paper's rig with the paper's poles, Nm²/s (calibrated on Table I, and margins
 #: on the development drives 0 to 7 of ``benchmarks/fitted_laws.py``: the largest power of ten with a phase margin above

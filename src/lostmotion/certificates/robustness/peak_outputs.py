@@ -12,7 +12,7 @@ from ...drivetrain import Drivetrain
 from ...systems import DiscreteSystem
 from ..continuous.continuous_law import ContinuousLaw
 from ..continuous.continuous_loop import continuous_loop
-from ..lure import LureLoop, lure_loop
+from ..lure import LureLoop, largest_torque, lure_loop
 from ..plant import plant_of
 from ..rational import Matrix, identity, zeros
 from .curve_relations import CurveShape, shape_of
@@ -71,11 +71,8 @@ def continuous_peak_loop(drivetrain: Drivetrain, law: ContinuousLaw, limit: floa
 def sampled_peak_loop(drivetrain: Drivetrain, law: DiscreteSystem, delay: int) -> PeakLoop:
     """The loop of a sampled law."""
     loop = lure_loop(drivetrain, law, delay=delay)
-    limit, held = np.inf, loop.plant_size
+    limit, held = largest_torque(drivetrain, law), loop.plant_size
     if loop.limit is not None:
-        high = loop.law_curves[loop.limit].points[-1][1]
-        # With a delay the limited torque goes to a state of the law first.
-        limit = float(abs(high) * max(map(abs, loop.S_v[held:, loop.limit])))
         loop = _without_limit(loop, loop.limit)
     row = np.concatenate([loop.S[held], loop.S_w[held], loop.S_v[held]])
     return _peak_loop(loop, row, loop.R[held, 0], limit, sampled=True)

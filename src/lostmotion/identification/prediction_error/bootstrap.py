@@ -32,8 +32,8 @@ ASTRAY = 0.5
 #: same, where it is within a half of it).
 ELSEWHERE = 2.0
 
-#: Time over which the first speed of a piece is averaged, s (calibrated, data not recorded: several counts of a coarse
-#: encoder).
+#: Time over which the first speed of a piece is averaged, s (numerics: several counts of a coarse encoder; half and
+#: double give the same on the rigs 1 and 2, ``benchmarks/calibrations.py``).
 FIRST = 0.005
 
 

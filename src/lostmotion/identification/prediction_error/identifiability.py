@@ -44,8 +44,8 @@ SURE = 3.0
 
 
 #: Motor torque and acceleration of opposite sign contradict the model if they are so by more than this part of the
-#: nameplate's inertia (calibrated, data not recorded: a swapped sign shows all of it, a recording without
-#: acceleration a few percent).
+#: nameplate's inertia (numerics: a swapped sign shows all of it, a recording without acceleration a few percent; half
+#: and double decide alike on the rigs 1 and 2, ``benchmarks/calibrations.py``).
 CONTRADICTION = 0.3
 
 

@@ -27,7 +27,8 @@ SEARCH_TIME, SEARCH_ROWS = 3.0, 5000
 CANDIDATES = 3
 
 #: A second minimum predicts nearly as well (sum of squares within this factor), and differs by this much in a logarithm
-#: of inertia, stiffness or backlash (calibrated, data not recorded).
+#: of inertia, stiffness or backlash (calibrated on the virtual rigs 1 and 2, ``benchmarks/calibrations.py``: there is
+#: no second minimum with half and double of them either).
 RIVAL_COST, RIVAL_DISTANCE = 1.1, 0.2
 
 #: Damping ratio where the nameplate has no damping (Fietzek & Rinderknecht, section II).

@@ -12,11 +12,13 @@ from .gain_schedule import Box, Stage, descent, fit
 
 Array = NDArray[np.float64]
 
-#: Rates at which an unknown load torque is followed, 1/s (calibrated, data not recorded). The slowest is
+#: Rates at which an unknown load torque is followed, 1/s (calibrated on the virtual rigs 1 and 2 with 1.5 Nm at 0.3 Hz,
+#: ``benchmarks/calibrations.py``: median error 0.8, 0.6 and 1.9 % with half, all and double of them). The slowest is
 #: taken that predicts not much worse than the best: a faster one also takes away what is friction.
 LOAD_RATES = (10.0, 30.0)
 
-#: Largest ratio of innovations to the best ones that counts as not much worse (calibrated, data not recorded).
+#: Largest ratio of innovations to the best ones that counts as not much worse (calibrated likewise: median error 1.7,
+#: 0.6 and 0.6 % with 1.1, 1.2 and 1.4).
 MUCH_WORSE = 1.2
 
 #: Fits in turn with estimates of the noise levels at most, and when the levels count as settled (numerics).

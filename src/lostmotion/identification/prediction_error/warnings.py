@@ -25,15 +25,16 @@ CORRELATED = 0.98
 FAR = 2.2
 
 #: Innovations count as not white if the lower tenth of the band has more than so many times white noise's share of the
-#: power (calibrated, seeds not recorded: on exact recordings of two masses it is 1 for white noise and 0.05 for count
-#: noise, on the virtual rigs 3).
+#: power (calibrated on the virtual rigs 1 and 2, ``benchmarks/calibrations.py``: half and double warn alike; white
+#: noise has 1, count noise 0.05).
 NOT_WHITE = 2.0
 
 #: Innovations below this share of the speed's deviation are not looked at (option: below every real sensor's noise).
 NEGLIGIBLE = 1e-4
 
-#: Where the innovations are more than this share of the speed's deviation, nothing is identified (calibrated on
-#: recordings with 12 bit at 10 kHz, seeds not recorded, where they were: values came out 50 to 100 % wrong).
+#: Where the innovations are more than this share of the speed's deviation, the fit identifies nothing (calibrated on
+#: the virtual rigs 1 and 2, ``benchmarks/calibrations.py``: half and double decide alike; with 12 bit at 10 kHz, which
+#: have more, values came out 50 to 100 % wrong).
 COARSE = 0.25
 
 #: Rows are joined until the rounding of counts is at most this share of the speed's deviation (calibrated on
