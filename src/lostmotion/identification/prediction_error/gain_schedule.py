@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -149,10 +149,14 @@ def descent(
     box: Box,
     say: Progress,
     later: Fitting = fit_past_bursts,
-    rungs: Sequence[Bandwidth] = LADDER,
+    gains: int | None = None,
 ) -> list[Stage]:
-    """Fits with ever lower gain, each from the result of the one before; ``later`` is how from the second gain on."""
+    """Fits with ever lower gain, each from the result of the one before; ``later`` is how from the second gain on.
+
+    ``gains`` is how many of the ladder's, all without it.
+    """
     stages: list[Stage] = []
+    rungs = LADDER[:gains]
     for number, rung in enumerate(rungs):
         say(0.2 + 0.2 * number, f"fitting, gain {number + 1} of {len(rungs)}")
         bandwidth = bandwidth_for(predictor.drivetrain(theta), rung)

@@ -149,7 +149,7 @@ def identify(
     )
     found = None
     if joint_piece and not wide:
-        upper = descent(predictor, theta, free, box, say, fit, LADDER[:2])
+        upper = descent(predictor, theta, free, box, say, fit, gains=2)
         # The search takes longer than all the rest: only where innovations ask for it.
         if higher_mode(predictor, upper[-1]) is not None:
             found = with_joint_piece(predictor, upper, box)
