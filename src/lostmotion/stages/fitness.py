@@ -18,7 +18,7 @@ MUCH_SLOWER = 10.0
 #: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target (option).
 STEADY = 0.01
 #: A step that has not settled is simulated with twice the time, at most so often (option: four times).
-DOUBLINGS = 2
+JUDGED_DOUBLINGS = 2
 
 
 def check_gains(tuning: PiTuning) -> None:
@@ -51,7 +51,7 @@ def settling(law: DiscreteSystem, drivetrain: Drivetrain, step: SpeedStep, dt: f
     """
     if drivetrain.backlash > 0.0 and not drivetrain.coulomb > 0.0:
         return law
-    for _ in range(DOUBLINGS + 1):
+    for _ in range(JUDGED_DOUBLINGS + 1):
         response = simulate(
             drivetrain, law=law, dt=dt, delay=1, speed_reference=step.reference(dt), state=(0.0, step.low, step.low)
         )  # fmt: skip
