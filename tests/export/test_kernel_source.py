@@ -85,25 +85,16 @@ def while_else(x):
 
 
 @njit(WHOLE(ARRAY))
-def read_after(values):
-    for i in range(4):
-        values[i] = 0.0
-    return i
-
-
-@njit(NUMBER(ARRAY))
-def moving_end(values):
+def moving(values):
+    """The counter, the end, and what is read after the loop."""
     end = 4
     for i in range(end):
         end = i
-    return values[end]
-
-
-@njit(NUMBER(ARRAY))
-def moving_counter(values):
-    for i in range(4):
-        i += 1
-    return values[0]
+    for k in range(1, 4):
+        k += 1
+    for place in range(int(values[0])):
+        values[place] = 7.0
+    return i + end
 
 
 @njit(NUMBER(ARRAY))
@@ -198,6 +189,28 @@ def test_the_whole_of_two_kernels():
     ]
 
 
+def test_a_loop_turns_as_often_as_pythons_and_leaves_the_same_counter():
+    (text,) = c_functions(moving, "real")
+    assert text.split("\n")[6:] == [
+        "    end = 4;",
+        "    for (long turn_of_i = 0, end_of_i = end; turn_of_i < end_of_i; turn_of_i++) {",
+        "        i = turn_of_i;",
+        "        end = i;",
+        "    }",
+        "    for (long turn_of_k = 1, end_of_k = 4; turn_of_k < end_of_k; turn_of_k++) {",
+        "        k = turn_of_k;",
+        "        k = k + 1;",
+        "    }",
+        "    for (long turn_of_place = 0, end_of_place = ((long)values[0]); turn_of_place < end_of_place;"
+        " turn_of_place++) {",
+        "        place = turn_of_place;",
+        "        values[place] = R(7.0);",
+        "    }",
+        "    return (i + end);",
+        "}",
+    ]
+
+
 @pytest.mark.parametrize(
     "kernel, named",
     [
@@ -207,9 +220,6 @@ def test_the_whole_of_two_kernels():
         (over_values, "a loop over values"),
         (with_else, "else of a loop"),
         (while_else, "else of a loop"),
-        (read_after, "read after it"),
-        (moving_end, "changes what it counts"),
-        (moving_counter, "changes what it counts"),
         (last, r"values\[-1\]"),
         (half, "count / 2 is cut off"),
         (late_real, "total is a whole number first"),

@@ -138,17 +138,17 @@ class _Function:
         if node.orelse and not isinstance(node, ast.If):
             raise TypeError(f"{self.name}: the else of a loop has no C counterpart here")
         if isinstance(node, ast.For):
-            name, first, stop = self.counting(node)
-            return [f"{pad}for ({name} = {first}; {name} < {stop}; {name}++) {{", *body, f"{pad}}}"]
+            return [*self.counting(node, pad), *body, f"{pad}}}"]
         word = "if" if isinstance(node, ast.If) else "while"
         other = [line for statement in node.orelse for line in self.lines(statement, depth + 1)]
         tail = [f"{pad}}} else {{", *other, f"{pad}}}"] if other else [f"{pad}}}"]
         return [f"{pad}{word} ({self.of(node.test)}) {{", *body, *tail]
 
-    def counting(self, node: ast.For) -> tuple[str, str, str]:
-        """Counter, first value and end of a loop over a range.
+    def counting(self, node: ast.For, pad: str) -> list[str]:
+        """The head of a loop over a range.
 
-        C counts on from the counter and looks at the end before each turn; Python does neither.
+        Python counts apart from the counter and looks once at the end: so does C where the body changes one of them or
+        the counter is also read elsewhere.
         """
         called, counter = node.iter, node.target
         if not (
@@ -159,20 +159,16 @@ class _Function:
             and isinstance(counter, ast.Name)
         ):
             raise TypeError(f"{self.name}: a loop over {ast.unparse(called)} has no C counterpart here")
-        inside = {id(n) for loop in self.loops(counter.id) for n in ast.walk(loop)}
-        after = [n for n in ast.walk(self.tree) if isinstance(n, ast.Name) and n.id == counter.id]
-        written = {name for part in node.body for name in _stored(part)} | self.changed
-        if written & {counter.id, *_names(called)} or any(id(n) not in inside for n in after):
-            raise TypeError(
-                f"{self.name}: the loop over {counter.id} changes what it counts, or is read after it"
-            )
-        first, stop = ("0", *map(self.of, called.args))[-2:]
-        return counter.id, first, stop
-
-    def loops(self, counter: str) -> list[ast.For]:
-        """All loops with a counter of that name."""
-        found = [n for n in ast.walk(self.tree) if isinstance(n, ast.For)]
-        return [n for n in found if isinstance(n.target, ast.Name) and n.target.id == counter]
+        name, (first, stop) = counter.id, ("0", *map(self.of, called.args))[-2:]
+        loops = [n for n in ast.walk(self.tree) if isinstance(n, ast.For) and _names(n.target) == {name}]
+        inside = {id(n) for loop in loops for n in ast.walk(loop)}
+        named = [n for n in ast.walk(self.tree) if isinstance(n, ast.Name) and n.id == name]
+        changed = {stored for part in node.body for stored in _stored(part)} | self.changed
+        if all(id(n) in inside for n in named) and not changed & {name, *_names(called)}:
+            return [f"{pad}for ({name} = {first}; {name} < {stop}; {name}++) {{"]
+        turn, end = f"turn_of_{name}", f"end_of_{name}"
+        head = f"{pad}for (long {turn} = {first}, {end} = {stop}; {turn} < {end}; {turn}++) {{"
+        return [head, f"{pad}    {name} = {turn};"]
 
     def operation(self, left: ast.expr, operator: ast.operator, right: ast.expr) -> str:
         """Two values and the operator between them, the right one as a whole."""
