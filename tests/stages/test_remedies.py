@@ -239,7 +239,7 @@ def test_a_second_minimum_and_more_reversals() -> None:
 
 def test_too_few_samples_in_a_period() -> None:
     """A higher rate: the mode of 99 Hz has ten samples at 1 ms."""
-    fast = recorded(5.0)
+    fast = recorded(1.5)
     slow = lm.Recording(fast.time[::5], {name: values[::5] for name, values in fast.signals.items()})
     assert about(find_parameters(material(slow, START)), "Record at a higher rate")
     assert not about(find_parameters(material(fast, START)), "Record at a higher rate")
@@ -257,12 +257,12 @@ def width(found: Found, name: str) -> float:
 
 
 def test_gaps_in_the_recording() -> None:
-    """One long piece."""
+    """One long segment."""
     whole = recorded(3.4)
     speed = whole["speed_motor"].copy()
     speed[4250::4250] = np.nan
     pieces = find_parameters(material(whole.with_signals("measured", speed_motor=speed), START))
-    assert "a long piece tells more" in told(pieces, "starts anew after each gap").remedy
+    assert "one long segment tells more" in told(pieces, "starts anew after each gap").remedy
     helped = find_parameters(material(whole, START))
     assert not about(helped, "gap")
     assert width(helped, "damping") < 0.5 * width(pieces, "damping")

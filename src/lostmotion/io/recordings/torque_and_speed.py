@@ -78,7 +78,7 @@ def _following(cause: Array, followed: Array) -> float:
 
 
 def torque_agreement(recording: Recording) -> float:
-    """Whether motor torque and motor acceleration point the same way, from −1 to 1; 0 if that cannot be told.
+    """Whether motor torque and motor acceleration point the same way, from −1 to 1; 0 if that is open.
 
     The mean cosine of the phase of acceleration against torque over all frequencies where both are coherent
     (> 0.5), weighted by coherence and on a logarithmic frequency axis. An inertia gives 1. A shaft between
