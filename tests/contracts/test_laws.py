@@ -98,7 +98,14 @@ CONTROLLERS = {
     "pi with limit": pi(dt=1e-4, torque_limit=20.0),
     "pi with filter and friction": pi(dt=1e-4, filter_time=0.02, friction_of=ONE_SIDED),
     "pi with filtered speed": pi(dt=1e-4, torque_limit=20.0, speed_filter_time=5e-3),
-    "pi with all": pi(dt=1e-4, torque_limit=20.0, filter_time=0.02, friction_of=ONE_SIDED),
+    "pi with all": pi(
+        dt=1e-4,
+        torque_limit=20.0,
+        filter_time=0.02,
+        speed_filter_time=5e-3,
+        friction_of=ONE_SIDED,
+        realised_torque=True,
+    ),
     "pole placement": pole_placement(PAPER, dt=1e-4),
     "pole placement with limit": pole_placement(PAPER, dt=1e-4, torque_limit=73.5),
     "pole placement, by reference": pole_placement(
