@@ -145,6 +145,14 @@ def test_a_drivetrain_without_a_proof_is_refused(changes: dict[str, Any]) -> Non
         prove_running(plant, lm.controllers.pi(dt=1e-4))
 
 
+def test_a_chain_and_a_held_end_are_refused() -> None:
+    shaft = drivetrain().shaft
+    chain = lm.Drivetrain(inertias=(0.02, 0.02, 0.1), shafts=(shaft, shaft))
+    for plant in (chain, replace(drivetrain(), locked="load")):
+        with pytest.raises(InvalidInput, match="certify: drivetrain"):
+            prove_running(plant, lm.controllers.pi(dt=1e-4))
+
+
 def test_load_torque_narrows_what_is_proved() -> None:
     plant, law = drivetrain(), lm.controllers.pi(dt=1e-4)
     # Against the motion the shaft is wound up more; with it, up to the friction, the gap may open.
