@@ -79,7 +79,7 @@ def largest_box(
     best: BoxProof | None = None
     attempts: list[Attempt] = []
     proved, failed, half_width = 0.0, WIDEST, FIRST
-    while failed - proved > 1.5 * NEAR and (left := end - time.monotonic()) > 0.0:
+    while failed - proved > 1.5 * NEAR and ((left := end - time.monotonic()) > 0.0 or not attempts):
         start = time.monotonic()
         found = _tried(drivetrain, law, around(half_width, parameters), start + PATIENCE * left, options)
         spent = time.monotonic() - start
