@@ -212,21 +212,38 @@ class _Search:
     def _checked_smallest(self) -> RunningProof:
         """The proof that ``smallest`` finds; raises ``Unproved`` if it finds none."""
         speeds = [speed for speed in self.speeds if speed < self.fastest]
-        goal = self._goal(speeds[-1])
-        for place in self._proved_places(speeds, goal):
-            for candidate in self.with_larger_steps(speeds[place], self.at(speeds[place], goal)):
-                self.progress(0.95, f"exact check from {speeds[place]:g} rad/s")
+        for speed, goal in self._proved(speeds, self._goal(speeds[-1])):
+            for candidate in self.with_larger_steps(speed, self.at(speed, goal)):
+                self.progress(0.95, f"exact check from {speed:g} rad/s")
                 try:
-                    return self.checked(speeds[place], candidate)
+                    return self.checked(speed, candidate)
                 except Unproved as error:
                     self.reason = str(error)
         raise Unproved(self.reason)
+
+    def _proved(self, speeds: Sequence[float], goal: _Goal) -> list[tuple[float, _Goal]]:
+        """Speeds that the solver finds numbers for, with the goal, the smallest first.
+
+        The region that proves most steps at the highest speed need not be the one that reaches down furthest: smaller
+        ones are tried below. At last the search takes more pains with what is left.
+        """
+        found = [(speeds[place], goal) for place in self._proved_places(speeds, goal)]
+        for share in SHARES:
+            smaller, below = replace(goal, share=share), speeds[: speeds.index(found[0][0])]
+            if goal.step is not None and share > goal.share and below and self._solves(below[-1], smaller):
+                found = [(speeds[place], smaller) for place in self._proved_places(below, smaller)] + found
+        lowest = self._first_allowed(speeds, found[0][1])
+        while (place := speeds.index(found[0][0])) > lowest:
+            if not self._solves(speeds[place - 1], found[0][1], CENTRINGS):
+                break
+            found.insert(0, (speeds[place - 1], found[0][1]))
+        return found
 
     def _proved_places(self, speeds: Sequence[float], goal: _Goal) -> list[int]:
         """Places of the speeds that the solver finds numbers for, the smallest first; for the last one it did.
 
         Most loops are proved nearly as far as their sectors allow: from there the search goes up in doubled steps, then
-        halves what is left. At last it takes more pains with the speeds below.
+        halves what is left.
         """
         low = self._first_allowed(speeds, goal)
         failed, proved, step = low - 1, [len(speeds) - 1], 1
@@ -238,8 +255,6 @@ class _Search:
                 proved.insert(0, place)
             else:
                 failed = place
-        while proved[0] > low and self._solves(speeds[proved[0] - 1], goal, CENTRINGS):
-            proved.insert(0, proved[0] - 1)
         return proved
 
     def _first_allowed(self, speeds: Sequence[float], goal: _Goal) -> int:
