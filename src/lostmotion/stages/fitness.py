@@ -21,11 +21,18 @@ STEADY = 0.01
 JUDGED_DOUBLINGS = 2
 
 
-def check_gains(tuning: PiTuning) -> None:
-    """Raise ``InvalidInput`` where no gains keep the margin on every drive that this one may be."""
+def check_gains(tuning: PiTuning, largest_noise_gain: float) -> None:
+    """Raise ``InvalidInput`` where no gains keep margin and noise on every drive that this one may be.
+
+    ``largest_noise_gain``: standard deviation of the torque over that of the measured speed's noise, Nm s/rad.
+    """
     if tuning.sensitivity > LARGEST_SENSITIVITY:
         got = "an unstable loop" if not tuning.stable else f"a sensitivity of {tuning.sensitivity:.2g}"
         raise InvalidInput("controller pi", f"{got} with any gains", f"at most {LARGEST_SENSITIVITY:g}", "")
+    if tuning.noise_gain > largest_noise_gain:
+        times = tuning.noise_gain / largest_noise_gain
+        got = f"noise of the measured speed, {times:.2g} times what the torque may show, with any gains"
+        raise InvalidInput("controller pi", got, "a torque that does not chatter", "")
 
 
 def check_speed(slowest: float, filter_time: float) -> None:

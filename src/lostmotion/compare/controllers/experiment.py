@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +19,7 @@ from ...simulation import Sensor
 from ...systems import DiscreteSystem
 from ..experiment import LEVELS, identified
 from .cases import Case
-from .contestants import Contestant, Setting
+from .contestants import Contestant, Law, Setting
 from .work import Work, work
 
 #: Longest sample time of plant and record, s (option: crossings and jerk are judged by it).
@@ -122,12 +123,17 @@ def _changed(drivetrain: Drivetrain, case: Case) -> Drivetrain:
     return replace(drivetrain, inertias=(*others, case.load_inertia * load), shafts=shafts)
 
 
-def run(contestant: Contestant, data: Experiment) -> Recording:
-    """The true signals with the contestant's laws in the loop, one sample of computing delay."""
+def designed(contestant: Contestant, data: Experiment) -> list[Law]:
+    """The contestant's laws, an observer before its controllers; ``InvalidInput`` where there are none."""
     laws = list(contestant.control(data.setting))
-    plant = data.plant
     if contestant.observer is not None:
         laws.insert(0, true_states(data) if data.true_states else contestant.observer(data.setting))
+    return laws
+
+
+def run(laws: Sequence[Law], data: Experiment) -> Recording:
+    """The true signals with the laws in the loop, one sample of computing delay."""
+    plant = data.plant
     if data.true_states:
         plant = replace(plant, sensors={**plant.sensors, **TRUE_SENSORS})
     n = len(plant.drivetrain.inertias)

@@ -25,9 +25,9 @@ COLUMNS = {
 }  # fmt: skip
 #: What is shown of the cases of one kind of work.
 SHOWN = {
-    "step": ("arrival_time", "rise_time", "overshoot", "settling_time", "oscillation", "swing", "motor_overshoot",
-             "motor_deviation", "peak_torque", "impact_speed", "impacts", "lash_time", "unstable", "refused",
-             "time_per_step"),
+    "step": ("arrival_time", "rise_time", "overshoot", "settling_time", "steady_error", "oscillation", "swing",
+             "motor_overshoot", "motor_deviation", "peak_torque", "rms_torque", "impact_speed", "impacts", "lash_time",
+             "load_jerk", "unstable", "refused", "time_per_step"),
     "pulse": ("arrival_time", "overshoot", "settling_time", "impact_speed", "motor_overshoot"),
     "load step": ("recovery_error", "recovery_time", "steady_error", "unstable"),
     "creep": ("tracking_error", "impact_speed", "impacts"),
