@@ -6,15 +6,15 @@ from .flatness import flatness, speed_course
 from .h_infinity import RobustFeedback, h_infinity, robust_feedback
 from .hybrid_predictive import hybrid_predictive
 from .lqi import lqi, quadratic_feedback
+from .notch import notch
 from .pi import pi
 from .pole_placement import StateFeedback, pole_placement, state_feedback
 from .predictive import predictive
+from .quadratic_poles import quadratic_poles
 from .sliding_mode import sliding_mode, super_twisting
 from .soft_landing import soft_landing
-from .torque.notch import notch
-from .torque.torque_ramp import torque_ramp
+from .torque_ramp import torque_ramp
 from .tuning.optimised_pi import OptimisedPi, optimised_pi
-from .tuning.quadratic_poles import quadratic_poles
 from .tuning.symmetrical_optimum import PiTuning, symmetrical_optimum
 
 __all__ = [

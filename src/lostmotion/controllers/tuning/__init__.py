@@ -1,1 +1,1 @@
-"""What a law is tuned by, from an identified drivetrain: gains of the PI controller, poles of the state feedback."""
+"""Tuning of the PI speed controller from an identified drivetrain: by formula, or by its step across the gap."""

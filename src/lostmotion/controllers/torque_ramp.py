@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from ...argument_checks import checks_arguments
-from ...curves import PiecewiseLinear
-from ...errors import InvalidInput
-from ...systems import DiscreteSystem
-from ...systems.checks import sample_time
-from ...systems.limits import POSITIVE_PART
+from ..argument_checks import checks_arguments
+from ..curves import PiecewiseLinear
+from ..errors import InvalidInput
+from ..systems import DiscreteSystem
+from ..systems.checks import sample_time
+from ..systems.limits import POSITIVE_PART
 
 
 @checks_arguments

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from ...argument_checks import checks_arguments
-from ...errors import InvalidInput
-from ...systems import DiscreteSystem
-from ...systems.checks import sample_time
+from ..argument_checks import checks_arguments
+from ..errors import InvalidInput
+from ..systems import DiscreteSystem
+from ..systems.checks import sample_time
 
 
 @checks_arguments

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ...argument_checks import checks_arguments
-from ...drivetrain import Drivetrain
-from ...errors import InvalidInput
+from ..argument_checks import checks_arguments
+from ..drivetrain import Drivetrain
+from ..errors import InvalidInput
 
 #: Weight of the motor's oscillation against the load: motor − load speed may be this many times the error of the load
 #: speed (calibrated on the virtual rigs 1 to 5, as in ``lqi``).
