@@ -33,7 +33,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 #: Not read: the names of the draws decide the drives of the zoo, and these parts of the second estimator.
 UNREAD = [
     PACKAGE / "rig" / "zoo" / "drive.py",
-    PACKAGE / "kernels" / "innovations" / "contact_switching.py",
+    *(PACKAGE / "kernels" / "innovations" / f"{name}.py" for name in ("contact_switching", "transitions")),
     *(
         PACKAGE / "identification" / "prediction_error" / "contact_switching" / f"{name}.py"
         for name in ("agreement", "descents", "estimate", "filter", "likelihood")
