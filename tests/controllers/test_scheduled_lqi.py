@@ -12,7 +12,7 @@ import lostmotion as lm
 from lostmotion.controllers import lqi, scheduled_lqi
 from lostmotion.drivetrain import Drivetrain, Friction
 from lostmotion.errors import InvalidInput
-from lostmotion.kernels.law import scheduled_feedback
+from lostmotion.kernels import scheduled_feedback
 from lostmotion.systems import Stepper, design_model, steady_state
 
 DT, LIMIT = 1e-4, 73.5

@@ -9,7 +9,7 @@ import numpy as np
 from ..argument_checks import Limit, checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..kernels.law.scheduled_feedback import POINTS
+from ..kernels.scheduled_feedback import POINTS
 from ..systems import Stepper
 from .feedback_law import actuator_gain, signal_gains
 from .lqi import quadratic_feedback
@@ -74,7 +74,8 @@ def scheduled_lqi(
         raise InvalidInput(
             "scheduled_lqi.schedule_rate", repr(schedule_rate), "above 0, at most 1/dt", "20 1/s is usual."
         )
-    table, inputs = [], ()
+    table: list[list[float]] = []
+    inputs: tuple[str, ...] = ()
     for inertia in drivetrain.inertia_load * np.geomspace(LEAST, MOST, POINTS):
         loaded = drivetrain.with_parameters(inertia_load=float(inertia))
         design = quadratic_feedback(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from . import scheduled_feedback
 from .estimators import layout
-from .law import scheduled_feedback
 from .predictive import layout as predictive
 
 _ESTIMATORS = "lostmotion.kernels.estimators"
@@ -15,7 +15,7 @@ MODULES = {
     "interacting_models": f"{_ESTIMATORS}.interacting_models.step",
     "moving_horizon": f"{_ESTIMATORS}.moving_horizon.step",
     "neural_network": f"{_ESTIMATORS}.motor_speed.neural_network",
-    "scheduled_feedback": "lostmotion.kernels.law.scheduled_feedback",
+    "scheduled_feedback": "lostmotion.kernels.scheduled_feedback",
     "sliding_mode": f"{_ESTIMATORS}.motor_speed.sliding_mode",
     "super_twisting": f"{_ESTIMATORS}.motor_speed.super_twisting",
     "unscented_kalman": f"{_ESTIMATORS}.unscented_kalman",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..estimators.runner import INIT, STEP
-from ..jit import njit
+from .estimators.runner import INIT, STEP
+from .jit import njit
 
 #: Inputs with a gain, in their order; after them comes the load inertia. A gain more for the current loop's torque and
 #: for the motor's friction (layout).
