@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lostmotion.compare.controllers import CASES, CONTESTANTS
-from lostmotion.compare.controllers.experiment import experiment, run
+from lostmotion.compare.controllers.experiment import designed, experiment, run
 from lostmotion.compare.controllers.scores import score
 
 CASE = {case.name: case for case in CASES}
@@ -19,7 +19,7 @@ def medians(case, *names, rigs=RIGS):
     found = {}
     for name in names:
         data = [experiment(CASE[case], seed) for seed in rigs]
-        scores = [score(run(ENTRY[name], d), d) for d in data]
+        scores = [score(run(designed(ENTRY[name], d), d), d) for d in data]
         found[name] = {
             m: float(np.median([s[m] for s in scores])) for m in scores[0] if scores[0][m] is not None
         }

@@ -35,7 +35,7 @@ SHOWN = {
     "tip-in": ("arrival_time", "overshoot", "load_jerk", "impact_speed", "lash_time", "unstable"),
     "tip-out": ("arrival_time", "overshoot", "load_jerk", "impact_speed", "lash_time", "unstable"),
 }  # fmt: skip
-#: Of these the share of the runs is told.
+#: Of these the share of the runs is given.
 SHARES = ("unstable", "refused")
 #: What is shown of each group of cases in which the drive or the model differs: its worst case.
 BY_GROUP = ("overshoot", "impact_speed", "arrival_time", "unstable", "refused")
