@@ -1,7 +1,7 @@
 """Controllers: each file makes one law, as a DiscreteSystem or (planning across the gap, scheduled gains) a Stepper."""
 
 from .active_damping import active_damping
-from .feedback_law import QuadraticFeedback
+from .feedback.feedback_law import QuadraticFeedback
 from .flatness import flatness, speed_course
 from .h_infinity import RobustFeedback, h_infinity, robust_feedback
 from .hybrid_predictive import hybrid_predictive

@@ -11,9 +11,9 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..kernels.scheduled_feedback import POINTS
 from ..systems import Stepper
-from .feedback_law import actuator_gain, signal_gains
+from .feedback.feedback_law import actuator_gain, signal_gains
+from .feedback.reference_direction import REFERENCE_BAND
 from .lqi import quadratic_feedback
-from .reference_direction import REFERENCE_BAND
 
 #: Smallest and largest load inertia with gains of its own, in multiples of the known one (numerics: beyond what
 #: ``extended_kalman`` tracks).

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..systems import DesignModel, DiscreteSystem
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...systems import DesignModel, DiscreteSystem
 from .limited_torque import actuator_state, limited_torque
 
 Array = NDArray[np.float64]
