@@ -118,7 +118,7 @@ def situation_table(n: Numbers) -> str:
         ("the same, the motor may run ahead", TOLERANT, ("step",)),
         ("the same, as fast as it goes", FAST, ("step",)),
         ("the same, nothing may swing", "flat, 300 rad/s²", ("step",)),
-        ("the same, soft limits of twist or torque in the plan", HYBRID, ("step",)),
+        ("the same, soft limits of twist or torque", HYBRID, ("step",)),
         ("backlash known to ±20 %", BOUNDED, GAPS),
         ("load inertia × 0.5 to 3", ADAPTIVE, INERTIAS),
         ("no observer", "PI, optimised, friction", ("step",)),
