@@ -7,8 +7,15 @@ import pytest
 from table_i import PAPER
 
 import lostmotion as lm
-from lostmotion.certificates import PeakBounds, continuous_pi, peak_bounds, worst_reference
+from lostmotion.certificates import (
+    PeakBounds,
+    continuous_observer_feedback,
+    continuous_pi,
+    peak_bounds,
+    worst_reference,
+)
 from lostmotion.certificates.continuous.continuous_law import ContinuousLaw
+from lostmotion.certificates.robustness import level_set_search
 from lostmotion.certificates.robustness.peak_outputs import sampled_peak_loop
 from lostmotion.errors import InvalidInput
 
@@ -87,3 +94,11 @@ def test_what_is_not_bounded_is_refused() -> None:
         peak_bounds(PAPER.with_parameters(lag=1e-3), continuous_pi())
     with pytest.raises(InvalidInput, match="substeps"):
         peak_bounds(PAPER, lm.controllers.pi(dt=1e-4), substeps=0)
+
+
+def test_a_loop_with_an_observer_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After one round, with one decay: the gain over the level is far from 1, and the solver must scale it."""
+    monkeypatch.setattr(level_set_search, "ROUNDS", 1)
+    monkeypatch.setattr(level_set_search, "DECAYS", (0.75,))
+    bounds = peak_bounds(PAPER, continuous_observer_feedback(PAPER), 0.5)
+    assert 0.5 < bounds.speed_motor < 20.0 and bounds.twist < 0.1 and bounds.torque_motor < 400.0
