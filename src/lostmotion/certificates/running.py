@@ -123,7 +123,7 @@ def prove_running(
     speeds : sequence of float, rad/s, rising
         Smallest load speeds that are tried; fewer take less time.
     progress : callable, optional
-        Told the share done and what is tried.
+        Called with the share done and what is tried.
 
     Raises
     ------
