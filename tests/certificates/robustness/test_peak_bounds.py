@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from table_i import PAPER
+from table_i import PAPER, TABLE_I
 
 import lostmotion as lm
 from lostmotion.certificates import (
@@ -94,6 +94,17 @@ def test_what_is_not_bounded_is_refused() -> None:
         peak_bounds(PAPER.with_parameters(lag=1e-3), continuous_pi())
     with pytest.raises(InvalidInput, match="substeps"):
         peak_bounds(PAPER, lm.controllers.pi(dt=1e-4), substeps=0)
+
+
+def test_a_linear_loop_with_an_observer_is_bounded_near_its_peak() -> None:
+    """No set-point moves the observer's errors: the level sets are flat. The worst set-point is known, as above."""
+    plant = lm.Drivetrain.two_mass(**{**TABLE_I, "backlash": 0.0, "coulomb": 0.0})
+    bounds = peak_bounds(plant, continuous_observer_feedback(plant), 0.5)
+    parts = [lm.observers.kalman(plant, dt=1e-4), lm.controllers.pole_placement(plant, dt=1e-4)]
+    law = lm.connect(parts, ("speed_reference", "speed_motor"), ("torque_motor",))
+    step = lm.simulate(plant, law=law, dt=1e-4, speed_reference=np.r_[np.zeros(5), np.full(4000, 0.5)])
+    peak = np.abs(np.diff(step["speed_motor"])).sum()
+    assert peak < bounds.speed_motor < 1.5 * peak
 
 
 def test_a_loop_with_an_observer_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
