@@ -19,7 +19,7 @@ from ..identification import (
     ring_down,
     shaft_stiffness,
 )
-from ..io.recordings.checks import CORRELATED
+from ..io.recordings.plausibility import CORRELATED
 from ..io.recordings.torque_and_speed import inertia_shown
 from ..recording import Recording
 from .material import Material
