@@ -22,7 +22,7 @@ STEADY = 0.005
 #: ``benchmarks/fitted_laws.py``, for 10 % on the drive itself: one with 10.0 simulated has 13, one with 7.9 has 8.4).
 OVERSHOOT = 8.0
 #: A step that has not settled is simulated with twice the time, at most so often (option: four times).
-DOUBLINGS = 2
+JUDGED_DOUBLINGS = 2
 
 
 def check_gains(tuning: PiTuning, largest_noise_gain: float) -> None:
@@ -68,7 +68,7 @@ def responses(
 
 def _response(law: DiscreteSystem, drive: Drivetrain, step: SpeedStep, dt: float) -> StepMetrics:
     """With as much time as it takes to settle, if it does."""
-    for _ in range(DOUBLINGS + 1):
+    for _ in range(JUDGED_DOUBLINGS + 1):
         run = simulate(
             drive, law=law, dt=dt, delay=1, speed_reference=step.reference(dt), state=(0.0, step.low, step.low)
         )  # fmt: skip

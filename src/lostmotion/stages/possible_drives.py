@@ -49,7 +49,7 @@ def simulated_drives(
 ) -> dict[str, Drivetrain]:
     """Those of the possible drives that a default law is simulated on, by what they are.
 
-    A load overshoots by too much inertia and stands still by too much friction. Where nobody knows the Coulomb friction
+    A load overshoots by too much inertia and stands still by too much friction. Where no Coulomb friction is given
     the drive may have as much as the torque under which it turned half of the time: ``usual_torque``, Nm.
     """
     nearest = _nearest(drivetrain, unknown)
@@ -66,7 +66,7 @@ def simulated_drives(
 
 
 def _nearest(drivetrain: Drivetrain, unknown: frozenset[str]) -> Drivetrain:
-    """The drivetrain with the least damping, and with a gap, where it has none because nobody knows."""
+    """The drivetrain with the least damping, and with a gap, where it has none because none is given."""
     least = {}
     if "damping" in unknown and not drivetrain.damping > 0.0:
         least["damping"] = LEAST_DAMPING * drivetrain.stiffness / (math.pi * drivetrain.pole_frequency)

@@ -74,6 +74,19 @@ def test_a_drive_of_the_zoo_has_its_own_sample_time_delay_and_model():
     assert wrong.plant.drivetrain == first.plant.drivetrain
 
 
+def test_a_seed_looks_at_its_own_drives_of_the_zoo_alone(monkeypatch):
+    looked_at = []
+    monkeypatch.setattr("lostmotion.rig.bench", looked_at.append)
+    own = []
+    for seed in (1, 2, 212):  # the drives of the third go over the end of the set
+        looked_at.clear()
+        with pytest.raises(InvalidInput, match="none of whose 47 drives"):
+            zoo_drive.__wrapped__(seed)
+        own.append(set(looked_at))
+    assert all(len(drives) == 47 and drives <= set(SETS["test"]) for drives in own)
+    assert SETS["test"][0] in own[2] and SETS["test"][-1] in own[2] and not own[0] & own[1]
+
+
 def test_the_delay_of_a_drive_of_the_zoo_acts():
     data, law = experiment(CASE["zoo, step"], 3), ENTRY["PI, Table II"]
 

@@ -64,8 +64,8 @@ def test_soft_landing_with_the_motor_bounded_keeps_every_share_of_pole_placement
 
 def test_a_backlash_that_is_wrong_by_a_fifth_costs_no_more_impact_than_pole_placement():
     for case in ("known backlash −20 %", "known backlash +20 %"):
-        found = medians(case, "pole placement", "soft landing, tolerant")
-        assert found["soft landing, tolerant"]["impact_speed"] < found["pole placement"]["impact_speed"]
+        found = medians(case, "pole placement", "soft landing, bounded")
+        assert found["soft landing, bounded"]["impact_speed"] < found["pole placement"]["impact_speed"]
 
 
 @pytest.mark.parametrize(

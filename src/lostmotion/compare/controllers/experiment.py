@@ -6,7 +6,6 @@ import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from ... import rig
 from ...curves import dead_zone, saturation
 from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
 from ...recording import Recording
 from ...simulation import Sensor
 from ...systems import DiscreteSystem
@@ -85,10 +85,24 @@ def _on_the_zoo(case: Case, seed: int) -> Experiment:
 
 @functools.lru_cache(maxsize=64)
 def zoo_drive(seed: int) -> rig.Bench:
-    """The first drive from a test seed on that a law can meet; each seed of the table has test seeds of its own."""
+    """The first drive that a law can meet, out of the test seeds of this seed's own.
+
+    Seeds that are less than 200 apart have none in common.
+
+    Raises
+    ------
+    InvalidInput
+        If no law can meet any of them.
+    """
     drives = rig.SETS["test"]
-    first = drives.start + APART * seed % len(drives)
-    return next(found for found in map(rig.bench, count(first)) if found is not None)
+    own = (drives[(APART * seed + further) % len(drives)] for further in range(APART))
+    for bench in map(rig.bench, own):
+        if bench is not None:
+            return bench
+    raise InvalidInput(
+        "zoo_drive.seed", f"{seed}, none of whose {APART} drives suits a law", "one with one gap and little delay",
+        "Take another seed.",
+    )  # fmt: skip
 
 
 def _misled(model: Drivetrain, case: Case) -> Drivetrain:

@@ -21,7 +21,7 @@ LARGEST_VALUE = 1e8
 #: measured are 0.5 kB).
 MEMORY = 600
 
-#: Correlation above which two parameters can hardly be told apart (numerics: each interval is five times as wide as
+#: Correlation above which two parameters can hardly be separated (numerics: each interval is five times as wide as
 #: with the other one known).
 CORRELATED = 0.98
 

@@ -133,7 +133,7 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
             found.append(Problem.warning(f"{where}, {name}", got, "a signal that changes", remedy))
         elif name in ("torque_motor", "torque_shaft") and not _reverses(values):
             got = f"a torque between {values.min():.4g} and {values.max():.4g} Nm that never reverses"
-            remedy = "The backlash cannot be told from it: record with reversals of the torque."
+            remedy = "It does not identify the backlash: record with reversals of the torque."
             found.append(Problem.warning(f"{where}, {name}", got, "torque in both directions", remedy))
         found += stuck(name, values, recording, where)
         found += spikes(name, values, recording, where) or sentinels(name, values, where)
