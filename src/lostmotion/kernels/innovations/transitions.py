@@ -31,10 +31,11 @@ VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
 
 #: States at most (layout). Columns of a transition are so long: loops of a known length become vector instructions.
 WIDE = 8
-#: A transition's columns: states, then torque, gap edge, friction of motor and of load.
-TORQUE, EDGE, MOTOR, LOAD = range(WIDE, WIDE + 4)
+#: A transition's columns: states, then torque, gap edge, friction of motor and of load, and what a torque that changes
+#: within the sample does that its mean does not (of a whole sample alone).
+TORQUE, EDGE, MOTOR, LOAD, JUMP = range(WIDE, WIDE + 5)
 #: Numbers in a transition, which lies column after column.
-BLOCK = (WIDE + 4) * WIDE
+BLOCK = (WIDE + 5) * WIDE
 
 #: Places among a model's numbers (layout): lead of the gap's argument (s), half the gap (rad), Coulomb levels (Nm) of
 #: the motor forwards and backwards and of the load, constant load torque (Nm), delay in whole samples and its rest.
@@ -44,6 +45,8 @@ COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_
 
 #: Largest norm before squaring, as in ``two_mass`` (numerics).
 _NORM = 0.5
+#: A lag below this part of a sample is none: its pole would take the digits of all others (numerics).
+_NO_LAG = 1e-6
 
 
 @njit(**COMPILED)
@@ -74,7 +77,7 @@ def _damped_spring(block, behind, before, spring, damper, j_before, j_behind):
 
 
 @njit(**COMPILED)
-def _continuous(q, n, third, load, angle, closed, law, block):
+def _continuous(q, dt, n, third, load, angle, closed, law, block):
     """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
     block[:] = 0.0
     jm, jl, k, rate = q[INERTIA_MOTOR], q[INERTIA_LOAD], q[STIFFNESS], q[DAMPING] / q[STIFFNESS]
@@ -97,7 +100,7 @@ def _continuous(q, n, third, load, angle, closed, law, block):
         block[2, load] = 1.0 / jl
     if angle > 0:
         block[angle, 1] = 1.0
-    if q[LAG] > 0.0:
+    if q[LAG] > _NO_LAG * dt:
         block[1, n - 1], block[n - 1, n - 1], block[n - 1, n] = 1.0 / jm, -1.0 / q[LAG], 1.0 / q[LAG]
     else:
         block[1, n] = 1.0 / jm
@@ -159,6 +162,38 @@ def _transitions(block, density, dt, n, finest, table, at, noise):
 
 
 @njit(**COMPILED)
+def share_before(part, finest, done, size):
+    """Share of a piece that lies before the torque's change, which comes after ``part`` of the sample.
+
+    Done and size count in finest pieces.
+    """
+    return min(max((part * (1 << finest) - done) / size, 0.0), 1.0)
+
+
+@njit(**COMPILED)
+def _fill_jump(table, at, finest, n, part):
+    """Column ``JUMP`` of the whole sample: a unit torque until the change, less its mean over the sample."""
+    x, y, done = np.zeros(WIDE), np.zeros(WIDE), 0
+    while done < 1 << finest:
+        level = 0
+        while level < finest:
+            size = 1 << (finest - level)
+            if done % size == 0 and share_before(part, finest, done, size) % 1.0 == 0.0:
+                break
+            level += 1
+        size, column = 1 << (finest - level), at + level * BLOCK
+        share = share_before(part, finest, done, size)
+        for i in range(n):
+            y[i] = share * table[column + TORQUE * WIDE + i]
+            for j in range(n):
+                y[i] += table[column + j * WIDE + i] * x[j]
+        x, y = y, x
+        done += size
+    for i in range(n):
+        table[at + JUMP * WIDE + i] = x[i] - part * table[at + TORQUE * WIDE + i]
+
+
+@njit(**COMPILED)
 def fill_model(q, dt, law, finest, counted, angled, level, table, c, noise):
     """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise."""
     third, load, angle, n, nc = layout(q, angled)
@@ -172,8 +207,10 @@ def fill_model(q, dt, law, finest, counted, angled, level, table, c, noise):
     if load > 0:
         density[load, load] = (q[TORQUE_RATE] / level) ** 2
     for closed in range(2):
-        _continuous(q, n, third, load, angle, closed == 1, law, block)
-        _transitions(block, density, dt, n, finest, table, closed * (finest + 1) * BLOCK, own)
+        _continuous(q, dt, n, third, load, angle, closed == 1, law, block)
+        at = closed * (finest + 1) * BLOCK
+        _transitions(block, density, dt, n, finest, table, at, own)
+        _fill_jump(table, at, finest, n, q[DELAY] / dt - math.floor(q[DELAY] / dt))
         for i in range(nc):
             for j in range(nc):
                 noise[closed, i * WIDE + j] = own[i, j]
