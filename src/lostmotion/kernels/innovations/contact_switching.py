@@ -41,9 +41,10 @@ from .transitions import (
     TORQUE,
     WHOLE,
     WIDE,
+    changes_within,
     fill_model,
     layout,
-    share_before,
+    shape_mean,
 )
 
 #: Sensors.
@@ -169,7 +170,7 @@ def _turned(c, of, x, y):
 
 @njit(**COMPILED)
 def _through(
-    t, begin, c, of, finest, held, n, nc, tail, law, torque, jump, contact, rest, x, y, errors, f, work
+    t, begin, c, of, finest, held, ramp, n, nc, tail, law, torque, jump, contact, rest, x, y, errors, f, work
 ):
     """A sample in which something changes, from event to event.
 
@@ -177,7 +178,7 @@ def _through(
     transitions are at t[begin …], its numbers at c[of …]. What sticks is taken as constant over 2⁻ʰᵉˡᵈ of a sample at
     most. With ``errors``, f is how an error of the state goes on over the sample.
     """
-    lead, half, part = c[of + LEAD], c[of + HALF], c[of + PART]
+    lead, half, part = c[of + LEAD], c[of + HALF], -1.0 if ramp else c[of + PART]
     if errors:
         for j in range(nc):
             for i in range(WIDE):
@@ -187,12 +188,12 @@ def _through(
         while (1 << (finest - level)) > left:
             level += 1
         size = 1 << (finest - level)
-        before = share_before(part, finest, (1 << finest) - left, size)
-        if 0.0 < before < 1.0 and jump != 0.0 and level < finest:
+        done = (1 << finest) - left
+        if jump != 0.0 and level < finest and changes_within(part, finest, done, size):
             level += 1
             continue
         at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
-        u = torque + (before - part) * jump
+        u = torque + shape_mean(part, finest, done, size) * jump
         stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
         z = y[0] + lead * (y[tail] - y[2])
         after = _next_contact(contact, z, y[0], half, law)
@@ -272,11 +273,16 @@ def _times_turned(a, f, at, nc, noise, closed, p):
 
 
 @njit(forceinline=True, **COMPILED)
-def _delayed(torque, k, c, of):
-    """Mean of the torque that acts over sample k, and by how much it is higher before its change."""
+def _delayed(torque, k, c, of, ramp):
+    """Mean of the torque that acts over sample k, and by how much it is higher at the beginning than in the end."""
     first, last = k - int(c[of + WHOLE]), torque.size - 1
     now, before = torque[min(max(first, 0), last)], torque[min(max(first - 1, 0), last)]
-    return now + c[of + PART] * (before - now), before - now
+    mean = now + c[of + PART] * (before - now)
+    if not ramp:
+        return mean, before - now
+    after = torque[min(max(first + 1, 0), last)]
+    end = after + c[of + PART] * (now - after)
+    return 0.5 * (mean + end), mean - end
 
 
 @njit(**COMPILED)
@@ -324,8 +330,8 @@ def _sensor_rows(q, sensors, counted, law, third, angle, rows, offsets):
 
 @njit(**COMPILED)
 def innovations(
-    parameters, free, kinds, units, dt, law, finest, sensors, counted, ratios, bounds, torque, measured, level, spread,
-    residuals, variances, jacobian,
+    parameters, free, kinds, units, dt, law, finest, ramp, sensors, counted, ratios, bounds, torque, measured, level,
+    spread, residuals, variances, jacobian,
 ):  # fmt: skip
     """One pass of the filter over a recording, with the sensitivities to some parameters.
 
@@ -340,6 +346,8 @@ def innovations(
     dt : float, s
     law, finest : int
         Contact law; a sample is halved so often at most.
+    ramp : bool
+        Whether the torque goes straight from row to row, as a measured one does; else it is held.
     sensors : (s,) int array
         SPEED_MOTOR first.
     counted : bool
@@ -368,11 +376,11 @@ def innovations(
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
     noise, other, errors = np.zeros((2, square)), np.zeros((2, square)), np.zeros(8 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
-    fill_model(parameters, dt, law, finest, counted, angled, level, models[0], numbers[0], noise)
+    fill_model(parameters, dt, law, finest, ramp, counted, angled, level, models[0], numbers[0], noise)
     for j in range(m):
         q = parameters.copy()
         q[free[j]] = _changed(q[free[j]], kinds[j], units[j], _STEP, dt)
-        fill_model(q, dt, law, finest, counted, angled, level, models[j + 1], numbers[j + 1], other)
+        fill_model(q, dt, law, finest, ramp, counted, angled, level, models[j + 1], numbers[j + 1], other)
     _sensor_rows(parameters, sensors, counted, law, third, angle, rows, offsets)
     for which in range(8):
         _errors(models.reshape(-1), (which >> 2) * whole, nc, which & 3, errors, which * square)
@@ -423,6 +431,7 @@ def innovations(
             variance = ratios[s]
             for i in range(nc):
                 variance += gain[i] * rows[closed, s, i]
+            variance = max(variance, ratios[s])  # rounding must not make it less
             wanted = (e / (_LOST * level)) ** 2
             if wanted > variance:
                 growth = min((wanted - ratios[s]) / max(variance - ratios[s], 1e-12), _MOST)
@@ -443,7 +452,7 @@ def innovations(
                 _add(gain, 0, -total / variance, slope, j * WIDE)
         for i in range(WIDE):
             old[i] = x[i]
-        u, jump = _delayed(torque, k, c, 0)
+        u, jump = _delayed(torque, k, c, 0, ramp)
         rate = x[tail] - x[2]
         z = x[0] + lead * rate
         # In doubt about the contact: an edge is within the filter's uncertainty, and that is more than the way of a
@@ -477,7 +486,7 @@ def innovations(
                     x[i] = y[i]
             else:
                 contact, rest, weight = _through(
-                    t, 0, c, 0, finest, held, n, nc, tail, gap_law, u, jump, contact, rested, x, y, True, f, work
+                    t, 0, c, 0, finest, held, ramp, n, nc, tail, gap_law, u, jump, contact, rested, x, y, True, f, work
                 )  # fmt: skip
         if quiet:
             where = (4 * closed + rest) * square
@@ -491,7 +500,7 @@ def innovations(
         # How the parameters move the state within this sample, by differences.
         for j in range(m):
             begin, of = (j + 1) * model, (j + 1) * NUMBERS
-            u, jump = _delayed(torque, k, c, of)
+            u, jump = _delayed(torque, k, c, of, ramp)
             if quiet:
                 _moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], y)
             elif doubt > 0.0:
@@ -502,8 +511,8 @@ def innovations(
                 for i in range(n):
                     gain[i] = old[i]
                 _through(
-                    t, begin, c, of, finest, held, n, nc, tail, gap_law, u, jump, before, rested, gain, y, False, f,
-                    work,
+                    t, begin, c, of, finest, held, ramp, n, nc, tail, gap_law, u, jump, before, rested, gain, y, False,
+                    f, work,
                 )  # fmt: skip
                 for i in range(n):
                     y[i] = gain[i]

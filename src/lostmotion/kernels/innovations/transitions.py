@@ -45,6 +45,8 @@ COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_
 
 #: Largest norm before squaring, as in ``two_mass`` (numerics).
 _NORM = 0.5
+#: Halvings of a sample whose torque is a ramp, to find what the ramp does (numerics: 1e-4 of it).
+_RAMP = 6
 #: A lag below this part of a sample is none: its pole would take the digits of all others (numerics).
 _NO_LAG = 1e-6
 
@@ -162,39 +164,50 @@ def _transitions(block, density, dt, n, finest, table, at, noise):
 
 
 @njit(**COMPILED)
-def share_before(part, finest, done, size):
-    """Share of a piece that lies before the torque's change, which comes after ``part`` of the sample.
+def shape_mean(part, finest, done, size):
+    """Mean over a piece of what a torque within a sample differs from its mean by; done and size in finest pieces.
 
-    Done and size count in finest pieces.
+    A held torque changes after ``part`` of the sample: 1 before, 0 after, less the mean. A ramp (part < 0) falls from
+    0.5 to −0.5.
     """
-    return min(max((part * (1 << finest) - done) / size, 0.0), 1.0)
+    whole = 1 << finest
+    if part < 0.0:
+        return 0.5 - (done + 0.5 * size) / whole
+    return min(max((part * whole - done) / size, 0.0), 1.0) - part
+
+
+@njit(**COMPILED)
+def changes_within(part, finest, done, size):
+    """Whether a held torque changes inside a piece."""
+    change = part * (1 << finest)
+    return done < change < done + size
 
 
 @njit(**COMPILED)
 def _fill_jump(table, at, finest, n, part):
-    """Column ``JUMP`` of the whole sample: a unit torque until the change, less its mean over the sample."""
+    """Column ``JUMP`` of the whole sample: what ``shape_mean`` adds."""
     x, y, done = np.zeros(WIDE), np.zeros(WIDE), 0
     while done < 1 << finest:
-        level = 0
+        level = min(finest, _RAMP) if part < 0.0 else 0
         while level < finest:
             size = 1 << (finest - level)
-            if done % size == 0 and share_before(part, finest, done, size) % 1.0 == 0.0:
+            if done % size == 0 and not changes_within(part, finest, done, size):
                 break
             level += 1
         size, column = 1 << (finest - level), at + level * BLOCK
-        share = share_before(part, finest, done, size)
+        mean = shape_mean(part, finest, done, size)
         for i in range(n):
-            y[i] = share * table[column + TORQUE * WIDE + i]
+            y[i] = mean * table[column + TORQUE * WIDE + i]
             for j in range(n):
                 y[i] += table[column + j * WIDE + i] * x[j]
         x, y = y, x
         done += size
     for i in range(n):
-        table[at + JUMP * WIDE + i] = x[i] - part * table[at + TORQUE * WIDE + i]
+        table[at + JUMP * WIDE + i] = x[i]
 
 
 @njit(**COMPILED)
-def fill_model(q, dt, law, finest, counted, angled, level, table, c, noise):
+def fill_model(q, dt, law, finest, ramp, counted, angled, level, table, c, noise):
     """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise."""
     third, load, angle, n, nc = layout(q, angled)
     block, density, own = np.zeros((n + 4, n + 4)), np.zeros((nc, nc)), np.zeros((nc, nc))
@@ -210,7 +223,7 @@ def fill_model(q, dt, law, finest, counted, angled, level, table, c, noise):
         _continuous(q, dt, n, third, load, angle, closed == 1, law, block)
         at = closed * (finest + 1) * BLOCK
         _transitions(block, density, dt, n, finest, table, at, own)
-        _fill_jump(table, at, finest, n, q[DELAY] / dt - math.floor(q[DELAY] / dt))
+        _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
         for i in range(nc):
             for j in range(nc):
                 noise[closed, i * WIDE + j] = own[i, j]

@@ -76,6 +76,8 @@ class ContactFilter:
     bounds : tuple of int
         First row of each piece, and the number of rows.
     law : str
+    ramp : bool
+        Whether the torque goes straight from row to row, as a measured one does; else it is held.
     """
 
     torque: Array
@@ -87,6 +89,7 @@ class ContactFilter:
     halvings: int
     bounds: tuple[int, ...]
     law: str = "viscoelastic"
+    ramp: bool = False
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -155,7 +158,7 @@ class ContactFilter:
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
             np.array([self._unit(PARAMETERS[NAMES[i]]) for i in free]),
-            self.dt, LAWS[self.law], self.halvings, np.zeros(1, dtype=np.int64), self.counted, np.ones(1),
+            self.dt, LAWS[self.law], self.halvings, self.ramp, np.zeros(1, dtype=np.int64), self.counted, np.ones(1),
             np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None], self.level,
             tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip
