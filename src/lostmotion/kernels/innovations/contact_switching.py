@@ -386,7 +386,7 @@ def innovations(
         _errors(models.reshape(-1), (which >> 2) * whole, nc, which & 3, errors, which * square)
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
     lead, half = c[LEAD], c[HALF]
-    x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
+    x, y, old, gain, first = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
     p, f, work, mixed = np.zeros(square), np.zeros(square), np.zeros(square + WIDE), np.zeros(BLOCK)
     # Sensitivities of the state to θ, column after column, and where they go.
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
@@ -411,6 +411,8 @@ def innovations(
                 p[load * WIDE + load] = spread[2] ** 2
             if angle > 0:
                 p[angle * WIDE + angle] = 1.0
+            for i in range(nc):
+                first[i] = p[i * WIDE + i]
             base = measured[k, 0] if counted else 0.0
         elif counted:
             # The angle is that since the last count: a small number, whose differences are fine.
@@ -431,10 +433,11 @@ def innovations(
             variance = ratios[s]
             for i in range(nc):
                 variance += gain[i] * rows[closed, s, i]
-            variance = max(variance, ratios[s])  # rounding must not make it less
             wanted = (e / (_LOST * level)) ** 2
             if wanted > variance:
                 growth = min((wanted - ratios[s]) / max(variance - ratios[s], 1e-12), _MOST)
+                for i in range(nc):  # far beyond what a start knows nothing but rounding is left
+                    growth = min(growth, max(_MOST * first[i] / max(p[i * WIDE + i], 1e-300), 1.0))
                 variance = ratios[s] + growth * (variance - ratios[s])
                 for i in range(WIDE):
                     gain[i] *= growth

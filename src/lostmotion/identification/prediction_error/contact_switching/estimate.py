@@ -49,6 +49,9 @@ def distance(one: Candidate, other: Candidate) -> Array:
 def told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
     """Values of the best candidate; half widths from the sandwich covariance, and where plausible ones disagree."""
     run = best.flt.run(best.theta, best.free)
+    if not np.all(np.isfinite(run.jacobian)):  # numbers that grow without bound tell nothing
+        nothing = np.full(len(TOLD), np.inf)
+        return Estimate(told_vector(best), nothing, np.zeros((len(TOLD), len(TOLD))), best)
     gather = _gather(best)
     white = inverse_hessian(run.jacobian) * np.mean(run.weighted**2)
     coloured = sandwich(run.jacobian, run.weighted)
