@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, is_dataclass, replace
 from functools import cache, partial
 from importlib import import_module
@@ -248,19 +248,33 @@ def excited() -> list[tuple[Recording, Any]]:
     return [(recording.window(0.0, 5.0), truth) for recording, truth in map(lm.rig.record, SEEDS[:2])]
 
 
+#: Value, ends of its interval, true value.
+Judged = tuple[float, float, float, float]
+
+
+def judged(found: Any, truth: Any, names: Sequence[str]) -> Iterator[Judged]:
+    """Those of ``names`` that were identified."""
+    for name in names:
+        if found.values[name] is not None:
+            yield found.values[name], *found.intervals[name], truth.parameters[name]
+
+
+def relative_errors(values: Sequence[Judged]) -> str:
+    """Their spread, and how many intervals hold the true value."""
+    inside = sum(low <= true <= high for _, low, high, true in values)
+    errors = [abs(value / true - 1.0) for value, _, _, true in values]
+    return f"{spread(errors)}, {inside} of {len(values)} in their interval"
+
+
 def identification_error() -> str:
     """Of inertias, stiffness, backlash, Coulomb torque; how many of them identified, in their interval; warnings."""
-    errors, inside, count, warnings = [], 0, 0, 0
+    values: list[Judged] = []
+    warnings = 0
     for recording, truth in excited():
         found = lm.identify(recording, start=NAMEPLATE)
         warnings += len(found.problems)
-        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash", "coulomb"):
-            value = found.values[name]
-            if value is not None:
-                low, high = found.intervals[name]
-                count, inside = count + 1, inside + (low <= truth.parameters[name] <= high)
-                errors.append(abs(value / truth.parameters[name] - 1.0))
-    return f"{spread(errors)}, {inside} of {count} in their interval, {warnings} warnings"
+        values += judged(found, truth, ("inertia_motor", "inertia_load", "stiffness", "backlash", "coulomb"))
+    return f"{relative_errors(values)}, {warnings} warnings"
 
 
 def allowance_error() -> str:
@@ -268,11 +282,8 @@ def allowance_error() -> str:
     shares = []
     for recording, truth in excited():
         found = lm.identify(recording, start=NAMEPLATE)
-        for name in ("damping", "lag", "coulomb"):
-            value = found.values[name]
-            if value is not None:
-                low, high = found.intervals[name]
-                shares.append(2.0 * abs(value - truth.parameters[name]) / (high - low))
+        for value, low, high, true in judged(found, truth, ("damping", "lag", "coulomb")):
+            shares.append(2.0 * abs(value - true) / (high - low))
     inside = sum(share <= 1.0 for share in shares)
     return (
         f"error over half width {np.median(shares):.2g} / {max(shares):.2g}, {inside} of {len(shares)} inside"
@@ -281,19 +292,14 @@ def allowance_error() -> str:
 
 def load_torque_error() -> str:
     """Of inertias, stiffness, backlash under a load torque of 1.5 Nm at 0.3 Hz; and how many in their interval."""
-    errors, inside, count = [], 0, 0
+    values: list[Judged] = []
     torque = lm.signals.excitation(5.0, 1e-4, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     load = 1.5 * np.sin(2.0 * np.pi * 0.3 * 1e-4 * np.arange(torque.size))
     for seed in SEEDS[:2]:
         recording, truth = lm.rig.record(seed, torque_motor=torque, torque_load=load)
         found = lm.identify(recording, start=NAMEPLATE, load_torque=True)
-        for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
-            value = found.values[name]
-            if value is not None:
-                low, high = found.intervals[name]
-                count, inside = count + 1, inside + (low <= truth.parameters[name] <= high)
-                errors.append(abs(value / truth.parameters[name] - 1.0))
-    return f"{spread(errors)}, {inside} of {count} in their interval"
+        values += judged(found, truth, ("inertia_motor", "inertia_load", "stiffness", "backlash"))
+    return relative_errors(values)
 
 
 def contact_laws() -> str:
@@ -497,13 +503,17 @@ ROWS: tuple[tuple[str, str, Callable[[], str]], ...] = (
 )
 
 
-def with_value(module: Any, name: str, value: float, measure: Callable[[], str]) -> str:
+def with_value(module: Any, name: str, value: Any, measure: Callable[[], str]) -> str:
+    """``measure`` with another value of a module's constant, also where other modules have imported it."""
     own = getattr(module, name)
-    setattr(module, name, value)
+    holders = [m for m in list(sys.modules.values()) if m is module or vars(m).get(name) is own]
+    for holder in holders:
+        setattr(holder, name, value)
     try:
         return measure()
     finally:
-        setattr(module, name, own)
+        for holder in holders:
+            setattr(holder, name, own)
 
 
 def scaled(value: Any, factor: float) -> Any:

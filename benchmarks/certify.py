@@ -1,6 +1,6 @@
 """What is proved of the paper's loops, how long it takes, and whether the verifier says the same.
 
-python benchmarks/certify.py [--mutations 1000] [--boxes] [--observers]
+python benchmarks/certify.py [--mutations 1000] [--boxes] [--observers] [--largest SECONDS]
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from lostmotion.certificates import (
     best_injection,
     continuous_observer_feedback,
     continuous_pi,
+    largest_box,
     observer_error,
     observer_verdict,
     prove_box,
@@ -240,6 +241,26 @@ def boxes() -> None:
             print(f"{head} | not proved at {proof.stops_at}: {why} | {spent:.1f} | |", flush=True)
 
 
+def largest(seconds: float, workers: int) -> None:
+    """The largest tolerance of the sampled loops that is proved in so many seconds."""
+    plant = drivetrain()
+    laws = {"0.1 ms, PI": lm.controllers.pi(dt=1e-4), "0.1 ms, Observer 1": feedback(plant)}
+    print("| loop | parameters | ± % | cells | CPU time of the search, s | next wider |")
+    print("|---|---|---|---|---|---|")
+    for name, law in laws.items():
+        for parameters in (FOUR, FIVE):
+            start = cpu_time()
+            found = largest_box(plant, law, parameters, seconds=seconds, workers=workers)
+            cells = found.proof.cells if found.proof else 0
+            wider = min((a for a in found.attempts if not a.proved), default=None)
+            why = "" if wider is None else f"±{100 * wider.half_width:.0f} %: {wider.reason}"
+            print(
+                f"| {name} | {len(parameters)} | {100 * found.half_width:.0f} | {cells} | "
+                f"{cpu_time() - start:.0f} | {why} |",
+                flush=True,
+            )
+
+
 def cpu_time() -> float:
     """Of this process and those that it has waited for, s."""
     times = os.times()
@@ -253,8 +274,12 @@ if __name__ == "__main__":
     )
     parser.add_argument("--boxes", action="store_true", help="tolerances instead of the nominal loops")
     parser.add_argument("--observers", action="store_true", help="errors of observers instead of the loops")
+    parser.add_argument("--largest", type=float, default=0.0, help="seconds for each largest tolerance")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes of --largest")
     given = parser.parse_args()
-    if given.mutations:
+    if given.largest:
+        largest(given.largest, given.workers)
+    elif given.mutations:
         damage = observer_mutations if given.observers else box_mutations if given.boxes else mutations
         damage(given.mutations)
     elif given.observers:

@@ -29,7 +29,13 @@ def test_the_command_has_one_thread_for_blas_unless_the_user_says_otherwise(give
     code = """
 import os, sys
 from lostmotion.__main__ import main
-assert "numpy" not in sys.modules
+assert "numpy" not in sys.modules and "lostmotion.cli" not in sys.modules
+
+class Watch:
+    def find_spec(self, name, path=None, target=None):
+        assert name != "lostmotion.cli" or "OPENBLAS_NUM_THREADS" in os.environ, "too late"
+
+sys.meta_path.insert(0, Watch())
 sys.argv = ["lostmotion", "--version"]
 try:
     main()

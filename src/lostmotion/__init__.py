@@ -5,7 +5,7 @@ from __future__ import annotations
 from .version import VERSION
 
 # Known to type checkers by its name. ``typing`` takes longer to import than Python to start, and an interruption of the
-# command is not told in one line before it is through here.
+# command is not reported in one line before it is through here.
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:

@@ -7,9 +7,10 @@ import signal
 def main() -> None:
     _exit_at_once()  # before the imports, which take a third of a second
     from .child_process import use_one_blas_thread
+
+    use_one_blas_thread()  # before the commands: BLAS asks once, when numpy is imported
     from .cli import main as run_command
 
-    use_one_blas_thread()
     run_command()
 
 

@@ -63,7 +63,7 @@ def _checking(function: Any, name: str) -> Any:
 
     @functools.wraps(function)
     def checked(*arguments: Any, **named: Any) -> Any:
-        # Too many, missing and unknown arguments are told by Python itself.
+        # Too many, missing and unknown arguments are refused by Python itself.
         for argument, value in (*zip(in_turn, arguments, strict=False), *named.items()):
             kind = kinds.get(argument, others)
             if kind is not None and not kind.fits(value):
@@ -82,7 +82,7 @@ def _complaint(where: str, value: Any, kind: _Kind) -> InvalidInput:
 
 
 def _asked(parameter: inspect.Parameter) -> str:
-    """The annotation; a limit, which may be infinite, is told from a number by its default."""
+    """The annotation; a limit, which may be infinite, differs from a number by its default."""
     infinite = isinstance(parameter.default, float) and math.isinf(parameter.default)
     return "Limit" if infinite else str(parameter.annotation)
 

@@ -52,7 +52,7 @@ def unit_of(signal: str) -> str:
 
 
 def _read_only(values: ArrayLike) -> NDArray[np.float64]:
-    """The values as an array that nobody can write: copied, unless they are one already."""
+    """The values as an array that cannot be written: copied, unless they are one already."""
     if isinstance(values, np.ndarray) and values.dtype == np.float64 and not _writable(values):
         return values
     array = np.array(values, dtype=float)
@@ -182,7 +182,7 @@ class Recording:
         """The impacts; those at one place that follow each other within `merge` seconds count as one.
 
         A merged impact has the time of its first bounce, the largest speed, and the sum of the energies. The default,
-        2 ms, is chosen: about a fifth of a period of the paper's 100 Hz mode.
+        2 ms, is chosen: about a fifth of a period of the paper's eigenmode at 100 Hz.
         """
         not_negative("Recording.impacts.merge", merge)
         merged: list[Event] = []

@@ -96,7 +96,7 @@ class Countdown(_Shown):
         self._progress = Progress(
             TextColumn(what, table_column=Column(no_wrap=True, overflow="ellipsis")),
             _bar(console),
-            MofNCompleteColumn(table_column=Column(no_wrap=True)),
+            MofNCompleteColumn(table_column=Column(no_wrap=True, min_width=3)),
             TimeElapsedColumn(table_column=_whole()),
             TextColumn("{task.description}", table_column=Column(no_wrap=True, overflow="ellipsis")),
             console=console,

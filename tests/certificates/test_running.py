@@ -62,9 +62,11 @@ def test_observer_1_with_pole_placement_and_compensation() -> None:
 def test_a_limit_that_acts_leaves_a_proof_for_steps() -> None:
     plant = drivetrain()
     law = observer_1(plant, limit=73.5)
-    proof = prove_running(plant, law)
+    nearest = prove_running(plant, law)
+    assert nearest.speed == 0.2 and nearest.step == 0.5, "the smaller region reaches down further"
+    proof = prove_running(plant, law, step=2.0)
     assert proof.speed is not None and proof.step is not None
-    assert proof.speed <= 0.5 and proof.step >= 1.0
+    assert proof.speed <= 0.5 and proof.step >= 2.0
     assert verdict(proof.certificate or {}) is None
     # The simulated step settles, and a larger step or a smaller share is another claim, which the numbers do not prove.
     reference = np.where(np.arange(20_000) < 10_000, 2.0, 2.0 + proof.step)
@@ -143,6 +145,14 @@ def test_a_drivetrain_without_a_proof_is_refused(changes: dict[str, Any]) -> Non
         plant = replace(plant, actuator=changes["actuator"])
     with pytest.raises(InvalidInput, match="certify: drivetrain"):
         prove_running(plant, lm.controllers.pi(dt=1e-4))
+
+
+def test_a_chain_and_a_held_end_are_refused() -> None:
+    shaft = drivetrain().shaft
+    chain = lm.Drivetrain(inertias=(0.02, 0.02, 0.1), shafts=(shaft, shaft))
+    for plant in (chain, replace(drivetrain(), locked="load")):
+        with pytest.raises(InvalidInput, match="certify: drivetrain"):
+            prove_running(plant, lm.controllers.pi(dt=1e-4))
 
 
 def test_load_torque_narrows_what_is_proved() -> None:

@@ -42,5 +42,5 @@ def test_a_narrow_terminal_shows_the_whole_time(monkeypatch: pytest.MonkeyPatch,
     with Countdown("compiling kernels, once") as bar:
         bar(3, 7, 20.0)
     text = stream.getvalue()
-    assert "0:00:00" in text
+    assert "0:00:00" in text and "3/7" in text
     assert ("fitting with a high gain, 1 of 2" in text) == (width == 80)

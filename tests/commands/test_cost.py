@@ -13,7 +13,7 @@ from lostmotion.commands.cost import Cost
 from lostmotion.commands.excite import excitation_file
 from lostmotion.commands.simulate import simulate_file
 from lostmotion.commands.simulate_variants import simulate_variants
-from lostmotion.io.memory import VARIABLE
+from lostmotion.memory import VARIABLE
 
 LIMITS: dict[str, Any] = {"kind": "noise", "torque_limit": 5.0, "speed_limit": 5.0}
 

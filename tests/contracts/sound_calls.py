@@ -318,6 +318,7 @@ def _certificates() -> list[Call]:
             certificates.simulated,
             {"drivetrain": plant(), "law": shaky, "proof": replace(box(), stops_at=None), "seed": 1},
         ),
+        Call(certificates.largest_box, loop | {"parameters": ["stiffness"], "seconds": 1e-9}),
         Call(certificates.around, {"half_width": 0.1, "parameters": ["stiffness"]}),
         Call(
             certificates.peak_bounds,
@@ -345,6 +346,7 @@ def _certificates() -> list[Call]:
         ),
         Call(certificates.headline, {"proof": proof()}),
         Call(certificates.conditions, {"proof": proof()}),
+        Call(certificates.facts, {"proof": proof()}),
         Call(certificates.stability, {"proof": proof()}),
         Call(certificates.verdict, {"data": {}}),
         Call(certificates.margins, loop | {"law": controllers.pi(dt=DT), "speed": 1.0, "torque_load": 0.0}),

@@ -162,5 +162,5 @@ def test_what_holds_arrays_does_not_print_them() -> None:
 def test_a_comparison_of_contact_laws_is_a_line_and_its_summary_both_identifications() -> None:
     found = i.compare_contacts(driven(), start=PLANT)
     assert len(repr(found).splitlines()) == 1
-    assert ("cannot be told apart" in repr(found)) == (found.better is None)
+    assert ("cannot be distinguished" in repr(found)) == (found.better is None)
     assert found.summary().count("Identification: ") == 2

@@ -98,7 +98,14 @@ CONTROLLERS = {
     "pi with limit": pi(dt=1e-4, torque_limit=20.0),
     "pi with filter and friction": pi(dt=1e-4, filter_time=0.02, friction_of=ONE_SIDED),
     "pi with filtered speed": pi(dt=1e-4, torque_limit=20.0, speed_filter_time=5e-3),
-    "pi with all": pi(dt=1e-4, torque_limit=20.0, filter_time=0.02, friction_of=ONE_SIDED),
+    "pi with all": pi(
+        dt=1e-4,
+        torque_limit=20.0,
+        filter_time=0.02,
+        speed_filter_time=5e-3,
+        friction_of=ONE_SIDED,
+        realised_torque=True,
+    ),
     "pole placement": pole_placement(PAPER, dt=1e-4),
     "pole placement with limit": pole_placement(PAPER, dt=1e-4, torque_limit=73.5),
     "pole placement, by reference": pole_placement(
@@ -111,6 +118,13 @@ CONTROLLERS = {
     ),
     "flatness": flatness(
         PAPER, dt=1e-4, largest_acceleration=300.0, largest_jerk=1e5, largest_error=2.0, largest_torque=73.5
+    ),
+    "flatness with limit": flatness(
+        PAPER.with_parameters(lag=3e-4),
+        largest_acceleration=300.0,
+        largest_jerk=1e5,
+        torque_limit=73.5,
+        **WISHES,
     ),
     "H infinity": h_infinity(PAPER.with_parameters(lag=3e-4), **WISHES, load_torque=10.0, torque_limit=73.5),
     "predictive": predictive(
@@ -142,6 +156,19 @@ CONTROLLERS = {
     "delay": one_sample_delay("torque_motor", 1e-4, start=0.5),
     "observer 1 + pole placement": observer_1_with_pole_placement(),
 }
+#: Controllers that keep a torque limit, Nm.
+LIMITED = {
+    **dict.fromkeys(("pi with limit", "pi with filtered speed", "pi with all"), 20.0),
+    **dict.fromkeys(
+        (
+            "pole placement with limit", "pole placement, by reference", "H infinity", "predictive", "sliding mode",
+            "super-twisting", "lqi with limit, lag and friction of the motor", "flatness with limit",
+            "active damping with limit", "soft landing", "soft landing, bounded", "soft landing, estimated backlash",
+            "observer + lqi + soft landing", "observer 1 + pole placement",
+        ),
+        73.5,
+    ),
+}  # fmt: skip
 LAWS = {**OBSERVERS, **{f"controller: {name}": law for name, law in CONTROLLERS.items()}}
 
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
@@ -277,6 +304,16 @@ def test_finite_inputs_never_give_nan(law, data):
     tail = np.repeat(inputs[-1:], 200, axis=0)
     outputs, _ = numba_run(law, np.vstack([inputs, tail]))
     assert np.all(np.isfinite(outputs))
+
+
+@pytest.mark.parametrize(("name", "limit"), LIMITED.items(), ids=LIMITED.keys())
+def test_never_a_torque_beyond_the_limit_whatever_comes_in(name, limit):
+    law, rng = CONTROLLERS[name], np.random.default_rng(9)
+    inputs = rng.normal(size=(3000, len(law.inputs))) * 10.0 ** rng.uniform(-3.0, 31.0, (3000, 1))
+    inputs[rng.random(inputs.shape) < 0.05] = np.nan
+    torque = numba_run(law, inputs)[0][:, 0]
+    assert np.all(np.abs(torque) <= limit)
+    assert torque.max() == limit and torque.min() == -limit
 
 
 @every_law

@@ -15,7 +15,7 @@ from lostmotion.controllers.planning.crossing_plan import crossing_program
 from lostmotion.curves import dead_zone
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.kernels.predictive import layout
+from lostmotion.kernels.predictive import hybrid, layout
 from lostmotion.kernels.predictive.quadratic_program import solve
 from lostmotion.simulation import Sensor
 from lostmotion.systems import DiscreteSystem, Stepper
@@ -113,6 +113,45 @@ def test_a_steady_state_is_held(friction, pull):
     twist = shaft / PLANT.stiffness
     inputs = [speed, HALF + twist, twist, speed, speed, friction + PLANT.viscous * speed, shaft, pull]
     assert steady(LAW, inputs, 5)[0] == pytest.approx(shaft, abs=1e-6)
+
+
+def hopeless(count, seed):
+    """States whose soft limits no plan can keep: close to the edge and fast, wound too far, a load beyond the limit."""
+    rng = np.random.default_rng(seed)
+    rows = drawn(count, seed)
+    rows[:, 1] = rng.choice([-1.0, 0.95, 3.0], count) * HALF
+    rows[:, 2] = dead_zone(HALF)(rows[:, 1])
+    rows[:, 3] = rows[:, 4] + rng.choice([-1.0, 1.0], count) * rng.uniform(8.0, 20.0, count)
+    rows[:, 7] = rng.choice([-1.0, 0.0, 1.0], count) * 3.0 * LIMIT
+    return rows
+
+
+def test_where_no_plan_keeps_the_soft_limits_the_best_so_far_is_there_in_time(monkeypatch):
+    law = hybrid_predictive(PLANT, dt=DT, torque_limit=LIMIT, twist_limit=1e-3, torque_soft=20.0, **WISHES)
+    solved, parameters = [], law.parameters.copy()
+
+    def watched(q, signals, hold, limit, plan, s, most):
+        """``solve``, with what the plan of the sample before would cost now."""
+        before = plan.copy()
+        solve(q, signals, hold, limit, before, s, 0)
+        last = s[layout.RESULT]
+        steps = solve(q, signals, hold, limit, plan, s, most)
+        solved.append((steps, last, s[layout.RESULT], plan.copy()))
+        return steps
+
+    monkeypatch.setattr(hybrid, "solve", watched)
+    state, outputs, spent = law.init(), np.empty(1), []
+    for inputs in hopeless(40, seed=6):
+        solved.clear()
+        hybrid.step.py_func(parameters, state, inputs, 0, outputs)
+        steps, before, costs, plans = (list(column) for column in zip(*solved, strict=True))
+        spent.append(sum(steps))
+        assert max(steps) <= hybrid.STEPS and spent[-1] <= hybrid.ALL_STEPS
+        assert np.all(np.array(costs) <= before) and np.all(np.abs(plans) <= LIMIT)
+        # The first move of the cheapest, whichever side it is seen from.
+        assert abs(outputs[0]) == abs(plans[int(np.argmin(costs))][0])
+    # The cap is what ends the search in some of these samples, so that an unfinished plan is used.
+    assert spent.count(hybrid.ALL_STEPS) > 3
 
 
 @pytest.mark.parametrize("size", [1.0, 1e3, 1e12, 1e30])

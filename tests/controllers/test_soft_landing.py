@@ -129,8 +129,8 @@ def test_in_the_gap_its_coordinates_are_a_double_integrator_of_the_next_torque()
     state = np.zeros(n)
     for k in range(n - 1):
         state[k + 1] = law.A[0, 0] * state[k] + law.B[0] @ u[k]
-    # Arguments of the curves: 1 is the distance, 4 the speed times rate·inertia.
-    distance, speed = (state * law.F[i, 0] + u @ law.G[i] for i in (1, 4))
+    # Arguments of the curves: 1 is the distance, 6 the speed times rate·inertia.
+    distance, speed = (state * law.F[i, 0] + u @ law.G[i] for i in (1, 6))
     speed = speed / (plant.inertia_motor / (plant.lag + DT))
     step = DT * torque / plant.inertia_motor
     np.testing.assert_allclose(np.diff(speed), step[:-1], atol=1e-11)
@@ -147,6 +147,20 @@ def test_a_steady_torque_goes_through(torque):
     }  # fmt: skip
     found = limiter().run({name: np.full(100, value) for name, value in steady.items()})
     assert found["torque_motor"][-1] == pytest.approx(torque, rel=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_torque_is_not_held_back_for_longer_than_a_crossing_lasts(sign):
+    """An observer that has missed the contact: it goes on to tell a motor at rest before the edge."""
+    law, patience = limiter(), round(2.0 * PLANT.backlash / 0.6 / DT)
+    before = dict.fromkeys(law.inputs, np.zeros(2000)) | {
+        "torque_wished": np.full(2000, 50.0 * sign), "twist_estimated": np.full(2000, 0.0059 * sign),
+    }  # fmt: skip
+    torque = sign * law.run(before)["torque_motor"]
+    assert torque[0] < 30.0 and np.ptp(torque[:patience]) < 1e-12
+    assert np.all(np.diff(torque) > -1e-9) and 48.0 < torque[2 * patience] <= 50.0
+    for_ever = sign * limiter(patience=1e9).run(before)["torque_motor"]
+    assert np.ptp(for_ever) < 1e-6 and for_ever[0] == torque[0]
 
 
 def test_it_is_its_own_mirror_image():
@@ -190,11 +204,11 @@ def test_a_bounded_motor_stays_below_the_set_point_and_lands_softly():
 
 def test_a_bounded_motor_crosses_the_gap_at_the_contact_speed_where_the_set_point_asks_for_no_motion():
     law = limiter(motor_bounded=True, contact_speed=0.4)
-    signals = dict.fromkeys(law.inputs, np.zeros(4000)) | {"torque_wished": np.full(4000, LIMIT)}
+    signals = dict.fromkeys(law.inputs, np.zeros(100)) | {"torque_wished": np.full(100, LIMIT)}
     # In the middle of the gap at rest: gain·contact_speed, and no more.
     gain = PLANT.inertia_motor / (PLANT.lag + DT)
     assert law.run(signals)["torque_motor"][-1] == pytest.approx(0.4 * gain)
-    beyond = signals | {"speed_motor_estimated": np.full(4000, 0.4)}
+    beyond = signals | {"speed_motor_estimated": np.full(100, 0.4)}
     assert abs(law.run(beyond)["torque_motor"][-1]) < 1e-9
 
 
@@ -228,6 +242,8 @@ def test_behind_lqi_the_impact_is_a_quarter_and_the_step_as_fast():
         ({"rate": 2e4}, r"soft_landing\.rate"),
         ({"release": 1.5}, r"soft_landing\.release"),
         ({"tolerance": 1.0}, r"soft_landing\.tolerance"),
+        ({"patience": 0.0}, r"soft_landing\.patience"),
+        ({"patience": np.nan}, r"soft_landing\.patience"),
         ({"dt": np.nan}, r"soft_landing\.dt"),
         ({"plant": PLANT.with_parameters(backlash=0.0)}, "backlash"),
     ],

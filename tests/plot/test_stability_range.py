@@ -26,7 +26,7 @@ def test_the_bar_covers_what_is_proved_and_the_hatching_the_rest() -> None:
         pytest.approx((1e-3, 0.315, True)), pytest.approx((0.315, 1000.0, False)), pytest.approx((1e-3, 1000.0, True)),
     ]  # fmt: skip
     said = [text.get_text() for text in axis.texts]
-    assert said == ["from 0.315 rad/s\nafter steps to 0.5 rad/s\nagainst 25.7 Nm or more", "not proved"]
+    assert said == ["from 0.315 rad/s\nafter steps to 0.5 rad/s\nagainst 25.7 to 36.8 Nm", "not proved"]
     assert [label.get_text() for label in axis.get_yticklabels()] == ["nominal", "±10 %"]
 
 

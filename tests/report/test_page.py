@@ -88,6 +88,7 @@ RESULTS: dict[str, Any] = {
     "export": {"max_difference": 0.0, "compiler": "cc 12.2"},
     "stability": {
         "headline": "Proved: from 0.2 rad/s.",
+        "facts": [["Returns to its rest", "from 0.2 rad/s on"]],
         "proved": True,
         "conditions": ["nothing touches it"],
     },
@@ -151,7 +152,7 @@ def test_the_page_contains_every_part():
         "0.16 %", "1.2 %", "20 µs", "does not settle within 2 %", "38.2 Nm", "bit-equal", "cc 12.2",
         "Record longer.", "ab" * 32, "seed 7", "lostmotion 0.1.0", "lostmotion run x", "1.7 s", "converged",
         "A title.", "A caption", "20 000", "PI, symmetrical optimum",
-        "Proved: from 0.2 rad/s.", "Valid while nothing touches it.",
+        "Proved stable", "Returns to its rest from 0.2 rad/s on", "Valid while nothing touches it",
         "largest recorded motor torque", "-230 − 588j, -124 1/s",
     ):  # fmt: skip
         assert text in page.words, text

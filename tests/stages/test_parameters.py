@@ -20,8 +20,12 @@ def material() -> Material:
 
 def test_swapped_sign_of_the_torque_designs_nothing(material: Material) -> None:
     """A recording that contradicts the model must not lead to a law made of start values."""
-    assert material.identify is not None
-    swapped = material.identify.with_signals("measured", torque_motor=-material.identify["torque_motor"])
+    plant = lm.Drivetrain.two_mass(
+        inertia_motor=0.018, inertia_load=0.11, stiffness=6000.0, damping=0.4, backlash=0.012, coulomb=2.0
+    )
+    torque = lm.signals.excitation(1.2, 2e-4, seed=3, inertia=0.128, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(plant, torque_motor=torque, dt=2e-4)
+    swapped = lm.Recording(run.time, {"torque_motor": -torque, "speed_motor": run["speed_motor"]})
     nameplate = {"inertia_motor": 0.02, "inertia_load": 0.11, "stiffness": 6000.0}
     found = find_parameters(replace(material, identify=swapped, nameplate=nameplate))
     assert found.drivetrain is None

@@ -74,6 +74,13 @@ def about(found: Found, words: str) -> list[Problem]:
     return [p for p in found.problems if words in p.remedy]
 
 
+@pytest.fixture(scope="module")
+def sound() -> tuple[lm.Recording, Found]:
+    """One second of the usual excitation, and what is found in it from a good nameplate."""
+    recording = recorded(1.0)
+    return recording, find_parameters(material(recording, START))
+
+
 def coulomb_error(found: Found) -> float:
     return abs(found.table["coulomb"]["value"] / KNOWN["coulomb"] - 1.0)
 
@@ -154,59 +161,57 @@ def test_a_parameter_that_is_not_known(name: str) -> None:
     assert find_parameters(material(None, KNOWN, sample_time=1e-4)).drivetrain is not None
 
 
-def test_start_values_that_are_not_given() -> None:
-    recording = recorded(seconds=1.0)
+def test_start_values_that_are_not_given(sound: tuple[lm.Recording, Found]) -> None:
+    recording, helped = sound
     missing = find_parameters(material(recording, {"stiffness": 5000.0}))
     assert missing.skipped == "no start value for inertia_motor, inertia_load: add it to [nameplate]"
-    assert not find_parameters(material(recording, START)).skipped
+    assert not helped.skipped
 
 
 @pytest.mark.parametrize(("name", "factor"), [("inertia_load", 4.0), ("backlash", 4.0), ("stiffness", 0.2)])
-def test_a_nameplate_that_is_far_off(name: str, factor: float) -> None:
+def test_a_nameplate_that_is_far_off(sound: tuple[lm.Recording, Found], name: str, factor: float) -> None:
     """The value under [nameplate]."""
-    recording = recorded(1.0)
+    recording, helped = sound
     without = find_parameters(material(recording, START | {name: factor * START[name]}))
     problem = told(without, "Check the value under [nameplate]")
     assert problem.where == name
-    assert not about(find_parameters(material(recording, START)), "Check the value under [nameplate]")
+    assert not about(helped, "Check the value under [nameplate]")
 
 
-def test_a_torque_in_another_unit() -> None:
+def test_a_torque_in_another_unit(sound: tuple[lm.Recording, Found]) -> None:
     """``scale`` and ``unit`` in the channel of the torque: here it was recorded as a tenth of what it is."""
-    recording = recorded(1.0)
+    recording, helped = sound
     tenth = lm.Recording(
         recording.time,
         {"torque_motor": 0.1 * recording["torque_motor"], "speed_motor": recording["speed_motor"]},
     )
     without = find_parameters(material(tenth, START))
     assert about(without, "scale and unit in the channel")
-    assert not about(find_parameters(material(recording, START)), "scale and unit in the channel")
+    assert not about(helped, "scale and unit in the channel")
 
 
-def test_a_nameplate_so_far_off_that_the_fit_does_not_converge() -> None:
+def test_a_nameplate_so_far_off_that_the_fit_does_not_converge(sound: tuple[lm.Recording, Found]) -> None:
     """The values under [nameplate]."""
-    recording = recorded(1.0)
+    recording, helped = sound
     without = find_parameters(material(recording, START | {"backlash": 10.0 * START["backlash"]}))
     assert [p for p in without.problems if p.got == "a fit that was still moving"]
     assert "Check the values under [nameplate]" in told(without, "Check the values").remedy
-    helped = find_parameters(material(recording, START))
     assert not about(helped, "Check the values") and coulomb_error(helped) < 0.02
 
 
-def test_a_fit_that_does_not_converge_for_the_sign_of_the_torque() -> None:
+def test_a_fit_that_does_not_converge_for_the_sign_of_the_torque(sound: tuple[lm.Recording, Found]) -> None:
     """``sign`` in the torque's channel."""
-    without = find_parameters(material(recorded(2.0, sign=-1.0), START))
+    without = find_parameters(material(recorded(1.0, sign=-1.0), START))
     assert "the sign of the torque (sign in its channel)" in told(without, "Check the values").remedy
-    assert not about(find_parameters(material(recorded(2.0), START)), "sign")
+    assert not about(sound[1], "sign")
 
 
-def test_a_nameplate_with_which_nothing_is_identified() -> None:
+def test_a_nameplate_with_which_nothing_is_identified(sound: tuple[lm.Recording, Found]) -> None:
     """The values under [nameplate], before a finer encoder is bought."""
-    recording = recorded(1.0)
+    recording, helped = sound
     without = find_parameters(material(recording, START | {"stiffness": 10.0 * START["stiffness"]}))
     assert told(without, "Check the values under [nameplate]").got
     assert without.table["backlash"]["value"] is None
-    helped = find_parameters(material(recording, START))
     assert helped.table["backlash"]["source"] == "identified" and not about(helped, "Nothing is identified")
 
 
@@ -234,15 +239,15 @@ def test_a_second_minimum_and_more_reversals() -> None:
 
 def test_too_few_samples_in_a_period() -> None:
     """A higher rate: the mode of 99 Hz has ten samples at 1 ms."""
-    fast = recorded(5.0)
+    fast = recorded(1.5)
     slow = lm.Recording(fast.time[::5], {name: values[::5] for name, values in fast.signals.items()})
     assert about(find_parameters(material(slow, START)), "Record at a higher rate")
     assert not about(find_parameters(material(fast, START)), "Record at a higher rate")
 
 
-def test_too_short_a_recording() -> None:
+def test_too_short_a_recording(sound: tuple[lm.Recording, Found]) -> None:
     assert "Record longer" in find_parameters(material(recorded(0.3), START)).skipped
-    assert not find_parameters(material(recorded(1.0), START)).skipped
+    assert not sound[1].skipped
 
 
 def width(found: Found, name: str) -> float:
@@ -252,12 +257,12 @@ def width(found: Found, name: str) -> float:
 
 
 def test_gaps_in_the_recording() -> None:
-    """One long piece."""
+    """One long segment."""
     whole = recorded(3.4)
     speed = whole["speed_motor"].copy()
     speed[4250::4250] = np.nan
     pieces = find_parameters(material(whole.with_signals("measured", speed_motor=speed), START))
-    assert "a long piece tells more" in told(pieces, "starts anew after each gap").remedy
+    assert "one long segment tells more" in told(pieces, "starts anew after each gap").remedy
     helped = find_parameters(material(whole, START))
     assert not about(helped, "gap")
     assert width(helped, "damping") < 0.5 * width(pieces, "damping")

@@ -14,9 +14,9 @@ from lostmotion.metrics import step_metrics
 from lostmotion.simulation import simulate
 from lostmotion.stages.target_law import (
     DELAY,
-    LARGEST_SENSITIVITY,
     MODE,
     NOISE,
+    POLES_SENSITIVITY,
     default_poles,
     law_margin,
     target_law,
@@ -34,7 +34,7 @@ def test_the_default_keeps_its_margin_and_says_what_limits_it() -> None:
     for drive, dt, limit in ((soft, DT, MODE), (DRIVE, 1e-3, DELAY)):
         poles = default_poles(drive, dt, False)
         assert poles.source == limit
-        assert law_margin(drive, poles.values, dt, False).sensitivity <= LARGEST_SENSITIVITY
+        assert law_margin(drive, poles.values, dt, False).sensitivity <= POLES_SENSITIVITY
 
 
 def test_it_has_a_margin_in_every_contact_state() -> None:

@@ -3,6 +3,7 @@
 from .box.box_proof import BoxProof, around, prove_box
 from .box.box_simulation import simulated
 from .box.box_statement import box_headline, box_stability
+from .box.largest_box import LargestBox, largest_box
 from .certificate import verdict
 from .continuous.continuous_law import (
     ContinuousLaw,
@@ -24,7 +25,7 @@ from .robustness.simulated_variants import VariantCount, count_variants
 from .robustness.worst_case import WorstCase, worst_case
 from .robustness.worst_reference import WorstReference, worst_reference
 from .running import RunningProof, prove_running
-from .statement import conditions, headline, stability
+from .statement import conditions, facts, headline, stability
 
 __all__ = [
     "BestInjection",
@@ -32,6 +33,7 @@ __all__ = [
     "ContinuousLaw",
     "Harmonic",
     "HarmonicBalance",
+    "LargestBox",
     "LimitCycle",
     "LimitCycleMap",
     "Margins",
@@ -50,8 +52,10 @@ __all__ = [
     "continuous_pi",
     "continuous_state_feedback",
     "count_variants",
+    "facts",
     "harmonic_balance",
     "headline",
+    "largest_box",
     "largest_share",
     "limit_cycle",
     "limit_cycle_map",

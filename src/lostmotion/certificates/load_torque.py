@@ -12,7 +12,7 @@ from .running import RunningProof, prove_running
 
 #: Smallest and largest load torque of such a proof, as shares of the torque limit (option: the law that a run designs
 #: is proved with it on the virtual rig; the rest of the limit is left to the control).
-SMALLEST, LARGEST = 0.35, 0.5
+SMALLEST, LARGEST = 0.15, 0.4
 
 
 @checks_arguments

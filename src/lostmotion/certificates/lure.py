@@ -194,12 +194,15 @@ def largest_torque(drivetrain: Drivetrain, law: DiscreteSystem) -> float:
 
 
 def _own_limit(law: DiscreteSystem) -> int | None:
-    """The curve that keeps the law's torque within bounds: the torque is its value and nothing else."""
+    """The curve that keeps the law's torque within bounds, and never falls: the torque is its value and nothing
+    else."""
     own = np.flatnonzero(law.J[0])
     if np.any(law.C) or np.any(law.D) or own.size != 1 or law.J[0, own[0]] != 1.0:
         return None
     curve = law.curves[own[0]]
-    return int(own[0]) if curve.slope_left == curve.slope_right == 0.0 else None
+    values = [w for _, w in curve.points]
+    flat = curve.slope_left == curve.slope_right == 0.0
+    return int(own[0]) if flat and values == sorted(values) else None
 
 
 def _followed_by(law: DiscreteSystem, last: DiscreteSystem) -> DiscreteSystem:

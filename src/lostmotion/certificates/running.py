@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -123,7 +123,7 @@ def prove_running(
     speeds : sequence of float, rad/s, rising
         Smallest load speeds that are tried; fewer take less time.
     progress : callable, optional
-        Told the share done and what is tried.
+        Called with the share done and what is tried.
 
     Raises
     ------
@@ -169,6 +169,15 @@ class _Candidate:
     goal: _Goal
 
 
+class _Begun(NamedTuple):
+    """What the solver made of a candidate's inequalities without centring: the centre of further attempts."""
+
+    rest: Equilibrium
+    problem: SampledProof
+    inequalities: Inequalities
+    centre: Unknowns | None
+
+
 @dataclass(eq=False)
 class _Search:
     loop: LureLoop
@@ -185,6 +194,7 @@ class _Search:
     reason: str = ""
     #: What has been worked out: rests by speed and load torque, candidates by speed and goal.
     _rests: dict[tuple[float, float], Equilibrium | None] = field(default_factory=dict)
+    _begun: dict[tuple[float, _Goal], _Begun] = field(default_factory=dict)
     _found: dict[tuple[float, _Goal], _Candidate] = field(default_factory=dict)
 
     def smallest(self) -> RunningProof:
@@ -202,21 +212,38 @@ class _Search:
     def _checked_smallest(self) -> RunningProof:
         """The proof that ``smallest`` finds; raises ``Unproved`` if it finds none."""
         speeds = [speed for speed in self.speeds if speed < self.fastest]
-        goal = self._goal(speeds[-1])
-        for place in self._proved_places(speeds, goal):
-            for candidate in self.with_larger_steps(speeds[place], self.at(speeds[place], goal)):
-                self.progress(0.95, f"exact check from {speeds[place]:g} rad/s")
+        for speed, goal in self._proved(speeds, self._goal(speeds[-1])):
+            for candidate in self.with_larger_steps(speed, self.at(speed, goal)):
+                self.progress(0.95, f"exact check from {speed:g} rad/s")
                 try:
-                    return self.checked(speeds[place], candidate)
+                    return self.checked(speed, candidate)
                 except Unproved as error:
                     self.reason = str(error)
         raise Unproved(self.reason)
+
+    def _proved(self, speeds: Sequence[float], goal: _Goal) -> list[tuple[float, _Goal]]:
+        """Speeds that the solver finds numbers for, with the goal, the smallest first.
+
+        The region that proves most steps at the highest speed need not be the one that reaches down furthest: smaller
+        ones are tried below. At last the search takes more pains with what is left.
+        """
+        found = [(speeds[place], goal) for place in self._proved_places(speeds, goal)]
+        for share in SHARES:
+            smaller, below = replace(goal, share=share), speeds[: speeds.index(found[0][0])]
+            if goal.step is not None and share > goal.share and below and self._solves(below[-1], smaller):
+                found = [(speeds[place], smaller) for place in self._proved_places(below, smaller)] + found
+        lowest = self._first_allowed(speeds, found[0][1])
+        while (place := speeds.index(found[0][0])) > lowest:
+            if not self._solves(speeds[place - 1], found[0][1], CENTRINGS):
+                break
+            found.insert(0, (speeds[place - 1], found[0][1]))
+        return found
 
     def _proved_places(self, speeds: Sequence[float], goal: _Goal) -> list[int]:
         """Places of the speeds that the solver finds numbers for, the smallest first; for the last one it did.
 
         Most loops are proved nearly as far as their sectors allow: from there the search goes up in doubled steps, then
-        halves what is left. At last it takes more pains with the speeds below.
+        halves what is left.
         """
         low = self._first_allowed(speeds, goal)
         failed, proved, step = low - 1, [len(speeds) - 1], 1
@@ -228,8 +255,6 @@ class _Search:
                 proved.insert(0, place)
             else:
                 failed = place
-        while proved[0] > low and self._solves(speeds[proved[0] - 1], goal, CENTRINGS):
-            proved.insert(0, proved[0] - 1)
         return proved
 
     def _first_allowed(self, speeds: Sequence[float], goal: _Goal) -> int:
@@ -257,14 +282,21 @@ class _Search:
     def _goal(self, speed: float) -> _Goal:
         """What can be proved at the highest speed: stability from every state, else within the torque limit's region.
 
-        Raises ``Unproved`` where nothing is: then nothing is at smaller speeds.
+        Raises ``Unproved`` where nothing is: then nothing is at smaller speeds. Centring is worth its time where it
+        proves the goal that asks least.
         """
         goals = [_Goal(), *(_Goal(self.step, share) for share in SHARES if self.loop.limit is not None)]
-        for centrings in (0, 1):
-            for goal in goals:
-                if self._solves(speed, goal, centrings):
-                    return goal
-        raise Unproved(self.reason)
+        for goal in goals:
+            if self._solves(speed, goal):
+                return goal
+        best = None
+        for goal in reversed(goals):
+            if not self._solves(speed, goal, 1):
+                break
+            best = goal
+        if best is None:
+            raise Unproved(self.reason)
+        return best
 
     def with_larger_steps(self, speed: float, candidate: _Candidate) -> list[_Candidate]:
         """Candidates with larger steps of the set-point, the largest first; the last is the given one."""
@@ -280,10 +312,22 @@ class _Search:
 
     def at(self, speed: float, goal: _Goal, centrings: int = 0) -> _Candidate:
         """What the solver finds for a smallest speed; raises ``Unproved`` if it finds nothing."""
-        if (speed, goal) not in self._found:
-            rest, problem, numbers = self._problem(speed, goal)
-            self._found[speed, goal] = _Candidate(rest, problem, self.solved(numbers, centrings), goal)
-        return self._found[speed, goal]
+        key = speed, goal
+        if key not in self._found:
+            if key not in self._begun:
+                self._begun[key] = self._first(speed, goal)
+            rest, problem, inequalities, centre = self._begun[key]
+            self._found[key] = _Candidate(rest, problem, solved(inequalities, centre, centrings), goal)
+        return self._found[key]
+
+    def _first(self, speed: float, goal: _Goal) -> _Begun:
+        """The inequalities, and what the solver makes of them without centring."""
+        rest, problem, numbers = self._problem(speed, goal)
+        sizes = state_sizes(numbers)
+        assert sizes is not None
+        inequalities = Inequalities(numbers.conditions, numbers.layout(), condition_sizes(numbers, sizes))
+        found = inequalities.largest_margin(nearly=True)
+        return _Begun(rest, problem, inequalities, None if found is None else found[0])
 
     def _rest(self, speed: float, torque: float) -> Equilibrium | None:
         if (speed, torque) not in self._rests:
@@ -332,18 +376,14 @@ class _Search:
             self.loop.is_odd, data, self.reason,
         )  # fmt: skip
 
-    def solved(self, numbers: SampledProof, centrings: int) -> Unknowns:
-        """P and multipliers, rounded, that satisfy the inequalities in floats."""
-        sizes = state_sizes(numbers)
-        assert sizes is not None
-        inequalities = Inequalities(numbers.conditions, numbers.layout(), condition_sizes(numbers, sizes))
-        margin = inequalities.largest_margin()
-        found: Unknowns | None = None if margin is None else margin[0]
-        for left in reversed(range(centrings + 1)):
-            if found is None:
-                break
-            rounded = {name: short(value) for name, value in found.items()}
-            if inequalities.hold(rounded):
-                return rounded
-            found = inequalities.centred(found) if left else None
-        raise Unproved("the inequalities have no solution that the solver finds")
+
+def solved(inequalities: Inequalities, centre: Unknowns | None, centrings: int) -> Unknowns:
+    """P and multipliers, rounded, that satisfy the inequalities in floats."""
+    for left in reversed(range(centrings + 1)):
+        if centre is None:
+            break
+        rounded = {name: short(value) for name, value in centre.items()}
+        if inequalities.hold(rounded):
+            return rounded
+        centre = inequalities.centred(centre) if left else None
+    raise Unproved("the inequalities have no solution that the solver finds")

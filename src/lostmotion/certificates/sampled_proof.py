@@ -310,9 +310,12 @@ def sampled_proof(
 ) -> SampledProof:
     """The problem for a loop without the law curves that hang on the set-point alone: they stand still.
 
-    With a region, the sector of the torque limit among ``sectors`` is that of the region.
+    With a region, the sector of the torque limit among ``sectors`` is that of the region, and its copies do not count:
+    equation 17 asks what a limit that does not act would do.
     """
     p = len(loop.plant_curves)
+    if region is not None:
+        copies = [c for c in copies if p + region.limit not in (c.first, c.second)]
     moving: list[int] = []
     for j in range(len(loop.law_curves)):
         inside = set(map(int, np.flatnonzero(loop.N_v[j])))

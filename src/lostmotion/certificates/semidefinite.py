@@ -98,14 +98,15 @@ class Inequalities:
             for scale, matrix in zip(self.scales, made, strict=True)
         )
 
-    def largest_margin(self) -> tuple[dict[str, Array], float] | None:
+    def largest_margin(self, nearly: bool = False) -> tuple[dict[str, Array], float] | None:
         """Unknowns for which every condition minus margin·I is positive semidefinite, with the largest margin.
 
-        Scaled, they have a total trace of 1 at most. None if the solver ends without numbers.
+        Scaled, they have a total trace of 1 at most. None if the solver ends without numbers. ``nearly``: a margin
+        within ``NEARLY`` of the largest will do, and takes a quarter less time.
         """
         trace = np.concatenate([_diagonal(self.layout), np.ones(self.layout.multiplier_count)])
         weights = _weights(self.parts)
-        return _solved(self.layout, self.parts, weights, trace)
+        return _solved(self.layout, self.parts, weights, trace, _is_nearly_largest if nearly else None)
 
     def centred(self, centre: Unknowns) -> dict[str, Array] | None:
         """Unknowns with a margin in bases in which each condition is the identity at a centre; None if none has.
@@ -149,6 +150,14 @@ def _ended(info: Any) -> bool:
     if margin > TOLERANCE and info.res_primal < 1e-6 * margin:
         return bool(margin > ENOUGH or abs(bound - margin) < NEARLY * margin)
     return _is_nothing(margin) and bound < NOTHING
+
+
+def _is_nearly_largest(info: Any) -> bool:
+    """Whether Clarabel has nearly the largest margin, with equations that hold much better than that."""
+    margin, bound = -info.cost_primal, -info.cost_dual
+    return bool(
+        margin > TOLERANCE and info.res_primal < 1e-3 * margin and abs(bound - margin) < NEARLY * margin
+    )
 
 
 def _is_nothing(margin: float) -> bool:
@@ -210,6 +219,8 @@ def _cheapest(
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
+    # The conditions are scaled, and dense within their blocks: both cost more than they gain.
+    settings.equilibrate_enable = settings.chordal_decomposition_enable = False
     nothing = csc_matrix((cost.size, cost.size))
     solver = clarabel.DefaultSolver(nothing, cost, matrix, np.concatenate(right), cones, settings)
     if ended is not None:

@@ -24,6 +24,10 @@ BITS = 96
 SHAPES = {"A": "xx", "B": "xu", "E": "xw", "F": "wx", "G": "wu", "H": "ww", "C": "yx", "D": "yu", "J": "yw"}
 
 
+#: What is claimed, beside a box; and the numbers that prove it.
+CLAIM = {"speed_from", "speed_to", "torque_load", "both_directions", "limit"}
+NUMBERS = {"substeps", "P", "multipliers", "memory"}
+
 #: What reading something else raises.
 NO_CERTIFICATE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
@@ -241,7 +245,8 @@ class Loop:
         given = {**measured, "speed_reference": {"speed_reference": Fraction(1)}}
         demand(set(law["inputs"]) <= set(given), "the law reads a signal that the plant does not give")
         inputs = [given[name] for name in law["inputs"]]
-        states = [{f"law: {name}": Fraction(1)} for name in law["states"]]
+        # By number: a state's own name may be that of another one, of the delay say.
+        states = [{f"law: {i}": Fraction(1)} for i in range(len(law["states"]))]
         values = []
 
         def row(by_state, by_input, by_curve):
@@ -259,7 +264,6 @@ class Loop:
             values.append(plus((a, argument), (b, {name: Fraction(1)})))
             return values[-1]
 
-        demand(len(set(law["states"])) == len(states), "two states of one name")
         for i, content in enumerate(law["curves"]):
             demand(not any(law["H"][i][i:]), "an algebraic loop in the law")
             points = [(z, w) for z, w in content["points"]]
@@ -275,17 +279,20 @@ class Loop:
         line = [f"law: torque_motor_{i + 1}" for i in range(delay)]
         held = [torque, *({name: Fraction(1)} for name in line)]
         self.jump["torque_motor"] = held[-1]
-        self.jump.update({f"law: {name}": form for name, form in zip(law["states"], after, strict=True)})
+        self.jump.update({f"law: {i}": form for i, form in enumerate(after)})
         self.jump.update(zip(line, held))
 
 
 def own_limit(law):
-    """The curve that bounds the law's torque: the torque is its value and nothing else."""
+    """The curve that bounds the law's torque and never falls: the torque is its value and nothing else."""
     used = [i for i, value in enumerate(law["J"][0]) if value]
     if any(law["C"][0]) or any(law["D"][0]) or len(used) != 1 or law["J"][0][used[0]] != 1:
         return None
     content = law["curves"][used[0]]
-    return None if content["slope_left"] or content["slope_right"] else f"curve_{used[0]}"
+    values = [w for _, w in content["points"]]
+    if content["slope_left"] or content["slope_right"] or values != sorted(values):
+        return None
+    return f"curve_{used[0]}"
 
 
 def within(content, limit):
@@ -399,6 +406,9 @@ class Proof:
 
     def __init__(self, loop, sectors, copies, dt, proof, region):
         self.loop, self.sectors, self.copies, self.dt, self.region = loop, sectors, copies, dt, region
+        if region is not None:  # (17) asks what a limit that does not act would do: that has no copies
+            self.copies = {pair: known for pair, known in copies.items() if loop.limit not in pair}
+        demand(set(proof) <= NUMBERS, "the certificate was written by another version: prove it again")
         self.substeps = whole(proof["substeps"], 1)
         self.moving = moving_curves(loop)
         self.of_state = self.curves_of_the_state()
@@ -597,6 +607,7 @@ def verify(certificate, law=None):
     """The claim that is proved; raises ``NotProved``."""
     demand(certificate["claim"] is not None, "the file claims nothing")
     claim, own = certificate["claim"], certificate["law"]
+    demand(set(claim) == CLAIM | ({"box"} if "cells" in certificate else set()), "a claim of another kind")
     if law is not None:
         demand(pruned(law) == pruned(own) and law["dt"] == own["dt"], "the certificate is about another law")
     if "cells" in certificate:
@@ -718,6 +729,8 @@ def verify_cell(certificate, numbers, cell):
     # Sectors: friction's ends with the largest stiffness and backlash (26).
     widest = {name: cell[name][1:] for name in ("stiffness", "backlash") if name in cell}
     at_rest = [loop_at(certificate, c, cell) for c in corners_of({**cell, **widest}, ("coulomb", *widest))]
+    # Neither what the law reads nor where it rests may hang on stiffness and backlash.
+    demand(not cell or "twist" not in law["inputs"], "the law reads the twist, which is no torque")
     loop, ends = at_rest[0], ends_of(claim, at_rest[0])
     rests = [[equilibrium(each, segments, r, m) for r, m in ends] for each in at_rest]
     each = [sectors_of(one, [arguments for arguments, _ in found]) for one, found in zip(at_rest, rests)]

@@ -34,7 +34,7 @@ def _show_version(wanted: bool) -> None:
 def _limit_memory(size: str | None) -> None:
     """For this process and those that it starts."""
     if size is not None:
-        from ..io.memory import VARIABLE, parse_size
+        from ..memory import VARIABLE, parse_size
 
         parse_size(size, "--memory-limit")
         os.environ[VARIABLE] = size

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..errors import InvalidInput
-from ..io.memory import check_memory, size_text
+from ..memory import check_memory, size_text
 
 #: A command that takes longer than this, s, says so before it begins; one that takes longer than that is refused
 #: (option: ten seconds, a day).

@@ -44,7 +44,7 @@ def excitation_file(
     """Design and write OUT.csv, OUT.json and OUT.png; returns what the JSON holds.
 
     Without a ``torque_limit`` (Nm) that of the TOML or of the drivetrain holds; a user's drive needs one. ``announce``
-    is told what a long test will cost.
+    is called with what a long test will cost.
     """
     drive = None if file is None else read_drive(file)
     read = () if drive is None else drive.reads

@@ -1,4 +1,4 @@
-"""Where a command writes: checked before anything is computed; nobody else's file is replaced."""
+"""Where a command writes: checked before anything is computed; no file of others is replaced."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def check_writable(*files: Path, sources: tuple[Path, ...] = ()) -> None:
             raise InvalidInput(str(file.parent), said, "a folder to write into", "Choose another.") from None
         if is_folder:
             raise InvalidInput(str(file), "a folder", "the name of a file", "Choose another name.")
-        # os.path.isfile: Path.is_file raises of names that no file can have; those are told where the file is read.
+        # os.path.isfile: Path.is_file raises of names that no file can have; those are reported where the file is read.
         if any(os.path.isfile(source) and place == source.resolve() for source in sources):  # noqa: PTH113
             raise InvalidInput(
                 str(file), "a file that this command reads", "another name", "Choose it with --out."

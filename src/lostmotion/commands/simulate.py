@@ -37,7 +37,7 @@ def simulate_file(
     """Simulate; write a CSV and a picture.
 
     Without a torque: ``signals.excitation`` for the drivetrain's inertia and friction. With one, its sample time is
-    the simulation's. ``announce`` is told what a long one will cost.
+    the simulation's. ``announce`` is called with what a long one will cost.
     """
     drive = read_drive(drivetrain)
     plant = drive.drivetrain

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from .. import plot
 from ..display.numbers import quantity
 from ..drivetrain import Drivetrain
-from ..io.memory import check_memory
 from ..io.storage.whole_files import write_bytes
+from ..memory import check_memory
 from ..recording import unit_of
 from ..rig import eigenfrequencies
 from ..simulation import BatchResult, simulate, simulate_batch, variants

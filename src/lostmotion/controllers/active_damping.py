@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..argument_checks import checks_arguments
-from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem
 from ..systems.checks import sample_time
+from .limited_torque import limited_torque
 
 #: Damping ratio of the shaft's eigenmode by default (option: no overshoot worth mentioning, and no slower than needed).
 DAMPING_RATIO = 0.5
@@ -62,10 +60,6 @@ def active_damping(
     observer); soft landing behind it takes care of the gap.
     """
     dt = sample_time("active_damping.dt", dt)
-    if not torque_limit > 0.0:
-        raise InvalidInput(
-            "active_damping.torque_limit", repr(torque_limit), "a positive number in Nm", "Use inf for none."
-        )
     reduced = 1.0 / (1.0 / drivetrain.inertia_motor + 1.0 / drivetrain.inertia_load)
     own = drivetrain.damping / (2.0 * math.sqrt(drivetrain.stiffness * reduced))
     if not (math.isfinite(damping_ratio) and damping_ratio >= own):
@@ -77,12 +71,5 @@ def active_damping(
         )
     rate = 2.0 * math.sqrt(drivetrain.stiffness / reduced) * (damping_ratio - own)
     gain = drivetrain.inertia_motor * rate
-    row = np.array([[1.0, -gain, gain]])
-    inputs = ("torque_reference", "speed_motor_estimated", "speed_load_estimated")
-    if math.isinf(torque_limit):
-        return DiscreteSystem(inputs=inputs, outputs=("torque_motor",), dt=dt, name="active_damping", D=row)
-    one = np.ones((1, 1))
-    return DiscreteSystem(
-        inputs=inputs, outputs=("torque_motor",), dt=dt, name="active_damping", curves=(saturation(torque_limit),),
-        G=row, J=one,
-    )  # fmt: skip
+    gains = {"torque_reference": 1.0, "speed_motor_estimated": -gain, "speed_load_estimated": gain}
+    return limited_torque("active_damping", gains, dt=dt, torque_limit=torque_limit)

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DesignModel, DiscreteSystem
-from .reference_direction import reference_direction
+from .limited_torque import actuator_state, limited_torque
 
 Array = NDArray[np.float64]
 
@@ -90,12 +88,8 @@ def feedback_law(
 
     ``further`` are inputs with their gains in the torque, for a feedforward.
     """
-    if not torque_limit > 0.0:
-        raise InvalidInput(
-            f"{name}.torque_limit", repr(torque_limit), "a positive number in Nm", "Use inf for none."
-        )
     k = dict(zip(design.states, design.gain, strict=True))
-    terms = {
+    gains = {
         "speed_reference": design.prefilter,
         "twist_elastic_estimated": -k["twist"],
         "speed_motor_estimated": -k["speed_motor"],
@@ -105,33 +99,11 @@ def feedback_law(
         "torque_motor_acting": -k["torque_last"],
     }
     if load_torque:
-        terms["torque_load_estimated"] = -design.load_gain
-    terms |= further or {}
-    inputs, direct = tuple(terms), np.array([list(terms.values())])
+        gains["torque_load_estimated"] = -design.load_gain
+    gains |= further or {}
     motor = drivetrain.frictions[0]
-    levels = design.motor_gain * motor.coulomb_plus, design.motor_gain * motor.coulomb_minus
-    curves = [reference_direction(*levels)] if max(levels) > 0.0 else []
-    n, by_state = len(curves), np.zeros((1, 0))
-    state: dict[str, Any] = {}
-    if drivetrain.lag > 0.0:
-        # The current loop's torque, from the torque that acts.
-        decay = math.exp(-dt / drivetrain.lag)
-        by_state = np.array([[-k["torque_actuator"]]])
-        state = {
-            "states": ("torque_actuator",), "A": np.array([[decay]]),
-            "B": (1.0 - decay) * np.array([[float(name == "torque_motor_acting") for name in inputs]]),
-        }  # fmt: skip
-    by_reference = np.eye(1, len(inputs))[:n]
-    names: dict[str, Any] = {"inputs": inputs, "outputs": ("torque_motor",), "dt": dt, "name": name, **state}
-    if math.isinf(torque_limit):
-        return DiscreteSystem(
-            **names, curves=tuple(curves), G=by_reference, C=by_state, D=direct, J=np.ones((1, n))
-        )
-    return DiscreteSystem(
-        **names,
-        curves=(*curves, saturation(torque_limit)),
-        F=np.vstack([np.zeros((n, by_state.shape[1])), by_state]),
-        G=np.vstack([by_reference, direct]),
-        H=np.eye(n + 1, k=-1),
-        J=np.eye(1, n + 1, n),
-    )
+    return limited_torque(
+        name, gains, dt=dt, torque_limit=torque_limit,
+        friction=(design.motor_gain * motor.coulomb_plus, design.motor_gain * motor.coulomb_minus),
+        actuator_gain=-k.get("torque_actuator", 0.0), actuator=actuator_state(drivetrain, dt, tuple(gains)),
+    )  # fmt: skip

@@ -81,9 +81,8 @@ class _Scaled:
             p = solve_discrete_are(a, both, self.rows.T @ self.rows, weight)
         except (np.linalg.LinAlgError, ValueError):
             return None
-        # The law moves first: what it leaves to the disturbance must be bounded, and the loop stable.
-        own = self.r + float((b.T @ p @ b)[0, 0])
-        rest = level**2 - float((e.T @ p @ e)[0, 0]) + float((e.T @ p @ b)[0, 0]) ** 2 / own
+        # The law does not know the torque of its own sample: the worst one must be bounded for every torque of the law.
+        rest = level**2 - float((e.T @ p @ e)[0, 0])
         values = np.linalg.eigvalsh(0.5 * (p + p.T))
         if rest <= 0.0 or values[0] < SEMIDEFINITE * values[-1]:
             return None

@@ -73,27 +73,20 @@ def pi(
         If a number is not positive (the filters' times: zero or more), or ki/kp·dt ≥ 1, where the anti-windup itself
         would not settle.
     """
-    for name, value in (("dt", dt), ("kp", kp), ("torque_limit", torque_limit)):
-        if not value > 0.0 or (name != "torque_limit" and math.isinf(value)):
-            raise InvalidInput(f"pi.{name}", repr(value), "a positive number in SI units", "Check the unit.")
-    if not 0.0 <= ki / kp * dt < 1.0:
-        raise InvalidInput(
-            "pi.ki", f"{ki!r} Nm/rad", f"zero up to kp/dt = {kp / dt:g} Nm/rad", "Lower ki or dt."
-        )
-    filters = {
+    _check(dt, kp, ki, torque_limit)
+    times = {
         "speed_reference_filtered": not_negative("pi.filter_time", filter_time),
         "speed_motor_filtered": not_negative("pi.speed_filter_time", speed_filter_time),
     }
-    filters = {name: time for name, time in filters.items() if time > 0.0}
-    states = ("torque_integral", *filters, *(("torque_wished",) if realised_torque else ()))
+    decay = {name: math.exp(-dt / time) for name, time in times.items() if time > 0.0}
+    states = ("torque_integral", *decay, *(("torque_wished",) if realised_torque else ()))
     inputs = ("speed_reference", "speed_motor", *(("torque_motor_acting",) if realised_torque else ()))
     signals = (*states, *inputs)
     one: dict[str, NDArray[np.float64]] = dict(zip(signals, np.eye(len(signals)), strict=True))
     integral, reference = one["torque_integral"], one.get("speed_reference_filtered", one["speed_reference"])
-    decay = {name: math.exp(-dt / time) for name, time in filters.items()}
     updated = {
-        name: decay[name] * one[name] + (1.0 - decay[name]) * one[name.removesuffix("_filtered")]
-        for name in filters
+        name: share * one[name] + (1.0 - share) * one[name.removesuffix("_filtered")]
+        for name, share in decay.items()
     }
     # The measured speed counts with its own sample: the filter costs no further delay.
     motor = updated.get("speed_motor_filtered", one["speed_motor"])
@@ -115,13 +108,23 @@ def pi(
     arguments = np.array(z).reshape(len(z), len(signals))
     update = np.array([follows, *updated.values(), *([wished] if realised_torque else [])])
     by_others = np.zeros((n - 1, len(curves)))
-    by_others[len(filters) :] = by_friction
+    by_others[len(decay) :] = by_friction
     return DiscreteSystem(
         inputs=inputs, outputs=("torque_motor",), states=states, dt=dt, name="pi",
         curves=tuple(curves), F=arguments[:, :n], G=arguments[:, n:], H=np.eye(len(curves), k=-1),
         C=unlimited[None, :n], D=unlimited[None, n:], J=w,
         A=update[:, :n], B=update[:, n:], E=np.vstack([by_curves, by_others]),
     )  # fmt: skip
+
+
+def _check(dt: float, kp: float, ki: float, torque_limit: float) -> None:
+    for name, value in (("dt", dt), ("kp", kp), ("torque_limit", torque_limit)):
+        if not value > 0.0 or (name != "torque_limit" and math.isinf(value)):
+            raise InvalidInput(f"pi.{name}", repr(value), "a positive number in SI units", "Check the unit.")
+    if not 0.0 <= ki / kp * dt < 1.0:
+        raise InvalidInput(
+            "pi.ki", f"{ki!r} Nm/rad", f"zero up to kp/dt = {kp / dt:g} Nm/rad", "Lower ki or dt."
+        )
 
 
 def _friction(drivetrain: Drivetrain) -> PiecewiseLinear:

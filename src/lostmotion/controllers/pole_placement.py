@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..argument_checks import checks_arguments
-from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
-from .reference_direction import reference_direction
+from .limited_torque import limited_torque
 
 FrictionCompensation = Literal["estimated", "reference", "none"]
 
@@ -130,38 +129,21 @@ def pole_placement(
             "estimated, reference or none",
             "Choose one.",
         )
-    if not torque_limit > 0.0:
-        raise InvalidInput(
-            "torque_limit", repr(torque_limit), "a positive number in Nm", "Use inf for no limit."
-        )
     design = state_feedback(drivetrain, poles, dt)
-    inputs = ["speed_reference", "twist_elastic_estimated", "speed_motor_estimated", "speed_load_estimated"]
-    row = [design.prefilter, *(-design.gain)]
+    gains = {
+        "speed_reference": design.prefilter,
+        "twist_elastic_estimated": -design.gain[0],
+        "speed_motor_estimated": -design.gain[1],
+        "speed_load_estimated": -design.gain[2],
+    }
     if friction_compensation == "estimated":
-        inputs.append("friction_load_estimated")
         # The prefilter compensates the viscous part, so only the Coulomb part of the estimate is used.
-        row[3] -= design.friction_gain * drivetrain.viscous
-        row.append(design.friction_gain)
+        gains["speed_load_estimated"] -= design.friction_gain * drivetrain.viscous
+        gains["friction_load_estimated"] = design.friction_gain
     if load_torque:
-        inputs.append("torque_load_estimated")
-        row.append(-design.friction_gain)
-    curves = []
+        gains["torque_load_estimated"] = -design.friction_gain
     levels = _levels_by_reference(drivetrain, design.friction_gain, friction_compensation)
-    if max(levels) > 0.0:
-        curves.append(reference_direction(*levels))
-    direct = np.array([row])
-    by_reference = np.eye(1, len(inputs))
-    n = len(curves)
-    if math.isinf(torque_limit):
-        return DiscreteSystem(
-            inputs=tuple(inputs), outputs=("torque_motor",), dt=dt, name="pole_placement",
-            curves=tuple(curves), G=by_reference[:n], D=direct, J=np.ones((1, n)),
-        )  # fmt: skip
-    curves.append(saturation(torque_limit))
-    return DiscreteSystem(
-        inputs=tuple(inputs), outputs=("torque_motor",), dt=dt, name="pole_placement", curves=tuple(curves),
-        G=np.vstack([by_reference[:n], direct]), H=np.eye(n + 1, k=-1), J=np.eye(1, n + 1, n),
-    )  # fmt: skip
+    return limited_torque("pole_placement", gains, dt=dt, torque_limit=torque_limit, friction=levels)
 
 
 def _checked_poles(poles: Sequence[complex]) -> NDArray[np.complex128]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DesignModel, DiscreteSystem, design_model
 from .feedback_law import wished_rows
+from .limited_torque import actuator_state
 from .planning.plan_cost import Phase, Plan, move_lengths, plan_cost
 from .reference_direction import reference_direction
 
@@ -102,16 +102,35 @@ def _law(
         "speed_reference", "twist_elastic_estimated", "speed_motor_estimated", "speed_load_estimated",
         "friction_load_estimated", "torque_motor_acting", "torque_load_estimated",
     )  # fmt: skip
-    states = ("torque_actuator",) if drivetrain.lag > 0.0 else ()
+    actuator = actuator_state(drivetrain, model.dt, inputs)
+    states = actuator.get("states", ())
     signals = (*states, *inputs, "friction_motor")
     state, steady = _from_steady(drivetrain, model, dict(zip(signals, np.eye(len(signals)), strict=True)))
+    z, by_curves = _search(plan, state, steady, passes)
+    z[0, signals.index("speed_reference")] = 1.0
+    motor = drivetrain.frictions[0]
+    n, count = len(states), len(z)
+    return DiscreteSystem(
+        **actuator, inputs=inputs, outputs=("torque_motor",), dt=model.dt, name="predictive",
+        curves=(
+            reference_direction(motor.coulomb_plus, motor.coulomb_minus),
+            *[saturation(torque_limit)] * (count - 1),
+        ),
+        F=z[:, :n], G=z[:, n:-1], H=by_curves, J=np.eye(1, count, count - 1),
+    )  # fmt: skip
+
+
+def _search(plan: Plan, state: Array, steady: Array, passes: int) -> tuple[Array, Array]:
+    """Arguments of all curves, by signals and by curves: the motor's friction, m moves to start with, m in each pass.
+
+    ``state`` (n, signals) and ``steady`` (signals,) as ``_from_steady`` gives them; the last signal is the motor's
+    friction, which is the first curve.
+    """
     m = len(plan.lengths)
     linear = plan.state_gradient @ state - np.outer(plan.hessian @ np.ones(m), steady)
     start = np.outer(np.ones(m), steady) - np.linalg.solve(plan.hessian, plan.state_gradient @ state)
-    # Rows over the signals, and over the curves: the motor's friction, m moves to start with, m in each pass.
     count = 1 + m * (1 + passes)
-    z, by_curves = np.zeros((count, len(signals))), np.zeros((count, count))
-    z[0] = np.eye(1, len(signals), len(states))[0]
+    z, by_curves = np.zeros((count, steady.size)), np.zeros((count, count))
     z[1 : 1 + m] = start
     newest = np.arange(1, 1 + m)
     for row, move in zip(range(1 + m, count), list(range(m))[::-1] * passes, strict=True):
@@ -119,22 +138,8 @@ def _law(
         z[row] = -linear[move] / plan.hessian[move, move]
         by_curves[row, newest[others]] = -plan.hessian[move, others] / plan.hessian[move, move]
         newest[move] = row
-    # The motor's friction is the first curve, not a signal.
     by_curves[1:, 0] += z[1:, -1]
-    motor = drivetrain.frictions[0]
-    law: dict[str, Any] = {}
-    if states:
-        decay = math.exp(-model.dt / drivetrain.lag)
-        acting = np.array([[float(name == "torque_motor_acting") for name in inputs]])
-        law = {"states": states, "A": np.array([[decay]]), "B": (1.0 - decay) * acting, "F": z[:, :1]}
-    return DiscreteSystem(
-        inputs=inputs, outputs=("torque_motor",), dt=model.dt, name="predictive",
-        curves=(
-            reference_direction(motor.coulomb_plus, motor.coulomb_minus),
-            *[saturation(torque_limit)] * (count - 1),
-        ),
-        G=z[:, len(states) : -1], H=by_curves, J=np.eye(1, count, count - 1), **law,
-    )  # fmt: skip
+    return z, by_curves
 
 
 def _from_steady(drivetrain: Drivetrain, model: DesignModel, one: dict[str, Array]) -> tuple[Array, Array]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +34,15 @@ STEEPEST = 0.5
 #: The motor's Coulomb friction counts so many times. A torque on its way counts as motion, which a motor at rest does
 #: not make: K·(lag + dt)/J ≤ 1 times the torque is missing, so a motor starts from twice its friction on (physics).
 FRICTION_RESERVE = 2.0
+#: Default of ``patience``: times of a crossing from edge to edge at the contact speed (option: that is the slowest
+#: crossing there is, and the friction may hold the motor up for as long again).
+PATIENCE = 2.0
+#: A limit counts as holding a torque back from this share of the torque limit on (numerics: less is left to an integral
+#: action); with little patience from more on, so that each sample opens it by so much of what it holds (numerics: from
+#: 2 on it would chatter).
+HELD, OPENED = 0.01, 0.5
 #: Curves of the law with all bounds (numerics).
-MOST_CURVES = 13
+MOST_CURVES = 17
 #: Points of the braking parabola (numerics: on the paper's rig the chords then lie up to 2 % below it).
 POINTS = 8
 
@@ -61,6 +67,7 @@ def soft_landing(
     rate: float | None = None,
     release: float = RELEASE,
     tolerance: float = 0.0,
+    patience: float | None = None,
     backlash_estimated: bool = False,
     motor_bounded: bool = False,
 ) -> DiscreteSystem:
@@ -68,7 +75,7 @@ def soft_landing(
 
     ::
 
-        U₊ = K·(W(h − x) − w) + M + release·stiffness·max(twist_elastic, 0)      U₋ likewise, with all signs turned
+        U₊ = K·(W(h − x) − w) + M + release·stiffness·max(twist_elastic, 0) + G      U₋ likewise, with all signs turned
         W(s) = V(s)·(1 − V′(s)·J/K)                V·V′ = min(a, c·V) from V(0) = v on, V = v behind the edge
         w = speed_motor − speed_load + (lag·torque_actuator + dt·torque_motor_acting)/J
         x = twist + lag·(speed_motor − speed_load) + dt·(w − dt·torque_motor_acting/(2·J))
@@ -79,6 +86,13 @@ def soft_landing(
     deceleration a, straight near the edge, where the parabola would be steeper than the control can follow; W carries
     the braking torque as feedforward. Once the shaft is wound the limit gives way with its torque, and the wished
     torque goes through.
+
+    No crossing lasts for ever: a limit that still holds a torque back after the ``patience`` takes a shaft in contact
+    for one in the gap, as it may where an observer has missed the contact. G then opens it. ``held`` is 1 − e⁻¹ after
+    that time, and falls as slowly::
+
+        patience·d(held)/dt = b − held      b = 1 while U₊ holds a torque back, −1 while U₋ does, else 0
+        G = torque_limit·e·max(held − (1 − e⁻¹), 0)
 
     To cross the gap in least time the motor runs beyond the set-point. ``motor_bounded`` keeps it below, in the gap
     and while the shaft winds up; small steps of the set-point still cross the gap with the contact speed::
@@ -106,6 +120,8 @@ def soft_landing(
     tolerance : float
         Share of the backlash by which the gap may be narrower than known: so much earlier v is reached. The crossing
         takes longer by tolerance·backlash/v.
+    patience : float, s
+        Time for which a torque may be held back; default ``PATIENCE``·backlash/v.
     backlash_estimated : bool
         Read the backlash from an observer that tracks it, as one more input ``backlash_estimated`` (rad).
     motor_bounded : bool
@@ -116,7 +132,7 @@ def soft_landing(
     DiscreteSystem
         Inputs torque_wished, twist_estimated, twist_elastic_estimated, speed_motor_estimated, speed_load_estimated,
         torque_motor_acting (what acts from this sample on, see ``lqi``), and those asked for; output torque_motor;
-        state torque_actuator, where the drivetrain has a lag.
+        states torque_actuator, where the drivetrain has a lag, and held.
 
     Raises
     ------
@@ -135,16 +151,22 @@ def soft_landing(
     rate = approach_rate(drivetrain.lag, dt) if rate is None else rate
     _check(drivetrain, dt, rate, release, tolerance, contact_speed=contact_speed, torque_limit=torque_limit,
            braking_torque=braking_torque)  # fmt: skip
+    patience = PATIENCE * drivetrain.backlash / contact_speed if patience is None else patience
+    if not patience > 0.0:
+        raise InvalidInput("soft_landing.patience", repr(patience), "more than 0 s", "Leave it out.")
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag
     gain = rate * inertia
     further = ["backlash_estimated"] * backlash_estimated + ["speed_reference"] * motor_bounded
     inputs = (*_INPUTS, *further)
-    net = _Curves(("torque_actuator", *inputs))
+    states = ("torque_actuator", "held") if lag > 0.0 else ("held",)
+    net = _Curves((*states, *inputs))
     one = net.signals
     # Speed and distance after the torque that is on its way.
     closing = one["speed_motor_estimated"] - one["speed_load_estimated"]
-    speed = closing + (lag * one["torque_actuator"] + dt * one["torque_motor_acting"]) / inertia
-    ahead = speed - 0.5 * dt / inertia * one["torque_motor_acting"]
+    acting = one["torque_motor_acting"]
+    coming = lag * one["torque_actuator"] + dt * acting if lag > 0.0 else dt * acting
+    speed = closing + coming / inertia
+    ahead = speed - 0.5 * dt / inertia * acting
     distance = one["twist_estimated"] + lag * closing + dt * ahead
     elastic, wished = one["twist_elastic_estimated"], one["torque_wished"]
     # The curve is over the way to the edge; a known edge is in the curve, an estimated one in its argument.
@@ -164,14 +186,27 @@ def soft_landing(
         wound = net.both(_beyond(0.0, BOUND_RELEASE * drivetrain.stiffness), elastic)
         upper = net.least(upper, ahead_of_load[0] + wound[0] - gain * speed)
         lower = net.least(lower, ahead_of_load[1] + wound[1] + gain * speed)
+    opened = net.both(_opening(torque_limit), one["held"])
+    upper, lower = upper + opened[0], lower + opened[1]
     torque = -net.least(-net.least(wished, upper), lower)
+    binds = PiecewiseLinear(((0.0, 0.0), (torque_limit * max(HELD, math.e * dt / patience / OPENED), 1.0)))
+    direction = net.curve(binds, wished - upper) - net.curve(binds, -wished - lower)
     torque = net.curve(saturation(torque_limit), torque)
-    state: dict[str, Any] = {}
+    following = {"held": _lag(one["held"], direction, patience, dt)}
     if lag > 0.0:
-        decay = math.exp(-dt / lag)
-        acting = np.array([[float(name == "torque_motor_acting") for name in inputs]])
-        state = {"states": ("torque_actuator",), "A": np.array([[decay]]), "B": (1.0 - decay) * acting}
-    return net.system(torque, inputs, dt, state)
+        following = {"torque_actuator": _lag(one["torque_actuator"], acting, lag, dt), **following}
+    return net.system(torque, inputs, dt, following)
+
+
+def _lag(state: Array, follows: Array, time_constant: float, dt: float) -> Array:
+    """The state one sample later that follows another signal."""
+    decay = math.exp(-dt / time_constant)
+    return np.asarray(decay * state + (1.0 - decay) * follows)
+
+
+def _opening(torque_limit: float) -> PiecewiseLinear:
+    """Torque that opens a limit which holds it back for too long, from ``held`` on: 0 … 1 → Nm."""
+    return PiecewiseLinear(((1.0 - math.exp(-1.0), 0.0),), 0.0, math.e * torque_limit)
 
 
 class _Curves:
@@ -200,14 +235,16 @@ class _Curves:
         return first - self.curve(POSITIVE_PART, first - second)
 
     def system(
-        self, output: Array, inputs: tuple[str, ...], dt: float, state: dict[str, Any]
+        self, output: Array, inputs: tuple[str, ...], dt: float, following: Mapping[str, Array]
     ) -> DiscreteSystem:
-        """The law; ``output`` is that of a curve, the first signal the state, if there is one."""
-        n, m = len(self.signals), len(self._curves)
+        """The law; ``output`` is that of a curve, the first signals are the states, with what follows each."""
+        p, n, m = len(following), len(self.signals), len(self._curves)
         z = np.array(self._arguments)[:, : n + m]
+        x = np.array(list(following.values()))[:, : n + m]
         return DiscreteSystem(
-            inputs=inputs, outputs=("torque_motor",), dt=dt, name="soft_landing", curves=tuple(self._curves),
-            G=z[:, 1:n], H=z[:, n:], J=output[None, n : n + m], **({"F": z[:, :1], **state} if state else {}),
+            inputs=inputs, outputs=("torque_motor",), states=tuple(following), dt=dt, name="soft_landing",
+            curves=tuple(self._curves), F=z[:, :p], G=z[:, p:n], H=z[:, n:], A=x[:, :p], B=x[:, p:n], E=x[:, n:],
+            J=output[None, n : n + m],
         )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ class Drivetrain:
         Default: none anywhere.
     actuator : Actuator
     locked : {None, "motor", "load"}
-        End of the chain that is held: it does not turn, or turns as it is told.
+        End of the chain that is held: it does not turn, or turns with a given motion.
     """
 
     inertias: tuple[float, ...]

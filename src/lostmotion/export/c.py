@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..argument_checks import checks_arguments
+from ..curves import PiecewiseLinear
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io.storage.whole_files import make_folder, write_bytes
@@ -222,18 +223,6 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
     def terms(matrix: NDArray[np.float64]) -> list[list[tuple[str, str]]]:
         return [[(repr(float(row[j])), symbols[j]) for j in np.flatnonzero(row)] for row in matrix]
 
-    remembering = [check.input for check in law.checks if not check.missing_only]
-    curves = []
-    for curve in law.curves:
-        # Each segment: upper end (None for the last), then the value and slope at its anchor.
-        anchors = (curve.points[0], *curve.points)
-        ends: list[float | None] = [*(z for z, _ in curve.points), None]
-        curves.append(
-            [
-                (None if end is None else repr(end), repr(w), repr(s), repr(z))
-                for end, (z, w), s in zip(ends, anchors, curve.slopes, strict=True)
-            ]
-        )
     rows = {
         "z_rows": terms(np.hstack([law.F, law.G, law.H])),
         "y_rows": terms(np.hstack([law.C, law.D, law.J])),
@@ -247,24 +236,10 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
         **spelling(law, name, real),
         "states": law.states,
         "initial_state": [repr(float(v)) for v in law.initial_state],
-        "curves": curves,
+        "curves": [_segments(curve) for curve in law.curves],
         "early_curves": law.early_curves,
-        "checks": [
-            {
-                "number": None if check.missing_only else remembering.index(check.input),
-                "input": law.inputs.index(check.input),
-                "limit": repr(check.limit),
-                "hold": repr(float(check.hold)),
-                "forget": repr(check.forget),
-                "keep": int(check.keep),
-                "alone": int(check.alone),
-                "missing_only": check.missing_only,
-                "needed": sum(1 << int(u) for u in np.flatnonzero(law.Q[i])),
-                "start": [repr(number) for number in check.start()],
-            }
-            for i, check in enumerate(law.checks)
-        ],
-        "remembering": len(remembering),
+        "checks": _checks(law),
+        "remembering": sum(not check.missing_only for check in law.checks),
         "only_double": False,
         "checked": [law.inputs.index(check.input) for check in law.checks],
         "rule": {
@@ -273,6 +248,36 @@ def _context(law: DiscreteSystem, name: str, real: str) -> dict[str, Any]:
             if name.isupper() and isinstance(value, float)
         },
     }
+
+
+def _segments(curve: PiecewiseLinear) -> list[tuple[str | None, str, str, str]]:
+    """Of each segment: its upper end (None: the last one has none), the value, slope and place of its anchor."""
+    anchors = (curve.points[0], *curve.points)
+    ends = [*(repr(z) for z, _ in curve.points), None]
+    return [
+        (end, repr(w), repr(slope), repr(z))
+        for end, (z, w), slope in zip(ends, anchors, curve.slopes, strict=True)
+    ]
+
+
+def _checks(law: DiscreteSystem) -> list[dict[str, Any]]:
+    """The input checks; those that remember something are numbered."""
+    remembering = [check.input for check in law.checks if not check.missing_only]
+    return [
+        {
+            "number": None if check.missing_only else remembering.index(check.input),
+            "input": law.inputs.index(check.input),
+            "limit": repr(check.limit),
+            "hold": repr(float(check.hold)),
+            "forget": repr(check.forget),
+            "keep": int(check.keep),
+            "alone": int(check.alone),
+            "missing_only": check.missing_only,
+            "needed": sum(1 << int(u) for u in np.flatnonzero(law.Q[i])),
+            "start": [repr(number) for number in check.start()],
+        }
+        for i, check in enumerate(law.checks)
+    ]
 
 
 def _environment() -> Any:

@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 
 
 def finite(where: str, values: ArrayLike) -> Array:
+    """The values as an array (n,); raises ``InvalidInput``, naming ``where``, unless all n > 0 are finite."""
     array = np.asarray(values, dtype=float)
     if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
         raise InvalidInput(
@@ -23,6 +24,7 @@ def finite(where: str, values: ArrayLike) -> Array:
 
 
 def pair(a: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
+    """Both as ``finite`` arrays (n,); raises ``InvalidInput`` where one is not, or their lengths differ."""
     first, second = finite("first array", a), finite("second array", b)
     if first.shape != second.shape:
         raise InvalidInput(

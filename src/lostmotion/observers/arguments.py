@@ -1,4 +1,4 @@
-"""Checks of the kinds of arguments that the observers share: what is wrong is told by name, with a remedy."""
+"""Checks of the kinds of arguments that the observers share: what is wrong is named, with a remedy."""
 
 from __future__ import annotations
 

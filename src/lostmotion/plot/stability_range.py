@@ -86,6 +86,6 @@ def stability_range(
 
 def _after(section: Mapping[str, Any]) -> list[str]:
     """What the proof needs beside the speed."""
-    step, low = section.get("step"), -float(section.get("torque_load", (0.0, 0.0))[1])
+    step, (high, low) = section.get("step"), (-float(m) for m in section.get("torque_load", (0.0, 0.0)))
     parts = [] if step is None else [f"after steps to {step:g} rad/s"]
-    return parts + ([f"against {digits(low, 3)} Nm or more"] if low > 0.0 else [])
+    return parts + ([f"against {digits(low, 3)} to {digits(high, 3)} Nm"] if low > 0.0 else [])

@@ -31,7 +31,7 @@ def serve(rig: socket.socket, wire: Wire, step: Step, parent: int) -> None:
             if last < 0:
                 rig.send(reply)  # the first word may have been lost
             continue
-        except ConnectionError:  # nobody listens at the rig's port any more
+        except ConnectionError:  # the rig no longer listens at its port
             return
         if wire.is_end(datagram):
             return

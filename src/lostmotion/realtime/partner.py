@@ -24,7 +24,7 @@ from .law_process import HOST
 
 Law = DiscreteSystem | Stepper
 
-#: So long the law's process may take to start, and to end when it is told to, s (option: a first compilation of a
+#: So long the law's process may take to start, and to end when it is asked to, s (option: a first compilation of a
 #: stepper takes most of a minute).
 START, STOP = 120.0, 2.0
 

@@ -19,7 +19,7 @@ from .law_steps import CODE, Step
 class RemoteLaw(DiscreteSystem):
     """Inputs, outputs and sample time of a law; its code calls ``exchange``, its matrices are empty.
 
-    The simulation calls a law by the address of its code. Nothing else is told apart, so a loop with a remote law runs
+    The simulation calls a law by the address of its code. It sees no other difference, so a loop with a remote law runs
     the very same code as with the law itself. An exception cannot pass that code: see ``raised_after``.
     """
 

@@ -134,7 +134,7 @@ def _check_wiring(
         (sorted(set(sensors) - inputs), "simulate.sensors", f"inputs of the laws {sorted(inputs)}"),
         (
             sorted(set(given) - read),
-            "simulate: signals that nobody reads",
+            "simulate: signals that no law reads",
             f"inputs of the laws {sorted(inputs)}",
         ),
     )

@@ -14,7 +14,8 @@ from .tables import Mode, Plant
 
 Array = NDArray[np.float64]
 
-#: Points of the Gauss–Legendre rule in a piece: exact to rounding where the state's series converges fast (numerics).
+#: Points of the Gauss–Legendre rule in an interval: exact to rounding where the state's series converges fast
+#: (numerics).
 _POINTS = 8
 
 
@@ -23,7 +24,7 @@ def energies(
 ) -> dict[str, Array]:
     """``energy_input``, ``energy_stored`` and ``energy_dissipated`` at every sample, J, (n,) each.
 
-    The time is cut at every sample and event. In each piece the state is a power series of known coefficients and the
+    The time is cut at every sample and event. In each interval the state is a power series of known coefficients, the
     powers are products of two rows of it, which the Gauss rule integrates exactly to rounding. The springs of the
     viscoelastic law have a kink within a mode, so there the change of ½·k·dz(twist)² is taken from the work.
 
@@ -44,7 +45,7 @@ def energies(
     for number in np.unique(mode):
         rows = np.flatnonzero((mode == number) & (duration > 0.0))
         s = np.column_stack([state[rows], inputs[sample[rows]], np.ones(rows.size)])
-        work[rows], loss[rows] = _piece_energies(plant, int(number), s, duration[rows])
+        work[rows], loss[rows] = _interval_energies(plant, int(number), s, duration[rows])
     return {
         "energy_input": _running(work, sample, n),
         "energy_stored": _stored(plant, states[:-1]),
@@ -57,8 +58,8 @@ def _running(amounts: Array, sample: NDArray[np.int64], n: int) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.bincount(sample, amounts, minlength=n))[:-1]])
 
 
-def _piece_energies(plant: Plant, number: int, s: Array, duration: Array) -> tuple[Array, Array]:
-    """Input and dissipated energy of pieces of one mode that start at s (m, C) and last `duration` (m,), s."""
+def _interval_energies(plant: Plant, number: int, s: Array, duration: Array) -> tuple[Array, Array]:
+    """Input and dissipated energy of intervals of one mode that start at s (m, C) and last `duration` (m,), s."""
     mode = plant.modes[plant.row_of_mode[number]]
     given, lost, kinked = _powers(plant, mode)
     parts = max(1, math.ceil(float(np.max(duration, initial=0.0)) / mode.piece))
@@ -81,7 +82,7 @@ def _piece_energies(plant: Plant, number: int, s: Array, duration: Array) -> tup
 
 
 def _advance(s: Array, series: Array, fraction: Array, states: int) -> Array:
-    """s at a fraction (m,) of the Taylor piece."""
+    """s at a fraction (m,) of the sub-step of the Taylor series."""
     change = np.zeros_like(series[0])
     for term in series[::-1]:
         change = (change + term) * fraction[:, None]

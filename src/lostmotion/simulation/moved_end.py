@@ -70,7 +70,7 @@ def started(
 
 
 def moved_end(drivetrain: Drivetrain, dt: float, values: Mapping[str, Array]) -> MovedEnd | None:
-    """The motion of the held end out of the given signals; None where it is not told to move.
+    """The motion of the held end out of the given signals; None where it is not moved.
 
     A speed alone is linear from sample to sample; an angle alone likewise, so that the speed jumps at the samples.
     Given both, the angle holds at every sample, and the speed changes over a sample as given.

@@ -157,7 +157,7 @@ def time_axis(length: int, dt: float) -> Array:
 
 
 def read_only(array: Array) -> Array:
-    """An array of our own, handed over: nobody writes it any more, nor what it is a part of."""
+    """An array of our own, handed over: it can no longer be written, nor what it is a part of."""
     part: Any = array
     while isinstance(part, np.ndarray):
         part.setflags(write=False)

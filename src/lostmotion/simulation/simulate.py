@@ -88,7 +88,7 @@ def simulate(
     ------
     InvalidInput
         For NaN, text, sizes beyond 1e30, wrong lengths, a sample time that is not positive or above 100 s, signals
-        that nobody reads or makes, a signal that depends on itself within one sample.
+        that no law or plant reads or makes, a signal that depends on itself within one sample.
     """
     given = {"torque_motor": torque_motor, "torque_load": torque_load, **signals}
     values = {name: check_signal(name, array) for name, array in given.items() if array is not None}

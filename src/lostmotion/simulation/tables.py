@@ -95,7 +95,7 @@ class Mode:
 
     @property
     def state_series(self) -> Array:
-        """(O, N, C): Taylor coefficients of the state over a piece, from order 1 on."""
+        """(O, N, C): Taylor coefficients of the state over a sub-step, from order 1 on."""
         from ..kernels.plant.layout import HEADER
 
         columns, order, high = self.rows.shape[1], int(self.block[self._header + 1]), _groups(self.states)

@@ -18,14 +18,21 @@ MUCH_SLOWER = 10.0
 #: Steady error (fraction of the step) from which on a loop counts as not settling: the project's own target (option).
 STEADY = 0.01
 #: A step that has not settled is simulated with twice the time, at most so often (option: four times).
-DOUBLINGS = 2
+JUDGED_DOUBLINGS = 2
 
 
-def check_gains(tuning: PiTuning) -> None:
-    """Raise ``InvalidInput`` where no gains keep the margin on every drive that this one may be."""
+def check_gains(tuning: PiTuning, largest_noise_gain: float) -> None:
+    """Raise ``InvalidInput`` where no gains keep margin and noise on every drive that this one may be.
+
+    ``largest_noise_gain``: standard deviation of the torque over that of the measured speed's noise, Nm s/rad.
+    """
     if tuning.sensitivity > LARGEST_SENSITIVITY:
         got = "an unstable loop" if not tuning.stable else f"a sensitivity of {tuning.sensitivity:.2g}"
         raise InvalidInput("controller pi", f"{got} with any gains", f"at most {LARGEST_SENSITIVITY:g}", "")
+    if tuning.noise_gain > largest_noise_gain:
+        times = tuning.noise_gain / largest_noise_gain
+        got = f"noise of the measured speed, {times:.2g} times what the torque may show, with any gains"
+        raise InvalidInput("controller pi", got, "a torque that does not chatter", "")
 
 
 def check_speed(slowest: float, filter_time: float) -> None:
@@ -51,7 +58,7 @@ def settling(law: DiscreteSystem, drivetrain: Drivetrain, step: SpeedStep, dt: f
     """
     if drivetrain.backlash > 0.0 and not drivetrain.coulomb > 0.0:
         return law
-    for _ in range(DOUBLINGS + 1):
+    for _ in range(JUDGED_DOUBLINGS + 1):
         response = simulate(
             drivetrain, law=law, dt=dt, delay=1, speed_reference=step.reference(dt), state=(0.0, step.low, step.low)
         )  # fmt: skip

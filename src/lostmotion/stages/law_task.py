@@ -149,7 +149,7 @@ def gains_of(task: LawTask, virtual: bool) -> tuple[dict[str, Any], str]:
         largest_noise_gain=task.noise_gain,
         possible=task.possible,
     )
-    check_gains(tuning)
+    check_gains(tuning, task.noise_gain)
     return dict(tuning.gains()), f"symmetrical optimum, spread {tuning.spread:.3g}"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -19,7 +18,6 @@ from ..identification import (
     ring_down,
     shaft_stiffness,
 )
-from ..io.recordings.checks import CORRELATED
 from ..io.recordings.torque_and_speed import inertia_shown
 from ..recording import Recording
 from .material import Material
@@ -80,11 +78,6 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
     recording = material.identify
     if recording is None:
         return _finished(material.nameplate, table, skipped="no recording with use = 'identify'")
-    problems: list[Problem] = []
-    fits: dict[str, Any] = {}
-    shaft: ShaftStiffness | None = None
-    ringing: RingDown | None = None
-
     reason = _reason_against(recording, material.nameplate)
     if not reason:
         try:
@@ -97,42 +90,46 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
             )
         except InvalidInput as error:
             reason = str(error)
-    if not reason:
-        problems += found.problems
-        table |= found.table()
-        fits["prediction error"] = {
-            "residual": {"value": found.prediction.rms, "unit": "rad/s"},
-            "fit": found.prediction.fit,
-            "iterations": found.prediction.iterations,
-        }
-        if found.prediction.joint_piece is not None:
-            share, compliance = found.prediction.joint_piece
-            fits["intermediate inertia on the shaft"] = {
-                "part of the motor's inertia": share,
-                "part of the shaft's compliance before it": compliance,
-            }
-        made = _finished(material.nameplate, table, found, fits=fits, problems=tuple(problems))
-        reason = contradiction(made, recording)
-        return replace(made, drivetrain=None, missing=reason) if reason else made
-    # Without a motor torque, the stiffness still follows from the speeds at both ends and the torque of the shaft.
+    if reason:
+        return _of_the_shaft(material, recording, table, reason)
+    made = _finished(
+        material.nameplate,
+        table | found.table(),
+        found,
+        fits=_prediction_fits(found),
+        problems=found.problems,
+    )
+    reason = contradiction(made, recording)
+    return replace(made, drivetrain=None, missing=reason) if reason else made
+
+
+def _of_the_shaft(
+    material: Material, recording: Recording, table: dict[str, dict[str, Any]], reason: str
+) -> Found:
+    """Without a motor torque, the stiffness still follows from the speeds at both ends and the torque of the shaft.
+
+    ``reason``: why there is no identification by prediction error.
+    """
+    shaft: ShaftStiffness | None = None
+    ringing: RingDown | None = None
+    problems: tuple[Problem, ...] = ()
+    fits: dict[str, Any] = {}
     if all(name in recording for name in SHAFT):
         shaft, ringing = shaft_stiffness(recording), ring_down(recording, seed=material.seed)
         excited = backlash_excited(recording)
-        problems += [*shaft.problems, *ringing.problems, *excited.problems]
-        fits |= _shaft_fits(shaft, ringing)
+        problems = (*shaft.problems, *ringing.problems, *excited.problems)
+        fits = _shaft_fits(shaft, ringing)
         if excited.excited is False:
             table["backlash"] = _entry("backlash", None, "not excited")
         if material.validate is not None and all(name in material.validate for name in SHAFT):
             fits["shaft, validation recording"] = _shaft_fit(shaft_stiffness(material.validate))
         if shaft.values["stiffness"] is not None:
             table["stiffness"] = shaft.table()["stiffness"]
-    made = _finished(material.nameplate, table, None, shaft, ringing, reason, fits, tuple(problems))
+    made = _finished(material.nameplate, table, None, shaft, ringing, reason, fits, problems)
+    if "backlash" in material.nameplate:
+        return made
     # Nothing but a nameplate that does not even know the gap: no law is made of that.
-    return (
-        made
-        if "backlash" in material.nameplate
-        else replace(made, drivetrain=None, missing=made.missing or reason)
-    )
+    return replace(made, drivetrain=None, missing=made.missing or reason)
 
 
 def two_mass(values: Mapping[str, Any]) -> Drivetrain:
@@ -146,6 +143,24 @@ def _reason_against(recording: Recording, nameplate: Mapping[str, float]) -> str
         return f"no {' and no '.join(missing)} in the recording"
     missing = [name for name in ("inertia_motor", "inertia_load", "stiffness") if name not in nameplate]
     return f"no start value for {', '.join(missing)}: add it to [nameplate]" if missing else ""
+
+
+def _prediction_fits(found: Identification) -> dict[str, Any]:
+    prediction = found.prediction
+    fits: dict[str, Any] = {
+        "prediction error": {
+            "residual": {"value": prediction.rms, "unit": "rad/s"},
+            "fit": prediction.fit,
+            "iterations": prediction.iterations,
+        }
+    }
+    if prediction.joint_piece is not None:
+        share, compliance = prediction.joint_piece
+        fits["intermediate inertia on the shaft"] = {
+            "part of the motor's inertia": share,
+            "part of the shaft's compliance before it": compliance,
+        }
+    return fits
 
 
 def _shaft_fit(shaft: ShaftStiffness) -> dict[str, Any]:
@@ -210,12 +225,11 @@ def contradiction(found: Found, recording: Recording) -> str:
     drivetrain, inertias = found.drivetrain, ("inertia_motor", "inertia_load")
     if drivetrain is None or any(found.table[name]["source"] != "not excited" for name in inertias):
         return ""
-    inertia, correlation = inertia_shown(recording)
-    seen, off = math.copysign(inertia, correlation), inertia / drivetrain.inertia_total
-    if abs(correlation) < CORRELATED or (correlation > 0.0 and 1.0 / OFF < off < OFF):
+    shown = inertia_shown(recording)
+    if shown is None or 1.0 / OFF < shown / drivetrain.inertia_total < OFF:
         return ""
     return (
-        f"the recording contradicts the nameplate: it shows an inertia of {seen:.2g} instead of "
+        f"the recording contradicts the nameplate: it shows an inertia of {shown:.2g} instead of "
         f"{drivetrain.inertia_total:.2g} kg m2. Check sign, scale and unit in the channels of torque and speed, and "
         "inertia_motor and inertia_load under [nameplate]"
     )

@@ -28,7 +28,7 @@ from ..systems import (
 GAP_SHARES = (1.0, 0.3, 0.1)
 #: Largest sensitivity of the default law (Åström & Hägglund 2006, Advanced PID Control, section 4.6: 1.4 to 2 are
 #: usual).
-LARGEST_SENSITIVITY = 1.7
+POLES_SENSITIVITY = 1.7
 #: Fastest default law: torque that an error of one speed deserves, over what turns the drive to that speed in one
 #: radian of the torsional mode (calibrated on Table I with gap and lag × 1 and × 3, ``benchmarks/calibrations.py``:
 #: with half of it the slowest pole is at 0.15 of the mode instead of 0.25, with double at 0.34). Then by which factor
@@ -90,12 +90,12 @@ def default_poles(
     while True:
         poles = Poles(quadratic_poles(drivetrain, share * unit), limit)
         margin = law_margin(drivetrain, poles.values, dt, speed_from_counts, possible)
-        fast = margin.sensitivity > LARGEST_SENSITIVITY
+        fast = margin.sensitivity > POLES_SENSITIVITY
         if not fast and margin.torque_per_speed_noise <= largest_noise_gain:
             return poles
         if share < SLOWEST:
             got = f"a sensitivity of {margin.sensitivity:.2g} with the slowest poles"
-            expected = f"at most {LARGEST_SENSITIVITY:g}, and little noise"
+            expected = f"at most {POLES_SENSITIVITY:g}, and little noise"
             raise InvalidInput(
                 "controller pole_placement", got, expected, "Give poles, or a shorter sample time."
             )

@@ -50,7 +50,7 @@ WITHHELD = ("speed_load", "torque_shaft", "twist")
 #: on the paper's rig).
 SETTLING = 0.3
 #: A step that has not settled is shown with twice the time, at most so often (option: 16 times).
-DOUBLINGS = 4
+SHOWN_DOUBLINGS = 4
 #: A load speed beyond this many times the set-point counts as unstable (option).
 RUNAWAY = 20.0
 
@@ -160,7 +160,7 @@ def _settled_responses(
 ) -> tuple[SpeedStep, dict[str, Recording], dict[str, str]]:
     """The step with as much time as the laws need, their responses, and why some are unstable."""
     step = laws.step
-    for doubling in range(DOUBLINGS + 1):
+    for doubling in range(SHOWN_DOUBLINGS + 1):
         responses: dict[str, Recording] = {}
         unstable: dict[str, str] = {}
         named = {"pi": laws.pi, "pole_placement": laws.watched, "soft_landing": laws.landing}
@@ -174,7 +174,7 @@ def _settled_responses(
                 responses[name] = response
         longer = step.longer(laws.dt)
         settled = all(_settles(response, step) for response in responses.values())
-        if settled or doubling == DOUBLINGS or longer == step:
+        if settled or doubling == SHOWN_DOUBLINGS or longer == step:
             break
         step = longer
     return step, responses, unstable

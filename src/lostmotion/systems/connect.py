@@ -93,35 +93,29 @@ def _sources(
                     "Rename one with renamed().",
                 )
             source[signal] = (s, i)
-    used = {signal for system in systems for signal in system.inputs}
-    unconnected = sorted(used - set(source) - set(inputs))
-    checks = (
-        (unconnected, "no output of a system and not listed", "Add it to inputs, or check its name."),
-        (
-            sorted(set(inputs) & set(source)),
-            "listed as inputs, but outputs of a system",
-            "Drop it from inputs.",
-        ),
-        (
-            sorted(set(inputs) - used),
-            "listed as inputs, but used by no system",
-            "Drop it, or check its name.",
-        ),
-    )
-    for found, got, remedy in checks:
-        if found:
-            raise InvalidInput(
-                "connect.inputs",
-                f"{', '.join(found)}: {got}",
-                "exactly the inputs that are no outputs of a system",
-                remedy,
-            )
+    _check_inputs(set(inputs), {signal for system in systems for signal in system.inputs}, set(source))
     unknown = sorted(set(outputs) - set(source))
     if unknown:
         raise InvalidInput(
             "connect.outputs", ", ".join(unknown), f"names out of {sorted(source)}", "Check the name."
         )
     return source
+
+
+def _check_inputs(inputs: set[str], used: set[str], made: set[str]) -> None:
+    """Of the joined law: exactly what its systems use and none of them makes."""
+    for found, got, remedy in (
+        (
+            used - made - inputs,
+            "no output of a system and not listed",
+            "Add it to inputs, or check its name.",
+        ),
+        (inputs & made, "listed as inputs, but outputs of a system", "Drop it from inputs."),
+        (inputs - used, "listed as inputs, but used by no system", "Drop it, or check its name."),
+    ):
+        if found:
+            expected = "exactly the inputs that are no outputs of a system"
+            raise InvalidInput("connect.inputs", f"{', '.join(sorted(found))}: {got}", expected, remedy)
 
 
 def _state_names(systems: Sequence[DiscreteSystem]) -> tuple[str, ...]:

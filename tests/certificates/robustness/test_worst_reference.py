@@ -37,6 +37,15 @@ def test_its_peak_is_that_of_its_set_point_and_above_square_waves() -> None:
         assert np.max(np.abs(square["speed_motor"])) < found.peak
 
 
+def test_the_delay_is_part_of_the_loop() -> None:
+    """A delay of 25 samples takes most of PI's phase margin: the worst peak grows."""
+    peaks = [
+        worst_reference(PAPER, LAW, 0.5, "speed_motor", delay=delay, starts=1, duration=0.1).peak
+        for delay in (0, 25)
+    ]
+    assert peaks[1] > 1.1 * peaks[0]
+
+
 def test_no_limit_and_too_short_a_time_are_refused() -> None:
     with pytest.raises(InvalidInput, match="positive"):
         worst_reference(PAPER, LAW, 0.0, "twist")

@@ -12,7 +12,7 @@ import pytest
 from lostmotion.compare import compare_controllers
 from lostmotion.compare.controllers import CASES, CONTESTANTS, ControlTable
 from lostmotion.compare.controllers.cases import WORKS
-from lostmotion.compare.controllers.experiment import experiment, run, zoo_drive
+from lostmotion.compare.controllers.experiment import designed, experiment, run, zoo_drive
 from lostmotion.compare.controllers.score_controllers import score_controllers
 from lostmotion.compare.controllers.scores import score
 from lostmotion.compare.controllers.work import work
@@ -31,7 +31,7 @@ def step():
 
 @pytest.fixture(scope="module")
 def pulled(step):
-    return run(ENTRY["pole placement"], step)
+    return run(designed(ENTRY["pole placement"], step), step)
 
 
 def test_names_are_unique_and_every_work_has_a_case():
@@ -74,12 +74,26 @@ def test_a_drive_of_the_zoo_has_its_own_sample_time_delay_and_model():
     assert wrong.plant.drivetrain == first.plant.drivetrain
 
 
+def test_a_seed_looks_at_its_own_drives_of_the_zoo_alone(monkeypatch):
+    looked_at = []
+    monkeypatch.setattr("lostmotion.rig.bench", looked_at.append)
+    own = []
+    for seed in (1, 2, 212):  # the drives of the third go over the end of the set
+        looked_at.clear()
+        with pytest.raises(InvalidInput, match="none of whose 47 drives"):
+            zoo_drive.__wrapped__(seed)
+        own.append(set(looked_at))
+    assert all(len(drives) == 47 and drives <= set(SETS["test"]) for drives in own)
+    assert SETS["test"][0] in own[2] and SETS["test"][-1] in own[2] and not own[0] & own[1]
+
+
 def test_the_delay_of_a_drive_of_the_zoo_acts():
     data, law = experiment(CASE["zoo, step"], 3), ENTRY["PI, Table II"]
 
     def jump(delay):
         """Row at which the proportional part of the step acts."""
-        torque = run(law, replace(data, delay=delay))["torque_motor"]
+        late = replace(data, delay=delay)
+        torque = run(designed(law, late), late)["torque_motor"]
         start = round(data.work.start / data.dt)
         return int(np.flatnonzero(np.abs(np.diff(torque[start:])) > 20.0)[0])
 
@@ -95,7 +109,8 @@ def test_every_law_runs_and_never_asks_for_more_than_the_limit(name, case):
     # The rig itself has no limit here, so it shows what the law asks for.
     free = replace(data.plant.drivetrain.actuator, torque_limit=np.inf)
     plant = replace(data.plant, drivetrain=replace(data.plant.drivetrain, actuator=free))
-    found = run(ENTRY[name], replace(data, plant=plant))
+    changed = replace(data, plant=plant)
+    found = run(designed(ENTRY[name], changed), changed)
     assert np.all(np.isfinite(found["torque_motor"]))
     assert np.max(np.abs(found["torque_motor"])) <= TORQUE_LIMIT
 
@@ -122,7 +137,7 @@ def test_jerk_of_a_parabola(step, pulled):
 
 def test_a_load_torque_is_in_the_scores():
     data = experiment(CASE["load step"], 1)
-    found = score(run(ENTRY["LQI"], data), data)
+    found = score(run(designed(ENTRY["LQI"], data), data), data)
     assert 0.4 < found["recovery_error"] < 1.0 and found["recovery_time"] < 0.06
     assert found["overshoot"] is None
 
@@ -159,6 +174,17 @@ def test_a_law_that_cannot_be_designed_is_refused_and_the_rest_goes_on(monkeypat
     _, _, found = score_controllers(("true states", 1, None, ("PI, Table II", "pole placement")))
     assert found["PI, Table II"]["refused"] == 1.0 and found["PI, Table II"]["overshoot"] is None
     assert found["pole placement"]["refused"] == 0.0 and found["pole placement"]["overshoot"] < 2.0
+
+
+def test_a_fault_of_the_run_is_no_refusal(monkeypatch):
+    """A refusal is the design's: what the simulation does not take is an error of ours, and must be seen."""
+
+    def broken(laws, data):
+        raise InvalidInput("simulate", "a fault", "none", "None.")
+
+    monkeypatch.setattr("lostmotion.compare.controllers.score_controllers.run", broken)
+    with pytest.raises(InvalidInput, match="a fault"):
+        score_controllers(("true states", 1, None, ("PI, Table II",)))
 
 
 def test_what_is_told_of_unstable_runs_is_their_share():

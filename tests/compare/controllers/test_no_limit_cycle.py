@@ -9,7 +9,7 @@ from lostmotion import observers
 from lostmotion.compare.controllers import CASES, CONTESTANTS
 from lostmotion.compare.controllers.cases import Case
 from lostmotion.compare.controllers.contestants import Contestant
-from lostmotion.compare.controllers.experiment import experiment, run
+from lostmotion.compare.controllers.experiment import designed, experiment, run
 
 CASE = {case.name: case for case in CASES}
 ENTRY = {entry.name: entry for entry in CONTESTANTS}
@@ -18,7 +18,8 @@ ADAPTIVE = [entry.name for entry in CONTESTANTS if entry.name.startswith("adapti
 
 def swing(case, entry):
     """Peak to peak of torque (Nm) and load speed (rad/s) over the last 0.3 s, 0.3 s after the step."""
-    found = run(entry, experiment(case, 1))
+    data = experiment(case, 1)
+    found = run(designed(entry, data), data)
     late = found.time >= 0.6
     return np.ptp(found["torque_motor"][late]), np.ptp(found["speed_load"][late])
 

@@ -38,5 +38,5 @@ def test_without_much_damping_they_cannot_be_told_apart():
     result = compare_contacts(recorded(plant, 18), start=plant, fixed=("damping", "viscous", "lag"))
     assert result.better is None
     (problem,) = result.problems
-    assert "cannot be told apart" in problem.remedy
+    assert "cannot be distinguished" in problem.remedy
     assert set(result.found) == {"viscoelastic", "dead_zone"}

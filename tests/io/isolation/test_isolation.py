@@ -20,8 +20,8 @@ from lostmotion.errors import InvalidInput
 from lostmotion.io.isolation import child, parent
 from lostmotion.io.isolation.formats import READERS, TooLarge
 from lostmotion.io.isolation.parent import read_isolated
-from lostmotion.io.memory import VARIABLE
 from lostmotion.io.tables.matrices import read_torsional_model
+from lostmotion.memory import VARIABLE
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux forks a process for each file")
 

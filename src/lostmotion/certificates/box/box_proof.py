@@ -115,7 +115,7 @@ def prove_box(
     earlier : dict, optional
         ``certificate`` of an earlier call that was interrupted: its cells are taken if all arguments are the same.
     progress : callable, optional
-        Told the share of the box done and the number of cells. Ctrl-C ends the search, and keeps the cells.
+        Called with the share of the box done and the number of cells. Ctrl-C ends the search, and keeps the cells.
 
     Raises
     ------

@@ -16,7 +16,7 @@ POINTS = 240
 _SINE = np.sin(2.0 * np.pi * (np.arange(POINTS) + 0.5) / POINTS)
 #: Shift of the mean for the gain of the mean, over the amplitude (numerics: some points wide, so that a jump counts).
 SHIFT = 0.05
-#: Smallest amplitude that is told from none, over 1 and the mean (numerics).
+#: Smallest amplitude that differs from none, over 1 and the mean (numerics).
 LEAST = 1e-9
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
@@ -25,10 +26,11 @@ from ..sampled_proof import SampledProof, sampled_proof
 from ..scaling import condition_sizes, state_sizes
 from ..sectors import Copies, Sector
 from ..semidefinite import Inequalities, Unknowns
+from .zames_falb import is_stable_with_flow, weights
 
-#: The criteria, each stronger than the one before: circle (quadratic V), Popov (with integrals), and with the cross
-#: condition of two arguments of one curve.
-CRITERIA = ("circle", "popov", "cross")
+#: The criteria, each stronger than the one before: circle (quadratic V), Popov (with integrals), with the cross
+#: condition of two arguments of one curve, and with filtered signals.
+CRITERIA = ("circle", "popov", "cross", "zames_falb")
 
 #: Accuracy of the search (option).
 TOLERANCE = 1e-4
@@ -48,6 +50,8 @@ class Question:
         sizes = state_sizes(problem.proofs[0])
         if sizes is None:
             return False
+        if self.criterion == "zames_falb":
+            return self.is_stable_with_flow and weights(self.loop, share, sizes) is not None
         scales = problem.sizes(condition_sizes(problem.proofs[0], sizes))
         found = Inequalities(
             lambda u: problem.conditions(self.used(u)), problem.layout, scales
@@ -56,6 +60,11 @@ class Question:
             return False
         unknowns = self.used({name: rational(short(value)) for name, value in found[0].items()})
         return all(map(is_positive_definite, CellProof((exact,), {}, continuous=True).conditions(unknowns)))
+
+    @cached_property
+    def is_stable_with_flow(self) -> bool:
+        """Whether the loop with the gap closed, which no share changes, is stable."""
+        return is_stable_with_flow(self.loop.A)
 
     def used(self, unknowns: Unknowns) -> Mapping[str, Matrix]:
         """The circle criterion has no integrals."""
@@ -89,7 +98,7 @@ def largest_share(drivetrain: Drivetrain, law: ContinuousLaw, criterion: str = "
         With a gap and without Coulomb friction.
     law : ContinuousLaw
         Its curves, if any, are copies of the gap.
-    criterion : {"circle", "popov", "cross"}
+    criterion : {"circle", "popov", "cross", "zames_falb"}
 
     Returns
     -------
@@ -103,7 +112,9 @@ def largest_share(drivetrain: Drivetrain, law: ContinuousLaw, criterion: str = "
 
     Notes
     -----
-    Popov 1961, Avtomatika i Telemekhanika 22, 961–979; circle: Zames 1966, IEEE Trans. Automatic Control 11, 465–476.
+    Popov 1961, Avtomatika i Telemekhanika 22, 961–979; circle: Zames 1966, IEEE Trans. Automatic Control 11, 465–476;
+    Zames & Falb 1968, SIAM J. Control 6, 89–108; of several curves that are one: D'Amato, Rotea, Megretski & Jönsson
+    2001, Automatica 37, 739–747.
     """
     if criterion not in CRITERIA:
         raise InvalidInput("criterion", repr(criterion), f"one of {', '.join(CRITERIA)}", "Choose one.")

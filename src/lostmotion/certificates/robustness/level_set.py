@@ -52,7 +52,7 @@ class LevelSetProblem(LoopMatrices):
     sampled : bool
         Whether there is a sample at all.
     substeps : int
-        Pieces of P over a sample.
+        Intervals of P over a sample.
     signals : (m, n + p) array
         Rows over (ξ, w) of what is known to stay within ±1.
     widths : tuple

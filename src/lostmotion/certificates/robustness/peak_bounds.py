@@ -61,7 +61,7 @@ def peak_bounds(
     delay : int
         Computing delay of a sampled law, in samples.
     substeps : int
-        Pieces of V over a sample.
+        Intervals of V over a sample.
 
     Raises
     ------

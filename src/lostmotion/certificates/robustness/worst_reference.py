@@ -45,6 +45,7 @@ def worst_reference(
     reference: float,
     signal: str,
     *,
+    delay: int = 0,
     starts: int = 3,
     duration: float = DURATION,
     seed: int = 0,
@@ -61,6 +62,8 @@ def worst_reference(
     reference : float, rad/s
     signal : str
         Of the simulation's recording: twist, speed_motor, speed_load, torque_motor.
+    delay : int
+        Computing delay, samples; as for ``peak_bounds``.
     starts : int
         Searches, the first from the worst set-point of a linear loop with the same step response; the best is returned.
     duration : float, s
@@ -94,7 +97,7 @@ def worst_reference(
         return np.asarray(reference * (1.0 - 2.0 * (np.cumsum(turned) % 2.0)))
 
     def run(given: Array) -> Array:
-        return simulate(drivetrain, law=law, dt=law.dt, speed_reference=given)[signal]
+        return simulate(drivetrain, law=law, dt=law.dt, speed_reference=given, delay=delay)[signal]
 
     def peak(switches: Switches) -> float:
         return float(np.max(np.abs(run(wave(switches)))))

@@ -58,7 +58,7 @@ def _percent(factor: float) -> str:
 
 CASES: tuple[Case, ...] = (
     Case("step", "step", quick=True),
-    Case("true states", "step, true states", true_states=True),
+    Case("true states", "true states", true_states=True),
     Case("pulse", "pulse", work="pulse"),
     Case("load step", "load step", quick=True, work="load step"),
     Case("creep", "creep", work="creep"),
@@ -68,6 +68,11 @@ CASES: tuple[Case, ...] = (
     ),
     Case("tip-in", "tip-in and tip-out", quick=True, work="tip-in"),
     Case("tip-out", "tip-in and tip-out", work="tip-out"),
+    *(
+        Case(f"true states, {work}", "true states", work=work, true_states=True)
+        for work in WORKS
+        if work != "step"
+    ),
     *(
         Case(f"{p} {_percent(f)}", "one parameter off by 20 %", factors={p: f})
         for p in PARAMETERS

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -13,12 +13,13 @@ import numpy as np
 from ... import rig
 from ...curves import dead_zone, saturation
 from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
 from ...recording import Recording
 from ...simulation import Sensor
 from ...systems import DiscreteSystem
 from ..experiment import LEVELS, identified
 from .cases import Case
-from .contestants import Contestant, Setting
+from .contestants import Contestant, Law, Setting
 from .work import Work, work
 
 #: Longest sample time of plant and record, s (option: crossings and jerk are judged by it).
@@ -84,10 +85,24 @@ def _on_the_zoo(case: Case, seed: int) -> Experiment:
 
 @functools.lru_cache(maxsize=64)
 def zoo_drive(seed: int) -> rig.Bench:
-    """The first drive from a test seed on that a law can meet; each seed of the table has test seeds of its own."""
+    """The first drive that a law can meet, out of the test seeds of this seed's own.
+
+    Seeds that are less than 200 apart have none in common.
+
+    Raises
+    ------
+    InvalidInput
+        If no law can meet any of them.
+    """
     drives = rig.SETS["test"]
-    first = drives.start + APART * seed % len(drives)
-    return next(found for found in map(rig.bench, count(first)) if found is not None)
+    own = (drives[(APART * seed + further) % len(drives)] for further in range(APART))
+    for bench in map(rig.bench, own):
+        if bench is not None:
+            return bench
+    raise InvalidInput(
+        "zoo_drive.seed", f"{seed}, none of whose {APART} drives suits a law", "one with one gap and little delay",
+        "Take another seed.",
+    )  # fmt: skip
 
 
 def _misled(model: Drivetrain, case: Case) -> Drivetrain:
@@ -108,12 +123,17 @@ def _changed(drivetrain: Drivetrain, case: Case) -> Drivetrain:
     return replace(drivetrain, inertias=(*others, case.load_inertia * load), shafts=shafts)
 
 
-def run(contestant: Contestant, data: Experiment) -> Recording:
-    """The true signals with the contestant's laws in the loop, one sample of computing delay."""
+def designed(contestant: Contestant, data: Experiment) -> list[Law]:
+    """The contestant's laws, an observer before its controllers; ``InvalidInput`` where there are none."""
     laws = list(contestant.control(data.setting))
-    plant = data.plant
     if contestant.observer is not None:
         laws.insert(0, true_states(data) if data.true_states else contestant.observer(data.setting))
+    return laws
+
+
+def run(laws: Sequence[Law], data: Experiment) -> Recording:
+    """The true signals with the laws in the loop, one sample of computing delay."""
+    plant = data.plant
     if data.true_states:
         plant = replace(plant, sensors={**plant.sensors, **TRUE_SENSORS})
     n = len(plant.drivetrain.inertias)

@@ -25,9 +25,9 @@ COLUMNS = {
 }  # fmt: skip
 #: What is shown of the cases of one kind of work.
 SHOWN = {
-    "step": ("arrival_time", "rise_time", "overshoot", "settling_time", "oscillation", "swing", "motor_overshoot",
-             "motor_deviation", "peak_torque", "impact_speed", "impacts", "lash_time", "unstable", "refused",
-             "time_per_step"),
+    "step": ("arrival_time", "rise_time", "overshoot", "settling_time", "steady_error", "oscillation", "swing",
+             "motor_overshoot", "motor_deviation", "peak_torque", "rms_torque", "impact_speed", "impacts", "lash_time",
+             "load_jerk", "unstable", "refused", "time_per_step"),
     "pulse": ("arrival_time", "overshoot", "settling_time", "impact_speed", "motor_overshoot"),
     "load step": ("recovery_error", "recovery_time", "steady_error", "unstable"),
     "creep": ("tracking_error", "impact_speed", "impacts"),
@@ -35,7 +35,7 @@ SHOWN = {
     "tip-in": ("arrival_time", "overshoot", "load_jerk", "impact_speed", "lash_time", "unstable"),
     "tip-out": ("arrival_time", "overshoot", "load_jerk", "impact_speed", "lash_time", "unstable"),
 }  # fmt: skip
-#: Of these the share of the runs is told.
+#: Of these the share of the runs is given.
 SHARES = ("unstable", "refused")
 #: What is shown of each group of cases in which the drive or the model differs: its worst case.
 BY_GROUP = ("overshoot", "impact_speed", "arrival_time", "unstable", "refused")

@@ -7,17 +7,17 @@ from ..jobs import Job, Result
 from ..scores import Score
 from .cases import CASES
 from .contestants import CONTESTANTS, Contestant
-from .experiment import Experiment, experiment, run
+from .experiment import Experiment, designed, experiment, run
 from .scores import METRICS, score, time_per_step
 
 
 def _scored(law: Contestant, data: Experiment) -> Score:
     """Its score; ``refused`` alone where the law cannot be designed for this drive and sample time."""
     try:
-        found = run(law, data)
+        laws = designed(law, data)
     except InvalidInput:
         return {**dict.fromkeys(METRICS), "refused": 1.0}
-    return {**score(found, data), "refused": 0.0}
+    return {**score(run(laws, data), data), "refused": 0.0}
 
 
 def score_controllers(job: Job) -> Result:

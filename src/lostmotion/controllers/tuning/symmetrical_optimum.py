@@ -47,6 +47,8 @@ class PiTuning:
     spread : float
     sensitivity : float
         Largest of the sampled loop, torsional mode included, with the gap closed and at its edges. inf: unstable.
+    noise_gain : float, Nm s/rad
+        Standard deviation of the torque over that of the measured speed's noise, likewise.
     """
 
     kp: float
@@ -59,6 +61,7 @@ class PiTuning:
     delay_time: float
     spread: float
     sensitivity: float
+    noise_gain: float
 
     @property
     def stable(self) -> bool:
@@ -116,7 +119,8 @@ def symmetrical_optimum(
     Raises
     ------
     InvalidInput
-        If there are not two masses, dt is not positive, the delay is negative or the spread not above 1.
+        If there are not two masses, dt or the noise gain is not positive, the delay is negative or the spread not
+        above 1.
 
     Notes
     -----
@@ -131,30 +135,44 @@ def symmetrical_optimum(
     if spread is not None:
         if not (math.isfinite(spread) and spread > 1.0):
             raise InvalidInput("symmetrical_optimum.spread", repr(spread), "a number above 1", "2 is usual.")
-        return _tuning(drivetrain, dt, delay, speed_from_counts, possible, spread, 0.0)[0]
+        return _tuning(drivetrain, dt, delay, speed_from_counts, possible, spread, 0.0)
+    if not largest_noise_gain > 0.0:
+        raise InvalidInput(
+            "symmetrical_optimum.largest_noise_gain",
+            repr(largest_noise_gain),
+            "a positive number",
+            "Leave it out.",
+        )
     tried = partial(_tuning, drivetrain, dt, delay, speed_from_counts, possible)
     return _fastest(tried, largest_noise_gain)
 
 
-def _fastest(tried: Callable[[float, float], tuple[PiTuning, float]], largest_noise_gain: float) -> PiTuning:
-    """The tuning of the shortest reset time that keeps sensitivity and noise; the best margin if none does.
+def _fastest(tried: Callable[[float, float], PiTuning], largest_noise_gain: float) -> PiTuning:
+    """The tuning of the shortest reset time that keeps sensitivity and noise; the one nearest to it if none does.
 
     Every spread has a shortest filter with which it does: that of the smallest reset time is taken.
     """
+
+    def excess(one: PiTuning) -> float:
+        """At most one: both are kept."""
+        if not one.stable:
+            return math.inf
+        return max(one.sensitivity / LARGEST_SENSITIVITY, one.noise_gain / largest_noise_gain)
+
     best: PiTuning | None = None
-    calmest, _ = tried(DAMPED_SPREAD, 0.0)
+    nearest = tried(DAMPED_SPREAD, 0.0)
     for k in range(SPREADS):
         spread, filtered = DAMPED_SPREAD * GROWTH**k, 0.0
         for _ in range(ATTEMPTS):
-            tuning, noise = tried(spread, filtered)
+            tuning = tried(spread, filtered)
             if best is not None and tuning.filter_time >= best.filter_time:
                 break
-            if tuning.sensitivity <= LARGEST_SENSITIVITY and noise <= largest_noise_gain:
+            if excess(tuning) <= 1.0:
                 best = tuning
                 break
-            calmest = min(calmest, tuning, key=lambda one: one.sensitivity)
+            nearest = min(nearest, tuning, key=excess)
             filtered += (GROWTH - 1.0) * tuning.time_constant
-    return best or calmest
+    return best or nearest
 
 
 def _tuning(
@@ -165,8 +183,8 @@ def _tuning(
     possible: Sequence[Drivetrain],
     spread: float,
     filtered: float,
-) -> tuple[PiTuning, float]:
-    """The gains of a spread and a filter of the measured speed (s), and their noise gain, Nm s/rad."""
+) -> PiTuning:
+    """The gains of a spread and a filter of the measured speed (s)."""
     drives = possible or (drivetrain,)
     shaft = max(math.sqrt(drive.inertia_load / drive.stiffness) for drive in drives)
     delays = max(drive.lag for drive in drives) + (delay + 0.5) * dt
@@ -176,7 +194,7 @@ def _tuning(
     law = pi(dt=dt, kp=kp, ki=ki, speed_filter_time=filtered)
     models = [m for drive in drives for m in in_contact_states(drive, dt, delay)]
     margins = [loop_margin(law, model, speed_from_counts) for model in models]
-    tuning = PiTuning(
+    return PiTuning(
         kp=kp,
         ki=ki,
         filter_time=spread**2 * time,
@@ -187,8 +205,8 @@ def _tuning(
         delay_time=delays,
         spread=spread,
         sensitivity=max(margin.sensitivity for margin in margins),
+        noise_gain=max(margin.torque_per_speed_noise for margin in margins),
     )
-    return tuning, max(margin.torque_per_speed_noise for margin in margins)
 
 
 def in_contact_states(drivetrain: Drivetrain, dt: float, delay: int) -> tuple[DesignModel, ...]:

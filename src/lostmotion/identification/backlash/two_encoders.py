@@ -114,22 +114,9 @@ def lost_motion(
     m = np.zeros(len(recording)) if name is None else _smooth(recording[name])
     if name is not None and name != "torque_shaft" and inertia_motor:
         m = m - inertia_motor * _smooth(np.gradient(np.gradient(recording[angle_motor], dt), dt))
-    shift = 0.0
-    for _ in range(PASSES):
-        load = _earlier(recording.time, recording[angle_load], shift)
-        speed = _smooth(np.gradient(load, dt))
-        # The first order in the delay that is left: speed·delay.
-        apparent = recording[angle_motor] - load + shift * speed
-        way = np.sign(speed) * (np.abs(speed) > TURNING * float(np.abs(speed).max()))
-        columns = {"offset": np.ones_like(speed), "delay": speed, "hysteresis": 0.5 * way}
-        if name is not None:
-            columns["compliance"] = m
-        rows = way != 0.0
-        # What the shift has no samples for at the ends.
-        rows[:: len(rows) - 1] = False
-        rows &= np.abs(recording.time - recording.time.mean()) < 0.5 * dt * len(rows) - abs(shift)
-        fit = _fit(columns, apparent, rows)
-        shift = float(fit.values[1])
+    apparent, columns, rows, fit = _without_delay(
+        recording, recording[angle_motor], recording[angle_load], None if name is None else m
+    )
     values, intervals = _identified(tuple(columns), fit)
     problems += () if name is not None else (problem.no_torque(),)
     if name is not None:
@@ -147,9 +134,9 @@ def lost_motion(
     delay, (low, high) = float(values["delay"] or 0.0), intervals["delay"]
     finest = FINEST_DELAY * dt
     intervals["delay"] = (min(low, delay - finest), max(high, delay + finest))
-    by_name = dict(zip(columns, fit.values.tolist(), strict=True))
-    aligned = by_name["offset"] + by_name["delay"] * speed
-    model = sum((by_name[n] * columns[n] for n in columns), np.zeros_like(speed))
+    parts = {n: value * columns[n] for n, value in zip(columns, fit.values.tolist(), strict=True)}
+    aligned = parts["offset"] + parts["delay"]
+    model = np.sum(list(parts.values()), axis=0)
     values["hysteresis"], intervals["hysteresis"] = _width(values["hysteresis"], intervals["hysteresis"])
     values = {n: values.get(n) for n in VALUES}
     return LostMotion(
@@ -161,8 +148,34 @@ def lost_motion(
         torque=m,
         twist=apparent - aligned,
         fitted=np.where(rows, model - aligned, np.nan),
-        direction=way,
+        direction=2.0 * columns["hysteresis"],
     )
+
+
+def _without_delay(
+    recording: Recording, angle_motor: Floats, angle_load: Floats, torque: Floats | None
+) -> tuple[Floats, dict[str, Floats], NDArray[np.bool_], LinearFit]:
+    """Twist with the load's angle shifted by the delay, what it may consist of, the rows that tell it, and its fit.
+
+    The delay is fitted together with all that it could be mistaken for, in a few passes. Arrays (n,).
+    """
+    time, dt, shift = recording.time, recording.dt, 0.0
+    for _ in range(PASSES):
+        load = _earlier(time, angle_load, shift)
+        speed = _smooth(np.gradient(load, dt))
+        # The first order in the delay that is left: speed·delay.
+        apparent = angle_motor - load + shift * speed
+        way = np.sign(speed) * (np.abs(speed) > TURNING * float(np.abs(speed).max()))
+        columns = {"offset": np.ones_like(speed), "delay": speed, "hysteresis": 0.5 * way}
+        if torque is not None:
+            columns["compliance"] = torque
+        rows = way != 0.0
+        # What the shift has no samples for at the ends.
+        rows[:: len(rows) - 1] = False
+        rows &= np.abs(time - time.mean()) < 0.5 * dt * len(rows) - abs(shift)
+        fit = _fit(columns, apparent, rows)
+        shift = float(fit.values[1])
+    return apparent, columns, rows, fit
 
 
 def _earlier(time: Floats, values: Floats, shift: float) -> Floats:

@@ -32,7 +32,7 @@ ASTRAY = 0.5
 #: same, where it is within a half of it).
 ELSEWHERE = 2.0
 
-#: Time over which the first speed of a piece is averaged, s (numerics: several counts of a coarse encoder; half and
+#: Time over which the first speed of a segment is averaged, s (numerics: several counts of a coarse encoder; half and
 #: double give the same on the rigs 1 and 2, ``benchmarks/calibrations.py``).
 FIRST = 0.005
 
@@ -82,7 +82,7 @@ def replicas(predictor: Predictor, stage: Stage, box: Box) -> list[Replica]:
 
 
 def _simulated(predictor: Predictor, theta: Array, number: int) -> tuple[Array, Array]:
-    """(n,) motor angle (rad, of each piece from zero) and speed (rad/s), number places the start in the gap."""
+    """(n,) motor angle (rad, of each segment from zero) and speed (rad/s), number places the start in the gap."""
     drivetrain = predictor.drivetrain(theta)
     unlimited = replace(drivetrain.actuator, torque_limit=np.inf, rate_limit=np.inf)
     drivetrain = replace(drivetrain, actuator=unlimited)
@@ -107,7 +107,7 @@ def _shown(predictor: Predictor, residual: Array, angle: Array, speed: Array, nu
         angle = np.floor(angle / count + rng.uniform()) * count
     if predictor.speed_from_counts:
         speed = np.concatenate(
-            # The first count difference of a piece is not known: the one after it stands for it.
+            # The first count difference of a segment is not known: the one after it stands for it.
             [
                 np.diff(a, prepend=2.0 * a[0] - a[1]) / predictor.dt
                 for a in (angle[p] for p in predictor.pieces)

@@ -1,4 +1,4 @@
-"""Which contact law predicts a recording better, or that they cannot be told apart."""
+"""Which contact law predicts a recording better, or that they cannot be distinguished."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ class ContactComparison:
     Parameters
     ----------
     better : str or None
-        The law that predicts better; None where they cannot be told apart.
+        The law that predicts better; None where they cannot be distinguished.
     gain : float
         By how much it lowers the sum of squares of the innovations, as a fraction.
     certainty : float
         t statistic of the blocks' differences.
     found : mapping of law → Identification
     problems : tuple of Problem
-        A warning where the laws cannot be told apart.
+        A warning where the laws cannot be distinguished.
     """
 
     better: str | None
@@ -54,7 +54,9 @@ class ContactComparison:
 
     def __repr__(self) -> str:
         laws = " and ".join(self.found)
-        verdict = f"{laws} cannot be told apart" if self.better is None else f"{self.better} predicts better"
+        verdict = (
+            f"{laws} cannot be distinguished" if self.better is None else f"{self.better} predicts better"
+        )
         return f"{type(self).__name__}: {verdict} (by {100.0 * self.gain:.2g} %, t = {self.certainty:.1f})"
 
     def summary(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,11 +26,11 @@ LADDER = (Bandwidth(2.5, 0.38), Bandwidth(0.85, 0.11), Bandwidth(0.45, 0.06))
 #: inertia make up for that: in closed loop the load inertia was up to 2 % off.
 LARGEST_GROWTH = 1.2
 
-#: Windows, s, whose innovations are more than so many times the usual ones count less, by the square of what is above
-#: (calibrated on the virtual rigs 1 to 20 under control), in at most so many fits in turn (numerics).
+#: Windows (s) whose RMS exceeds so many times the median are down-weighted, by the square of the excess (calibrated on
+#: the virtual rigs 1 to 20 under control), in at most so many fits in turn (numerics).
 WINDOW, BURST, ROUNDS = 0.05, 1.5, 5
 
-#: Steps at most for each gain of the ladder (numerics; three are usual).
+#: Steps at most for each gain of the schedule (numerics; three are usual).
 ITERATIONS = 15
 
 #: Nothing moves any more when all logarithms move by less than this (numerics: a tenth of a usual interval).
@@ -39,7 +39,7 @@ SETTLED = 2e-3
 #: No parameter leaves its start by more than this factor (numerics).
 FARTHEST = 20.0
 
-#: A lag is fitted down to this fraction of a sample (numerics: far below what can be told from none).
+#: A lag is fitted down to this fraction of a sample (numerics: far below what a recording can show).
 SMALLEST_LAG = 0.05
 
 
@@ -75,7 +75,7 @@ class Stage:
 
 
 def bandwidth_for(drivetrain: Drivetrain, rung: Bandwidth) -> Bandwidth:
-    """A rung of the ladder in 1/s."""
+    """A gain of the schedule in 1/s."""
     pole, zero = drivetrain.pole_frequency, drivetrain.zero_frequency
     return Bandwidth(rung.motor * 2.0 * np.pi * pole, rung.load * 2.0 * np.pi * zero)
 
@@ -103,8 +103,7 @@ def fit_past_bursts(
 ) -> Fit:
     """As ``fit``, out of poor minima: there the observer loses the motion for moments, and the values make up for it.
 
-    From the minimum on, moments whose innovations stand out count less until nothing moves, then all count again. The
-    lower of both minima is returned.
+    Iteratively reweighted fit, then one unweighted fit from there. The lower of both minima is returned.
     """
     first = fit(predictor, theta, free, box, bandwidth)
     if not free:
@@ -125,7 +124,7 @@ def fit_past_bursts(
 def _fit_weighted(
     predictor: Predictor, theta: Array, residual: Array, free: list[int], box: Box, bandwidth: Bandwidth
 ) -> Fit:
-    """A fit in which windows with large innovations, (n,) or of several channels, count less."""
+    """A fit with down-weighted windows of large innovations, (n,) or of several channels."""
     rows = max(1, int(WINDOW / predictor.dt)) * (residual.size // predictor.speed.size)
     starts = np.arange(0, residual.size, rows)
     size = np.sqrt(np.add.reduceat(residual**2, starts) / np.diff(starts, append=residual.size))
@@ -149,10 +148,14 @@ def descent(
     box: Box,
     say: Progress,
     later: Fitting = fit_past_bursts,
-    rungs: Sequence[Bandwidth] = LADDER,
+    gains: int | None = None,
 ) -> list[Stage]:
-    """Fits with ever lower gain, each from the result of the one before; ``later`` is how from the second gain on."""
+    """Fits with ever lower gain, each from the result of the one before; ``later`` is how from the second gain on.
+
+    ``gains`` is how many of the schedule's, all without it.
+    """
     stages: list[Stage] = []
+    rungs = LADDER[:gains]
     for number, rung in enumerate(rungs):
         say(0.2 + 0.2 * number, f"fitting, gain {number + 1} of {len(rungs)}")
         bandwidth = bandwidth_for(predictor.drivetrain(theta), rung)

@@ -153,7 +153,7 @@ def without_unexcited(predictor: Predictor, stage: Stage, start: Drivetrain, box
 def told(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, total: float) -> tuple[Stage, Told]:
     """The stage without the parameters that recording or replicas do not identify; values and intervals of the rest.
 
-    ``total`` is the inertia that the recording shows at low frequency, kg m2: clearly negative, nothing is believed.
+    ``total`` is the inertia that the recording shows at low frequency, kg m2: clearly negative, nothing is identified.
     """
     rest, speed = predictor.speed_residual(stage.fit.residual), predictor.speed
     if total < -CONTRADICTION * start.inertia_total or too_coarse(

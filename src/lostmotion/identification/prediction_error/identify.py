@@ -34,7 +34,7 @@ FURTHER = ("speed_load", "twist", "torque_shaft", "angle_motor")
 CONTACTS = ("viscoelastic", "dead_zone")
 
 #: Fewest rows and shortest time that are accepted (numerics: 200 periods of six samples are 1200 rows; five
-#: periods of a 10 Hz mode).
+#: periods of an eigenmode at 10 Hz).
 MIN_ROWS, MIN_TIME = 1000, 0.5
 
 #: Time before the innovations count, s (numerics), and after a gap: there the observer knows less than at rest, and its
@@ -60,26 +60,28 @@ def identify(
 
     The innovations of ``observers.kalman`` (motor torque and motor speed alone) are minimised over the
     logarithms of the parameters. A grid over motor inertia, stiffness and backlash around the nameplate
-    finds the valley; the observer's gain then goes from high to low. Where it predicts clearly better, the model gets a
-    joint piece: a part of the motor's inertia that sits on the shaft before the gap (``joint_piece``). Stiffness and
-    damping then are those of the two masses with the same torsional mode.
+    finds the valley; the observer's gain then goes from high to low. Where it predicts clearly better, the model gets
+    an intermediate inertia: a part of the motor's inertia that sits on the shaft before the gap (``joint_piece``).
+    Stiffness and damping then are those of the two masses with the same torsional mode.
 
-    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + n² + u² + a²). s is Student's factor times
-    the standard error from what the blocks of the recording pull. The rest stands for what the model leaves out: g is
-    how far a three times higher gain would move the estimate, f how far it moves if only the faster half of the speed
-    range counts (friction may be no straight line), both as far as that is more than chance; n is how far it moves if
-    the nameplate values that had to be taken for what is not excited are off by a factor of two, u how far it moved
-    when one was left out whose nameplate is zero; a allows for a mode above the torsional one that stands out in the
-    innovations, or that noise may hide (``model_error.model_allowance``). What sampling and counts shift is told by
-    exact simulations of what was found and taken off (``bootstrap``); where there are none, a bound is in a.
+    A half width of a 95 % interval is, in the logarithm, √(s² + g² + f² + n² + u² + a²):
 
-    Where counts are coarse, rows are joined; where the innovations still leave too little of the speed, nothing is
-    identified (``findings``).
+    - s: Student's factor times the standard error, from the blocks of the recording.
+    - g: how far a three times higher gain would move the estimate, beyond its 95 % noise level.
+    - f: likewise, if only the faster half of the speed range counts (friction may be no straight line).
+    - n: how far it moves if the nameplate's values of what is not excited are off by a factor of two.
+    - u: how far it moved when a parameter was left out whose nameplate is zero.
+    - a: for a mode above the torsional one that stands out in the innovations, or that noise may hide
+      (``model_error.model_allowance``).
+
+    The bias by sampling and counts is found by simulating what was identified, and subtracted (``bootstrap``); without
+    such simulations a bound of it is in a. Where counts are coarse, rows are joined; where the innovations still leave
+    too little of the speed, nothing is identified (``warnings``).
 
     Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
-    sticking, with friction at both ends, a delay and an unknown load torque (``descents``). The fit stands if nothing
-    predicts clearly better. Else what does is told, if several starts lead to it; if not, the intervals contain both,
-    or nothing is identified (``agreement``).
+    sticking, with friction at both ends, a delay and an unknown load torque (``contact_switching.descents``). The fit
+    stands if nothing predicts clearly better. Else what does is reported, if several starts lead to it; if not, the
+    intervals contain both, or nothing is identified (``contact_switching.agreement``).
 
     Parameters
     ----------
@@ -99,7 +101,7 @@ def identify(
     contact : {"viscoelastic", "dead_zone"}
         Contact law of the observer; see ``compare_contacts``.
     joint_piece : bool
-        Whether a joint piece is tried; not with further channels, a load torque or the dead-zone law.
+        Whether an intermediate inertia is tried; not with further channels, a load torque or the dead-zone law.
     second_estimator : bool
         Whether the contact-switching filter judges the fit; not with further channels, a load torque or the dead-zone
         law. On drives unlike the virtual rig it finds most values that are wrong and yet called identified.
@@ -121,7 +123,7 @@ def identify(
 
     Notes
     -----
-    ``lag`` stands for the sum of current lag, filters and delay, which cannot be told apart.
+    ``lag`` stands for the sum of current lag, filters and delay, which cannot be separated.
     Friction of the motor stays as in ``start``. The torque is taken as free of scale error, the speed as
     free of bias: both would show as inertia and as asymmetric friction.
     """
@@ -149,7 +151,7 @@ def identify(
     )
     found = None
     if joint_piece and not wide:
-        upper = descent(predictor, theta, free, box, say, fit, LADDER[:2])
+        upper = descent(predictor, theta, free, box, say, fit, gains=2)
         # The search takes longer than all the rest: only where innovations ask for it.
         if higher_mode(predictor, upper[-1]) is not None:
             found = with_joint_piece(predictor, upper, box)

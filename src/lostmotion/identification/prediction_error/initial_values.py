@@ -20,7 +20,7 @@ FACTORS = (0.5, 0.71, 1.0, 1.41, 2.0)
 #: Factors on torque / stiffness that it tries for a backlash without a nameplate (numerics).
 BACKLASH_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0)
 
-#: Length of the piece of the recording that the search runs over, s, and rows at least (option: its computing time).
+#: Length of the segment of the recording that the search runs over, s, and rows at least (option: its computing time).
 SEARCH_TIME, SEARCH_ROWS = 3.0, 5000
 
 #: Points of the search from which a short fit starts (numerics).
@@ -44,7 +44,7 @@ def rigid_body(
 ) -> tuple[float, float, float]:
     """Total inertia, Coulomb and viscous friction from torque = J·acceleration + M_c·sgn(speed) + d_v·speed.
 
-    Least squares below ``RIGID_BAND``, where neither the shaft nor the gap matters, over all pieces together.
+    Least squares below ``RIGID_BAND``, where neither the shaft nor the gap matters, over all segments together.
     """
     from scipy.signal import butter, sosfiltfilt
 
@@ -150,7 +150,7 @@ def rival(fits: Sequence[Fit]) -> Array | None:
 
 
 def _liveliest(torque: Array, dt: float) -> slice:
-    """The piece of ``SEARCH_TIME`` with the greatest torque variance."""
+    """The segment of ``SEARCH_TIME`` with the greatest torque variance."""
     rows = min(torque.size, max(SEARCH_ROWS, int(SEARCH_TIME / dt)))
     starts = np.arange(0, torque.size - rows + 1, max(1, rows // 10))
     first = int(starts[np.argmax([np.var(torque[i : i + rows]) for i in starts])])

@@ -36,7 +36,7 @@ class Bandwidth:
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
-    """Motor torque and motor speed on one raster, in one or more pieces, and how the speed was measured.
+    """Motor torque and motor speed on one raster, in one or more segments, and how the speed was measured.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ class Predictor:
     skip : int
         First innovations that count as zero, while the observer settles.
     bounds : tuple of int
-        First row of each piece, and the number of rows; default: one piece.
+        First row of each segment, and the number of rows; default: one segment.
     skip_later : int
-        The same as ``skip`` for every further piece, which may begin in the middle of a motion.
+        The same as ``skip`` for every further segment, which may begin in the middle of a motion.
     joined : bool
         Each row stands for several recorded ones.
     """
@@ -82,7 +82,7 @@ class Predictor:
 
     @property
     def pieces(self) -> list[slice]:
-        """Rows of each piece."""
+        """Rows of each segment."""
         return [slice(a, b) for a, b in zip(self.bounds, self.bounds[1:], strict=False)]
 
     def part(self, rows: slice) -> Predictor:
@@ -101,7 +101,7 @@ class Predictor:
         return {"speed_motor": float(np.sqrt(np.mean(residual[self.settled()] ** 2)))}
 
     def settling(self) -> list[slice]:
-        """Rows of each piece in which the observer settles; they do not count."""
+        """Rows of each segment in which the observer settles; they do not count."""
         skips = [self.skip] + [self.skip_later] * (len(self.bounds) - 2)
         return [
             slice(piece.start, min(piece.start + skip, piece.stop))

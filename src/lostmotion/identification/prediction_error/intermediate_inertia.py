@@ -1,4 +1,4 @@
-"""A joint piece on the shaft: the first thing that a real drivetrain has and two masses have not."""
+"""An intermediate inertia on the shaft: the first thing that a real drivetrain has and two masses have not."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from .innovations import Bandwidth, Predictor
 
 Array = NDArray[np.float64]
 
-#: Where the search starts: the joint piece's share of the motor's inertia, and the share of the shaft's compliance
-#: before it (numerics).
+#: Where the search starts: the intermediate inertia's share of the motor's inertia, and the share of the shaft's
+#: compliance before it (numerics).
 SHARE, COMPLIANCE = 0.1, 0.5
 #: The search keeps both within these bounds (numerics).
 SMALLEST, LARGEST = 2e-3, 0.95
-#: The joint piece stays if the sum of squared innovations falls below this fraction (calibrated: on two masses without
-#: any it falls by less than 1 %, on the virtual rigs 1 to 20 to a half or less).
+#: The intermediate inertia stays if the sum of squared innovations falls below this fraction (calibrated: on two
+#: masses without any it falls by less than 1 %, on the virtual rigs 1 to 20 to a half or less).
 WORTHWHILE = 0.9
 #: The search ends when a step lowers the sum of squares by less than this fraction (numerics: along the valley of share
 #: and compliance it would go on for long, and the parameters no longer move).
@@ -32,13 +32,13 @@ class JointPredictor(Predictor):
     """As ``Predictor``, with a part of the motor's inertia on the shaft.
 
     The parameters keep their meaning: the motor's inertia is all of it, stiffness and damping are those of the two
-    masses with the same torsional mode. Share and compliance of the piece are no parameters; what is uncertain about
-    them is taken out of the Jacobian, so that intervals hold for whatever piece fits best.
+    masses with the same torsional mode. Share and compliance of it are no parameters; what is uncertain about
+    them is taken out of the Jacobian, so that intervals hold for whichever fits best.
 
     Parameters
     ----------
     share, compliance : float
-        The piece's part of the motor's inertia; the part of the shaft's compliance before it.
+        The intermediate inertia's part of the motor's inertia; the part of the shaft's compliance before it.
     """
 
     share: float = SHARE
@@ -50,7 +50,7 @@ class JointPredictor(Predictor):
 
     @property
     def replicable(self) -> bool:
-        """The replicas' drivetrain has no joint piece."""
+        """The replicas' drivetrain has no intermediate inertia."""
         return False
 
     def _innovations(self, thetas: Array, bandwidth: Bandwidth) -> Array:
@@ -89,7 +89,7 @@ class JointPredictor(Predictor):
         return super().jacobian(theta, bandwidth, free, residual), piece
 
     def with_piece(self, logarithms: Array) -> JointPredictor:
-        """A copy with the piece of which the logarithms of share and compliance are given."""
+        """A copy with the intermediate inertia of which the logarithms of share and compliance are given."""
         share, compliance = np.exp(logarithms)
         return replace(self, share=float(share), compliance=float(compliance))
 
@@ -97,7 +97,7 @@ class JointPredictor(Predictor):
 def with_joint_piece(
     predictor: Predictor, stages: Sequence[Stage], box: Box
 ) -> tuple[Predictor, Stage] | None:
-    """The fit with a joint piece under the gain of the last stage; None if that predicts not clearly better.
+    """The fit with an intermediate inertia under the gain of the last stage; None if that predicts not clearly better.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def _joint(predictor: Predictor) -> JointPredictor:
 
 
 def _fit(joint: JointPredictor, stage: Stage, box: Box) -> tuple[JointPredictor, Stage]:
-    """Parameters and joint piece together, under the stage's gain."""
+    """Parameters and intermediate inertia together, under the stage's gain."""
     n, bounds = stage.fit.theta.size, np.log([SMALLEST, LARGEST])
 
     def residual(both: Array) -> Array:

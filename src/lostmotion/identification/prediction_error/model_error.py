@@ -26,8 +26,9 @@ HIGHEST_MODE = 15.0
 #: 50 % above that of the shaft, because the impacts feed energy into the mode).
 DAMPING_ALLOWANCE = 0.5
 
-#: With a joint piece on the shaft, what is allowed for in multiples of (pole / mode)²; 2 without (calibrated on the
-#: virtual rigs 1 to 20, where motor inertia and stiffness are 0.5 to 1.3 % off then, and (pole / mode)² is 1.8 %).
+#: With an intermediate inertia on the shaft, what is allowed for in multiples of (pole / mode)²; 2 without (calibrated
+#: on the virtual rigs 1 to 20, where motor inertia and stiffness are 0.5 to 1.3 % off then, and (pole / mode)² is
+#: 1.8 %).
 JOINT_ALLOWANCE = 1.0
 
 #: Allowance for the lag if there is an unmodelled mode, samples (calibrated on the virtual rigs 1 and 2,
@@ -90,11 +91,11 @@ def model_allowance(
     """Half widths (relative) for the sampling and for a mode that a two-mass model does not have.
 
     The observer holds gap and friction over a sample, an error of second order: (2π·pole·dt)²/2 is allowed
-    (0.2 % at 100 Hz and 0.1 ms; about twice what exactly simulated recordings show), unless replicas have told it.
+    (0.2 % at 100 Hz and 0.1 ms; about twice what exactly simulated recordings show), unless replicas have shown it.
 
     Below its frequency such a mode changes the inertia and the stiffness seen at the torsional mode by the
     relative amount (pole / mode)², to first order; twice that is allowed (chosen, for 95 %) for motor
-    inertia, stiffness and backlash. The total inertia is not touched, so the load inertia has the motor's
+    inertia, stiffness and backlash. The total inertia does not change, so the load inertia has the motor's
     allowance in kg m²; twice that with further channels, which show the load side through what the model leaves out
     (chosen: with the twist it was 1.1 to 1.3 % off on finer plants). The lag has ``LAG_ALLOWANCE``, the
     Coulomb torque ``FRICTION_ALLOWANCE``, and the viscous friction what makes up for that at the given speed.
@@ -114,7 +115,7 @@ def model_allowance(
     sampled : bool
         Whether the shift by the sampling is known and taken off.
     joint : bool
-        Whether the model has a joint piece on the shaft: half of it is allowed for then.
+        Whether the model has an intermediate inertia on the shaft: half of it is allowed for then.
     """
     sampling = 0.0 if sampled else 0.5 * (2.0 * np.pi * drivetrain.pole_frequency * dt) ** 2
     if mode is None:

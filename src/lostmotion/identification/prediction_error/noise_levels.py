@@ -1,4 +1,4 @@
-"""Fit with further channels or an unknown load torque, from what motor torque and motor speed alone told."""
+"""Fit with further channels or an unknown load torque, from the fit to motor torque and motor speed alone."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ DEAF = 1e4
 def refine(
     predictor: ChannelPredictor, theta: Array, stage: Stage, box: Box, load_torque: bool
 ) -> tuple[ChannelPredictor, Stage]:
-    """Fit and noise levels in turn, from the stage that motor torque and motor speed told.
+    """Fit and noise levels in turn, from the fit to motor torque and motor speed.
 
     With an unknown load torque that stage is biased: the gain is lowered anew from the start theta, for each rate.
     """
@@ -47,7 +47,7 @@ def refine(
 
 
 def _silent(fraction: float, text: str) -> None:
-    """The progress of a search within a stage is not told."""
+    """The progress of a search within a stage is not shown."""
 
 
 def _settled(predictor: ChannelPredictor, stage: Stage, box: Box) -> tuple[ChannelPredictor, Stage]:

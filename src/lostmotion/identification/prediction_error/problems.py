@@ -23,8 +23,8 @@ _EXCITE = {
 
 def gaps(segments: int, recordings: int, left_out: float) -> Problem:
     """``left_out``, s."""
-    got = f"{segments} pieces in {recordings} recording(s), {left_out:.3g} s left out"
-    remedy = "The observer starts anew after each gap: a long piece tells more than many short ones."
+    got = f"{segments} segments in {recordings} recording(s), {left_out:.3g} s left out"
+    remedy = "The observer starts anew after each gap: one long segment tells more than many short ones."
     return Problem.warning("recording", got, "no gaps", remedy)
 
 
@@ -146,7 +146,7 @@ def laws_alike(gain: float, certainty: float, least: float) -> Problem:
     """Two contact laws: gain of the better one and the least that counts, as fractions; t statistic."""
     got = f"laws whose predictions differ by {100.0 * gain:.2g} % (t = {certainty:.1f})"
     remedy = (
-        "They cannot be told apart here: keep the viscoelastic law, or record faster crossings of the gap."
+        "They cannot be distinguished here: keep the viscoelastic law, or record faster crossings of the gap."
     )
     return Problem.warning("contact", got, f"at least {100.0 * least:g} % in most of the recording", remedy)
 

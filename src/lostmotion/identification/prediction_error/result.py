@@ -22,7 +22,7 @@ class Prediction:
         s; predicted speed and innovation (measured − predicted), rad/s. Rows in gaps are left out; the time of a
         further recording goes on after the one before.
     rms : float, rad/s
-        Root mean square of the innovations, without the first tenth of a second of each piece.
+        Root mean square of the innovations, without the first tenth of a second of each segment.
     fit : float
         1 − rms / standard deviation of the measured speed.
     iterations : int

@@ -1,4 +1,4 @@
-"""One or more recordings, with gaps in them, as pieces without gaps on one raster."""
+"""One or more recordings, with gaps in them, as segments without gaps on one raster."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 #: half way to two).
 RASTER, MISSING = 0.05, 1.5
 
-#: Shortest piece that is used, s (numerics: twice the settling of the observer after a gap).
+#: Shortest segment that is used, s (numerics: twice the settling of the observer after a gap).
 SHORTEST = 0.8
 
 #: Sample times of recordings that are taken together may differ by this fraction (option: far below the raster).
@@ -28,7 +28,7 @@ SAME_RASTER = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Rows that are used, one piece after the other.
+    """Rows that are used, one segment after the other.
 
     Parameters
     ----------
@@ -36,10 +36,10 @@ class Pieces:
         As recorded; a further recording goes on one sample after the one before.
     signals : dict of name → (n,) array
     bounds : tuple of int
-        First row of each piece, and n.
+        First row of each segment, and n.
     dt : float, s
     left_out : float, s
-        Time of rows with a NaN, and of pieces that are too short.
+        Time of rows with a NaN, and of segments that are too short.
     recordings : int
     """
 
@@ -53,7 +53,7 @@ class Pieces:
     def joined(self, rows: int) -> Pieces:
         """``rows`` rows each taken as one: the mean of the torque after, of the count-averaged speed before it.
 
-        For motor torque and motor speed. The rest of each piece is left out.
+        For motor torque and motor speed. The rest of each segment is left out.
         """
         cut = [slice(a, a + (b - a) // rows * rows) for a, b in pairwise(self.bounds)]
         torque = [self.signals["torque_motor"][c].reshape(-1, rows).mean(axis=1) for c in cut]
@@ -76,12 +76,12 @@ class Pieces:
 
 
 def join(recordings: Sequence[Recording], names: Sequence[str]) -> Pieces:
-    """Cut at NaN rows and missing rows, and put the pieces one after the other.
+    """Cut at NaN rows and missing rows, and put the segments one after the other.
 
     Raises
     ------
     InvalidInput
-        If there is no recording, their sample times differ, a raster is not uniform, or no piece is long enough.
+        If there is no recording, their sample times differ, a raster is not uniform, or no segment is long enough.
     """
     if not recordings:
         raise InvalidInput("recording", "none", "at least one", "Give a recording.")
@@ -110,7 +110,7 @@ def join(recordings: Sequence[Recording], names: Sequence[str]) -> Pieces:
     if not times:
         raise InvalidInput(
             "recording",
-            "no piece without a gap that is long enough",
+            "no segment without a gap that is long enough",
             f"at least {SHORTEST} s",
             "Repair the gaps.",
         )
@@ -141,7 +141,7 @@ def _check_raster(time: Array, step: float) -> None:
 
 
 def _runs(recording: Recording, names: Sequence[str], step: float) -> tuple[list[slice], float]:
-    """Rows of the pieces that are long enough, and the time that is left out, s."""
+    """Rows of the segments that are long enough, and the time that is left out, s."""
     good = np.all(np.isfinite([recording[name] for name in names]), axis=0)
     after_gap = np.r_[False, np.diff(recording.time) > MISSING * step]
     edges = np.flatnonzero(np.diff(np.r_[False, good, False].astype(int)))
@@ -150,7 +150,7 @@ def _runs(recording: Recording, names: Sequence[str], step: float) -> tuple[list
         inner = start + np.flatnonzero(after_gap[start:stop])
         cuts = [start, *inner[inner > start].tolist(), stop]
         runs += [slice(int(a), int(b)) for a, b in zip(cuts, cuts[1:], strict=False)]
-    # A recording in one piece is used whatever its length: what is too short altogether is told elsewhere.
+    # A recording in one segment is used whatever its length: what is too short altogether is reported elsewhere.
     kept = [run for run in runs if (run.stop - run.start) * step >= SHORTEST or len(runs) == 1]
     rows = sum(run.stop - run.start for run in kept)
     return kept, (len(recording) - rows) * step

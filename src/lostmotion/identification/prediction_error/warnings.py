@@ -16,7 +16,7 @@ from .result import Prediction
 #: Largest torque (Nm) and speed (rad/s) that are taken for real (option: a thousand times those of big drives).
 LARGEST_VALUE = 1e8
 
-#: Correlation above which two parameters can hardly be told apart (numerics: each interval is five times as wide as
+#: Correlation above which two parameters can hardly be separated (numerics: each interval is five times as wide as
 #: with the other one known).
 CORRELATED = 0.98
 

@@ -45,7 +45,7 @@ LARGEST_GAIN = 1e12
 
 @dataclass(frozen=True)
 class Key:
-    """How the value of a key is read, and what an editor is told about it before that.
+    """How the value of a key is read, and what an editor knows about it before that.
 
     Parameters
     ----------

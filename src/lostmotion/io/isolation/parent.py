@@ -12,7 +12,7 @@ from typing import IO, Any
 
 from ...child_process import end_python, kill_python, start_python
 from ...errors import InvalidInput
-from ..memory import memory_limit, size_text, too_much
+from ...memory import memory_limit, size_text, too_much
 from .child import CAN_FORK, CRASHED, LATE, READ, REFUSED, TOO_LARGE, serve
 
 #: Time to read a file, s, for each MB of it more (option: scipy unpacks 100 MB/s), and to start a process.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,9 @@ Array = NDArray[np.float64]
 #: correlation of a right recording is 0.13 with blocks of 2.5 ms, 0.23 with 10 ms, 0.88 with 25 ms, and on measured
 #: drives (recordings not noted), which give 0.46 to 1.
 BLOCK, FEWEST_BLOCKS = 0.025, 40
+#: Least correlation of torque and acceleration, either way, that shows an inertia (option: the inertia is then within
+#: a factor of two).
+CORRELATED = 0.5
 
 
 def column_order(recording: Recording) -> tuple[float, float]:
@@ -26,18 +31,18 @@ def column_order(recording: Recording) -> tuple[float, float]:
     return (0.0, 0.0) if means is None else (_following(*means), _following(*means[::-1]))
 
 
-def inertia_shown(recording: Recording) -> tuple[float, float]:
-    """Inertia that the motor's speed shows under its torque (kg m2), and the correlation behind it; or 0, 0.
+def inertia_shown(recording: Recording) -> float | None:
+    """Inertia that the motor's speed shows under its torque, kg m2, negative where it turns the other way.
 
-    Over means of blocks, as ``column_order``. The ratio of the deviations of torque and acceleration is too large and
-    too small alike by noise; at a correlation of one half it is within a factor of two.
+    Over means of blocks, as ``column_order``: the ratio of the standard deviations of torque and acceleration, for
+    which noise of either counts alike. None where their correlation is below ``CORRELATED``.
     """
     means = _block_means(recording)
-    if means is None:
-        return 0.0, 0.0
-    force, change = _rests(*means)
-    size, duration = float(np.linalg.norm(change)), max(1, round(BLOCK / recording.dt)) * recording.dt
-    return (float(np.linalg.norm(force)) * duration / size, _following(*means)) if size > 0.0 else (0.0, 0.0)
+    correlation = 0.0 if means is None else _following(*means)
+    if means is None or abs(correlation) < CORRELATED:
+        return None
+    force, change = (float(np.linalg.norm(rest)) for rest in _rests(*means))
+    return math.copysign(force / change * max(1, round(BLOCK / recording.dt)) * recording.dt, correlation)
 
 
 def _block_means(recording: Recording) -> tuple[Array, Array] | None:
@@ -73,7 +78,7 @@ def _following(cause: Array, followed: Array) -> float:
 
 
 def torque_agreement(recording: Recording) -> float:
-    """Whether motor torque and motor acceleration point the same way, from −1 to 1; 0 if that cannot be told.
+    """Whether motor torque and motor acceleration point the same way, from −1 to 1; 0 if that is open.
 
     The mean cosine of the phase of acceleration against torque over all frequencies where both are coherent
     (> 0.5), weighted by coherence and on a logarithmic frequency axis. An inertia gives 1. A shaft between

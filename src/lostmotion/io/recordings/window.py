@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputProblems, InvalidInput, Problem
-from ..memory import check_memory
+from ...memory import check_memory
 from ..tables.units import parse_quantity
 from .checks import (
     MINIMUM_SAMPLES,

@@ -1,4 +1,4 @@
-"""output_folder: a folder of results that appears whole or not at all, and takes nobody else's files away."""
+"""output_folder: a folder of results that appears whole or not at all, and takes no files of others away."""
 
 from __future__ import annotations
 

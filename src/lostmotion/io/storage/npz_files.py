@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib import format as npy
 
 from ...errors import InvalidInput
-from ..memory import check_memory
+from ...memory import check_memory
 from .whole_files import read_bytes
 
 #: Longest header of an array that numpy reads, bytes, and what stands before it (layout).

@@ -116,7 +116,7 @@ def _event(where: str, row: object) -> Event:
 
 
 def _tagged(value: Any, where: str) -> Any:
-    """What JSON can hold, from which arrays, problems, NaN and infinity can be told again."""
+    """What JSON can hold, from which arrays, problems, NaN and infinity can be read again."""
     if isinstance(value, float | np.floating) and not math.isfinite(value):
         return {_NUMBER: repr(float(value))}
     if isinstance(value, np.ndarray):

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import InvalidInput
-from ..memory import check_memory
+from ...memory import check_memory
 from ..spelling import short_list
 
 #: Bytes that are read of a file that says no size, as those of /proc do (option).

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Problem
+from ...memory import check_memory
 from ...plain_data import shown
 from ...recording import unit_of
-from ..memory import check_memory
 from ..spelling import short_list, split_unit, suggestion
 from .columns import Column
 from .dialects import LONGEST, Dialect, check_decimal_commas, decode, find_dialect

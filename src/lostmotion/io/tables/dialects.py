@@ -133,7 +133,7 @@ def find_dialect(lines: Sequence[str]) -> Dialect:
 def check_decimal_commas(lines: Sequence[str], names: int, where: str) -> None:
     """Refuse commas that separate columns and decimals alike: no reader can tell 0,5 from two columns.
 
-    Told by fewer names than fields (``names`` is 0 without a header), or by fields such as 05, and no decimal point.
+    Seen by fewer names than fields (``names`` is 0 without a header), or by fields such as 05, and no decimal point.
     """
     sample = lines[:SAMPLE]
     fields = [line.split(",") for line in sample if '"' not in line]
@@ -146,5 +146,5 @@ def check_decimal_commas(lines: Sequence[str], names: int, where: str) -> None:
             where,
             f"a comma between columns and as the decimal sign, too: {sample[0][:60]!r}",
             "a decimal point, or ; or tabs between the columns",
-            "Export it again so: 0,5 cannot be told from two columns.",
+            "Export it again so: 0,5 may as well be two columns.",
         )

@@ -54,7 +54,7 @@ def cramer_rao(drive: Drive) -> dict[str, float]:
         information += told
         rows += used
     information *= len(drive.recording) / max(rows, 1)
-    # What is not told at all gets a huge variance instead of an error.
+    # What no window identifies gets a huge variance instead of an error.
     scale = np.sqrt(np.maximum(np.diag(information), 1e-6))
     inverse = np.linalg.inv(information / np.outer(scale, scale) + 1e-12 * np.eye(scale.size))
     covariance = inverse / np.outer(scale, scale)

@@ -36,8 +36,8 @@ class Drive:
     ----------
     seed : int
     nameplate : Drivetrain
-        Two masses, every value off by up to three either way, or zero where it is not told; the torque limit is the
-        rated torque.
+        Two masses, every value off by up to three either way, or zero where the nameplate lacks it; the torque limit
+        is the rated torque.
     recording : Recording
         torque_motor (Nm) and speed_motor (rad/s) as the drive logs them.
     truth : Truth

@@ -30,7 +30,7 @@ from .draws import (
 RIGID, NO_GAP, SECOND_GAP, SOFT_CLUTCH = 0.1, 1.0 / 6.0, 0.1, 0.1
 #: How many drives have so many inertias (option).
 MASSES = {"2": 0.4, "3": 0.3, "4": 0.15, "5": 0.15}
-#: A further inertia's share of its side; of a piece between the softest shaft and the gap (option: a joint is small).
+#: A further inertia's share of its side; of one between the softest shaft and the gap (option: a joint is small).
 SHARE, JOINT_SHARE = (0.005, 0.4), (0.005, 0.15)
 #: A further shaft's compliance over that of the softest: usual ones at most, a soft clutch (option).
 MOST_COMPLIANCE, CLUTCH_COMPLIANCE = 0.45, (0.5, 2.0)

@@ -38,7 +38,7 @@ def equivalent(chain: Drivetrain, exact: Recording | None, delay: float) -> dict
     lag = {"lag": chain.actuator.lag + delay}
     motor = _line(chain.frictions[0], exact, "speed_motor")
     if len(chain.inertias) == 1:
-        # Of one inertia there is one friction, which may be told as either end's.
+        # Of one inertia there is one friction, which may be reported as either end's.
         friction = dict(zip(("coulomb", "viscous"), motor, strict=True))
         told = {"inertia_motor": chain.inertia_total, **dict.fromkeys(ABSENT_IF_RIGID, 0.0)}
         return {**told, **friction, "coulomb_motor": None, "viscous_motor": None, **lag}

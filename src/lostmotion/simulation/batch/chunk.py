@@ -19,7 +19,7 @@ from ...events import KINDS
 from ...recording import Recording
 from ..inputs import check_lengths, check_sample_time, check_signal
 from ..simulate import simulate
-from .family import TorqueRun, kinship
+from .family import TorqueRun, family_key
 from .law_family import LawRun
 
 Array = NDArray[np.float64]
@@ -118,7 +118,7 @@ class Work:
         together = self.compiled
         for i, drivetrain in enumerate(part):
             if together is not None and together.knows(drivetrain):
-                families.setdefault(kinship(drivetrain), []).append(i)
+                families.setdefault(family_key(drivetrain), []).append(i)
             elif (recording := self._alone(drivetrain, i, chunk)) is not None and file is not None:
                 kept |= {f"{first + i}/{name}": recording[name] for name in recording}
         if together is not None:

@@ -128,8 +128,8 @@ def _only_state(row: Array, states: int) -> int:
     return int(used[0]) if used.size == 1 and used[0] < states and row[used[0]] == 1.0 else -1
 
 
-def kinship(drivetrain: Drivetrain) -> tuple[Any, ...]:
-    """Drivetrains of equal kinship differ in their numbers only, and have the same softest shaft."""
+def family_key(drivetrain: Drivetrain) -> tuple[Any, ...]:
+    """Equal for drivetrains that differ in their numbers only, and have the same softest shaft."""
     shafts = drivetrain.shafts
     stiffness = [shaft.stiffness for shaft in shafts]
     return (

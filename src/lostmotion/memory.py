@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 
-from ..errors import InvalidInput
+from .errors import InvalidInput
 
 #: The environment variable that raises the limit, as ``lostmotion --memory-limit`` does.
 VARIABLE = "LOSTMOTION_MEMORY_LIMIT"
