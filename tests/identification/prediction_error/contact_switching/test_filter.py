@@ -86,7 +86,7 @@ def command() -> np.ndarray:
 
 
 def test_a_torque_that_changes_within_a_sample_is_followed_exactly(plant: lm.Drivetrain):
-    """The delay is 0.3 of a row; with the torque's mean over the sample the innovations are a thousand times as large."""
+    """The delay is 0.3 of a row; with the torque's mean alone the innovations are a thousand times as large."""
     linear, held = plant.with_parameters(backlash=0.0, coulomb=0.0), command()
     torque = np.concatenate([np.zeros(3), np.repeat(held, STEPS)])[: held.size * STEPS]
     flt, theta = coarse(linear, torque, held, delay=0.3 * COARSE)

@@ -29,6 +29,8 @@ LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2}
 #: Likewise (layout).
 KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2}
 
+#: Noise over the motion below which a speed has none (numerics: so exactly the filter finds an impact).
+EXACT = 3e-6
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
 
@@ -98,7 +100,7 @@ class ContactFilter:
         Raises
         ------
         InvalidInput
-            If the speed has no noise at all: then there is no likelihood.
+            If the speed has no noise, or less than the filter's own errors: then there is no likelihood.
         """
         dt, counted = predictor.dt, predictor.speed_from_counts
         measured = np.cumsum(predictor.speed) * dt if counted else predictor.speed
@@ -107,7 +109,7 @@ class ContactFilter:
             floor = step * dt / np.sqrt(12.0)
         else:  # recordings of several sensors are judged by the noisiest
             floor = max(white_noise(measured[piece]) for piece in predictor.pieces)
-        if not floor > 0.0:
+        if not floor > (0.0 if counted else EXACT * float(np.std(measured))):
             raise InvalidInput("speed_motor", "no noise", "a sensor's noise", "Check the channel.")
         halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
         return cls(
