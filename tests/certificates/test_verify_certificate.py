@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from damaged_certificates import leaves, mutated, said
+from damaged_certificates import drivetrain_of, leaves, mutated, said
 from table_i import TABLE_I
 
 import lostmotion as lm
@@ -62,17 +62,8 @@ def test_it_runs_without_any_package(
 
 def independent(data: dict[str, Any]) -> bool:
     """The package's own conditions in fractions, from the certificate's drivetrain, law and numbers."""
-    d, claim, own = data["drivetrain"], data["claim"], data["proof"]
-    limit = d["torque_limit"]
-    plant = lm.Drivetrain(
-        inertias=(d["inertia_motor"], d["inertia_load"]),
-        shafts=(lm.Shaft(d["stiffness"], d["damping"], d["backlash"], d["contact"]),),
-        frictions=(
-            lm.Friction((d["coulomb_motor_plus"], d["coulomb_motor_minus"]), d["viscous_motor"]),
-            lm.Friction((d["coulomb_plus"], d["coulomb_minus"]), d["viscous"]),
-        ),
-        actuator=lm.Actuator(d["lag"], np.inf if limit is None else limit),
-    )
+    claim, own = data["claim"], data["proof"]
+    plant = drivetrain_of(data)
     loop = lure_loop(plant, lm.DiscreteSystem.from_dict(data["law"]), delay=data["delay"])
     loop = with_memory(loop, own.get("memory", ()))
     corners = [

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from damaged_certificates import leaves, mutated, said
+from damaged_certificates import drivetrain_of, leaves, mutated, said
 from table_i import PAPER
 
 import lostmotion as lm
@@ -56,20 +56,11 @@ def independent(data: dict[str, Any]) -> bool:
 def nominal_loop(data: dict[str, Any]) -> LureLoop:
     """The nominal loop in units of torque."""
     check_shapes(data["law"])
-    d = data["drivetrain"]
-    plant = lm.Drivetrain(
-        inertias=(d["inertia_motor"], d["inertia_load"]),
-        shafts=(lm.Shaft(d["stiffness"], d["damping"], d["backlash"], d["contact"]),),
-        frictions=(
-            lm.Friction((d["coulomb_motor_plus"], d["coulomb_motor_minus"]), d["viscous_motor"]),
-            lm.Friction((d["coulomb_plus"], d["coulomb_minus"]), d["viscous"]),
-        ),
-        actuator=lm.Actuator(d["lag"], np.inf if d["torque_limit"] is None else d["torque_limit"]),
-    )
+    plant = drivetrain_of(data)
     if data["law"]["dt"]:
         law = lm.DiscreteSystem.from_dict(data["law"])
         return in_torque(lure_loop(plant, law, delay=data["delay"]), plant)
-    if data["delay"] or d["torque_limit"] is not None:
+    if data["delay"] or data["drivetrain"]["torque_limit"] is not None:
         raise ValueError("nothing is sampled")
     return in_torque(continuous_loop(plant, continuous_law(data["law"])), plant)
 

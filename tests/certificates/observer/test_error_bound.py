@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import random
 import subprocess
@@ -14,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from damaged_certificates import leaves, mutated, said
 from table_i import PAPER
 
 import lostmotion as lm
@@ -185,33 +185,6 @@ def known(plant: Plant, limits: dict[str, Fraction], signs: tuple[int, ...], fac
             found.append(z - w)
     ones = rational(np.ones((len(faces), 1)))
     return np.vstack([*found, np.hstack([ones, -faces]), np.hstack([ones, faces])])
-
-
-def leaves(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Paths to all numbers of a certificate."""
-    if isinstance(value, dict | list):
-        pairs = value.items() if isinstance(value, dict) else enumerate(value)
-        return [p for key, part in pairs for p in leaves(part, (*path, key))]
-    return [path] if isinstance(value, float | int) else []
-
-
-def mutated(certificate: dict[str, Any], rng: random.Random, paths: list[tuple[Any, ...]]) -> dict[str, Any]:
-    """One number changed a little, much, or in sign."""
-    data = copy.deepcopy(certificate)
-    *way, last = rng.choice(paths)
-    place: Any = data
-    for key in way:
-        place = place[key]
-    scale = rng.choice((-1.0, 0.0, 0.5, 1.0 - 1e-6, 1.0 + 1e-6, 1.001, 2.0))
-    place[last] = place[last] * scale if place[last] else rng.choice((1e-9, -1e-9, 1.0))
-    return data
-
-
-def said(judge: Any, data: dict[str, Any]) -> bool:
-    try:
-        return bool(judge(data))
-    except (lm.LostMotionError, LookupError, TypeError, ValueError, ArithmeticError):
-        return False
 
 
 def test_its_verdict_is_that_of_an_independent_check() -> None:
