@@ -39,7 +39,7 @@ def told(result: Identification, words: str) -> list[Problem]:
 
 
 def test_a_residual_that_is_not_white():
-    (problem,) = told(found(drift=2.0), "times white noise's share")
+    (problem,) = told(found(drift=2.0, second_estimator=False), "times white noise's share")
     assert "load_torque = true under [identify]" in problem.remedy
     assert told(found(), "times white noise's share") == []
 
