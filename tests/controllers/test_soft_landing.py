@@ -163,6 +163,14 @@ def test_a_torque_is_not_held_back_for_longer_than_a_crossing_lasts(sign):
     assert np.ptp(for_ever) < 1e-6 and for_ever[0] == torque[0]
 
 
+@pytest.mark.parametrize("torque", [60.0, -30.0])
+def test_where_a_gap_closes_in_time_the_patience_changes_no_bit(torque):
+    free, bound = (
+        landing(PLANT.with_parameters(coulomb=0.0), torque, **more) for more in ({}, {"patience": 1e9})
+    )
+    assert np.array_equal(free["torque_motor"], bound["torque_motor"])
+
+
 def test_it_is_its_own_mirror_image():
     rng = np.random.default_rng(4)
     law = limiter()
