@@ -66,12 +66,14 @@ def test_no_lag_has_a_floor():
     assert 0.0 < from_theta(Box.around(theta, DT).lower, DT)[-1] < 0.1 * DT
 
 
+#: Sample time of a load that hardly moves, s.
+SLOW = 2e-4
 NAMEPLATE = lm.Drivetrain.two_mass(inertia_motor=0.018, inertia_load=0.1, stiffness=6000.0)
 
 
 def told_of_a_held_load(torque: np.ndarray, nameplate: lm.Drivetrain) -> set[str]:
     """What is told of a load with 2 Nm of Coulomb torque; each of these torques alone leaves it nearly at rest."""
-    run = lm.simulate(PLANT, torque_motor=torque, dt=DT)
+    run = lm.simulate(PLANT, torque_motor=torque, dt=SLOW)
     assert np.max(np.abs(run["speed_load"])) < 0.5
     noise = 1e-4 * np.random.default_rng(2).standard_normal(torque.size)
     recording = run.only("torque_motor").with_signals("measured", speed_motor=run["speed_motor"] + noise)
@@ -84,13 +86,13 @@ def told_of_a_held_load(torque: np.ndarray, nameplate: lm.Drivetrain) -> set[str
 
 def test_a_load_that_sticks_passes_for_nothing():
     """Without a nameplate for the gap the motor's few knocks fit a spring 14 times too soft."""
-    square = np.where(np.arange(20000) < 10000, 1.0, -1.0)
+    square = np.where(np.arange(10000) < 5000, 1.0, -1.0)
     assert told_of_a_held_load(square, NAMEPLATE) & {"stiffness", "coulomb", "inertia_load"} == set()
 
 
 def test_a_gap_that_is_crossed_once_is_not_told():
     """Room for the first knock is all that it takes: a much smaller gap predicts as well."""
-    held = 1.0 + 0.1 * lm.signals.noise(2.0, 140.0, 1.0, 2.0, DT, seed=3)
+    held = 1.0 + 0.1 * lm.signals.noise(2.0, 140.0, 1.0, 2.0, SLOW, seed=3)
     told = told_of_a_held_load(held, NAMEPLATE.with_parameters(backlash=0.01, coulomb=1.5))
     assert "backlash" not in told
 

@@ -92,7 +92,7 @@ def test_exact_model_with_encoder_counts():
 def test_speed_taken_as_instantaneous_is_worse():
     """The mean over the sample lags by half a sample: taken as instantaneous, it shows as lag."""
     recording = counted(simulated())
-    found = lm.identify(recording, start=PLANT, speed_from_counts=False)
+    found = lm.identify(recording, start=PLANT, speed_from_counts=False, second_estimator=False)
     lag = found.values["lag"]
     assert lag is not None and lag - LAGGED["lag"] == pytest.approx(0.5 * DT, rel=0.2)
     assert found.prediction.rms > found_from_counts().prediction.rms
@@ -130,7 +130,7 @@ def test_rig_within_the_targets(seed: int):
 
 def test_counts_are_recognised_in_a_file_that_does_not_say_so(tmp_path: Path):
     recording, truth = lm.rig.record(1)
-    write_csv(tmp_path / "rig.csv", recording, names=("torque_motor", "speed_motor"))
+    write_csv(tmp_path / "rig.csv", recording.window(0.0, 4.0), names=("torque_motor", "speed_motor"))
     found = lm.identify(read_recording(tmp_path / "rig.csv"), start=off_by_two(truth.parameters, 1))
     assert found.speed_from_counts is True
     low, high = found.intervals["lag"]
@@ -159,14 +159,15 @@ def test_rig_says_what_is_poorly_known():
 def test_any_start_within_a_factor_of_two_gives_the_same():
     """One descent from the last of these starts ends in another minimum, whose innovations are a third larger."""
     recording, truth = lm.rig.record(2)
-    values = [lm.identify(recording, start=off_by_two(truth.parameters, s)).values for s in range(20, 25)]
+    values = [lm.identify(recording, start=off_by_two(truth.parameters, s)).values for s in (20, 22, 24)]
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash", "coulomb"):
         column = [v[name] for v in values]
         assert max(column) / min(column) - 1.0 < 2e-3, name
 
 
 def test_nothing_but_torque_and_speed_is_used():
-    recording, truth = lm.rig.record(1)
+    whole, truth = lm.rig.record(1)
+    recording = whole.window(0.0, 2.0)
     bare = recording.only("torque_motor", "speed_motor")
     spoilt = recording.with_signals(
         "measured", speed_load=np.full(len(recording), np.nan), torque_shaft=np.zeros(len(recording))
@@ -186,7 +187,7 @@ def test_nameplate_without_backlash_damping_friction_and_lag():
 
 def test_fixed_values_stay():
     start = PLANT.with_parameters(backlash=0.0123, viscous=0.0, stiffness=9000.0)
-    found = lm.identify(counted(simulated()), start=start, fixed=("backlash", "viscous"))
+    found = lm.identify(counted(simulated(1, 2.5)), start=start, fixed=("backlash", "viscous"))
     assert found.drivetrain.backlash == pytest.approx(0.0123, rel=1e-12)
     assert found.drivetrain.viscous == 0.0
     assert found.sources["backlash"] == found.sources["viscous"] == "nameplate"
@@ -269,7 +270,7 @@ def test_closed_loop_without_dither_still_finds_most():
 def test_torque_of_the_wrong_sign_is_told():
     recording = counted(simulated(1, 2.5))
     wrong = recording.with_signals("measured", torque_motor=-recording["torque_motor"])
-    found = lm.identify(wrong, start=PLANT)
+    found = lm.identify(wrong, start=PLANT, second_estimator=False)
     (problem,) = [p for p in found.problems if p.where == "torque_motor"]
     assert "sign" in problem.remedy
     assert not [p for p in found_from_counts().problems if p.where == "torque_motor"]

@@ -36,7 +36,7 @@ class Family(NamedTuple):
     idle: int
     inputs: Array  # (n, M)
     start: Array  # (N,)
-    digits: Indices  # (E,), or (0,): told by the start
+    digits: Indices  # (E,), or (0,): given by the start
     last: float  # torque set-point before the first sample, Nm
     signal: Array  # (S, C + n − 1)
     state: Indices  # (S,)

@@ -32,7 +32,7 @@ class LawFamily(NamedTuple):
     loop: Loop  # its state, limits and signals likewise
     first_state: Array  # the laws' states at the start
     start: Array  # (N,)
-    digits: Indices  # (E,), or (0,): told by the start
+    digits: Indices  # (E,), or (0,): given by the start
     last: float  # torque set-point before the first sample, Nm
     work: Array
     states: Array  # of a block

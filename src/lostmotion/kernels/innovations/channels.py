@@ -55,7 +55,7 @@ def _rows(channels, averaged, angle, n_model, parameters, c, memory):
 
 @njit(cache=True, nogil=True)
 def _run(step, gain, c, memory, channels, leads, half, levels, torque, measured, weights, x, residual):
-    """One piece from the state x on. leads: of the gap curves of the state and of the shaft torque, s."""
+    """One sub-step from the state x on. leads: of the gap curves of the state and of the shaft torque, s."""
     n_model, n, sensors = step.shape[0] - 4, x.size, channels.size
     stiffness, damping = levels[2], levels[3]
     rest_motor, rest_load = 1.0 / abs(step[1, n_model + 2]), 1.0 / abs(step[2, n_model + 3])
@@ -95,7 +95,7 @@ def _run(step, gain, c, memory, channels, leads, half, levels, torque, measured,
 
 @njit(cache=True, nogil=True)
 def _start(channels, memory, angle, torque, measured, x):
-    """State at the first row of a piece: what is measured, and the motor's speed for the load's."""
+    """State at the first row of a segment: what is measured, and the motor's speed for the load's."""
     x[:] = 0.0
     x[1] = x[2] = measured[0]
     x[3] = torque
@@ -115,7 +115,7 @@ def _start(channels, memory, angle, torque, measured, x):
 def _one(
     parameters, bandwidth, load_rate, dt, dead_zone, channels, averaged, ratios, bounds, torque, measured, residual
 ):  # fmt: skip
-    """Weighted innovations (n, p) for one set of parameters; the observer starts anew with each piece."""
+    """Weighted innovations (n, p) for one set of parameters; the observer starts anew with each segment."""
     angle, load, n_model = _states(channels, load_rate > 0.0)
     n, sensors = n_model, channels.size
     for i in range(sensors):

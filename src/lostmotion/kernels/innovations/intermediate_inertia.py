@@ -1,4 +1,4 @@
-"""Innovations of the Kalman observer of a drivetrain with a joint piece on its shaft, for identification.
+"""Innovations of the Kalman observer of a drivetrain with an intermediate inertia on its shaft, for identification.
 
 As ``prediction_error``, whose set-up it shares, with two more states: part of the motor's inertia sits on the shaft,
 before the gap. Stiffness and damping are those of the two masses with the same torsional mode.
@@ -11,14 +11,14 @@ import numpy as np
 from ..jit import njit
 from .two_mass import predictor_gain, sampled
 
-#: States: twist behind the joint piece, speed_motor, speed_load, torque_actuator, twist before it, speed of the piece.
-#: (Layout.)
+#: States: twist behind the intermediate inertia, speed_motor, speed_load, torque_actuator, twist before that inertia,
+#: its speed. (Layout.)
 _STATES = 6
 
 
 @njit(cache=True, nogil=True)
 def two_springs(inertia_motor, inertia_load, stiffness, share, compliance):
-    """Stiffness before and behind the joint piece.
+    """Stiffness before and behind the intermediate inertia.
 
     Their compliances are as ``compliance`` to 1 − ``compliance``; together they give the mode that two masses with
     ``stiffness`` have.
@@ -26,12 +26,12 @@ def two_springs(inertia_motor, inertia_load, stiffness, share, compliance):
     Parameters
     ----------
     inertia_motor, inertia_load : float, kg m2
-        The joint piece belongs to the motor's.
+        The intermediate inertia belongs to the motor's.
     stiffness : float, Nm/rad
     share : float
-        The joint piece's part of the motor's inertia.
+        The intermediate inertia's part of the motor's inertia.
     compliance : float
-        Part of the shaft's compliance that lies before the joint piece.
+        Part of the shaft's compliance that lies before the intermediate inertia.
     """
     piece = share * inertia_motor
     motor = inertia_motor - piece
@@ -116,7 +116,7 @@ def _run(step, gain, c1, lead, half, level_motor, level_load, torque, speed, res
 
 @njit(cache=True, nogil=True)
 def _one(parameters, joint, bandwidth, dt, speed_from_counts, bounds, torque, speed, residual):
-    """Innovations for one set of parameters; the observer starts anew with each piece of the recording."""
+    """Innovations for one set of parameters; the observer starts anew with each segment of the recording."""
     n = _STATES
     block, step = np.zeros((n + 4, n + 4)), np.zeros((n + 4, n + 4))
     density, noise, phi = np.zeros((n, n)), np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))

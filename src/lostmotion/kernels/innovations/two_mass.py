@@ -244,7 +244,7 @@ def _run(step, gain, c1, c4, lead, half, level_motor, level_load, torque, speed,
 
 @njit(cache=True, nogil=True)
 def _one(parameters, bandwidth, dt, speed_from_counts, bounds, torque, speed, residual):
-    """Innovations for one set of parameters; the observer starts anew with each piece."""
+    """Innovations for one set of parameters; the observer starts anew with each segment."""
     block, step, density = np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((4, 4))
     phi, noise, gain = np.zeros((5, 5)), np.zeros((5, 5)), np.zeros((5, 1))
     density[1, 1], density[2, 2] = bandwidth[0] ** 2, bandwidth[1] ** 2
@@ -288,7 +288,7 @@ def innovations(parameters, bandwidth, dt, speed_from_counts, bounds, torque, sp
     speed_from_counts : bool
         ŷ is the mean of the last two speeds.
     bounds : (p + 1,) int array
-        First row of each of p pieces, each with its own start, and the number of rows.
+        First row of each of p segments, each with its own start, and the number of rows.
     torque, speed : (n,) arrays, Nm and rad/s
     """
     residuals = np.empty((parameters.shape[0], torque.size))

@@ -177,7 +177,7 @@ def _checked(
 def _filled(
     w: _Writer, shape: LawShape, j: int, place: int, v: list[str], faults: str
 ) -> tuple[str, str, str]:
-    """The input of check j, believed unless it is missing, and its bit if it is; the prediction is made only then.
+    """The input of check j, accepted unless it is missing, and its bit if it is; the prediction is made only then.
 
     The last good value takes its place where an input that the prediction needs is bad itself. Third: what is kept.
     """

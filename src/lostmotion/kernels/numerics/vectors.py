@@ -281,5 +281,5 @@ def _pointer_to(typing: Any, at: Any) -> Any:
 
 @njit(forceinline=True, cache=True)
 def numbers_at(at, count):
-    """The array of `count` numbers at an address; nobody counts references to it."""
+    """The array of `count` numbers at an address; references to it are not counted."""
     return carray(_pointer_to(at), (count,))

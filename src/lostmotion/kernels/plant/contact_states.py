@@ -2,13 +2,13 @@
 
 A mode is one combination of contact and friction states: the linear system ds/dt = F s with s = [x, v, 1] (see
 ``kernels.plant.event_loop``). States x: n − 1 twists, n speeds, the motor angle, the angles of shafts that relax, the
-actuator's torque. From F come, over a piece [0, L] of the sample time T = 2ʰ L, short against the fastest pole,
+actuator's torque. From F come, over a sub-step [0, L] of the sample time T = 2ʰ L, short against the fastest pole,
 
 - the Taylor terms F (L F)ⁿ⁻¹ L / n!, from left products with dx/dx,
 - exp(F T) − 1 as their sum, doubled h times: (1 + D)² − 1 = 2 D + D²,
 - the Taylor coefficients cₙ of the guards, and from them the enclosure's bounds: |second derivative| ≤
-  Σ n (n − 1) |cₙ| / L² on the piece, elementwise and likewise for the fourth, and over twice a time at most the larger
-  of the bound and the bound · |exp(F·time)|.
+  Σ n (n − 1) |cₙ| / L² on the sub-step, elementwise and likewise for the fourth, and over twice a time at most the
+  larger of the bound and the bound · |exp(F·time)|.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from .taylor_series import (
     whole_piece,
 )
 
-#: Largest ‖F‖·(length of a piece) in the norm of energy (numerics: 15 terms reach the next number).
+#: Largest ‖F‖·(length of a sub-step) in the norm of energy (numerics: 15 terms reach the next number).
 PIECE_NORM = 0.5
 
 

@@ -8,7 +8,7 @@ from ..jit import njit
 from ..numerics.vectors import read
 from .layout import INNER
 
-#: Smallest step of the root search as a fraction of a piece: a few units of rounding of the time itself (numerics).
+#: Smallest step of the root search as a fraction of a sub-step: a few units of rounding of the time itself (numerics).
 SMALLEST_STEP = 2.0**-50
 
 
@@ -100,7 +100,7 @@ def _stepped_crossing(p, order, sign, bound, until, tolerance):
 def first_crossing(p, order, sign, bound, until, bend, tolerance):
     """First time in [0, until] at which q = sign·(p − bound) goes below zero; 2.0 if it does not.
 
-    p: address of the polynomial's coefficients on the normalised piece [0, 1]; bend: bounds how much the slope
+    p: address of the polynomial's coefficients on the normalised sub-step [0, 1]; bend: bounds how much the slope
     changes there; tolerance: rounding of q. A monotone q has one root at most; otherwise the steps jump over none.
     """
     q = sign * (read(p, 0) - bound)

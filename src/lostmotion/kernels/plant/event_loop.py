@@ -108,7 +108,7 @@ def _enter(places, which, direction, s, digits, N):
 
 @njit(inline="always", **COMPILED)
 def _next_event(at, s, series, order, stride, length, time, N, C, E, idle):
-    """First crossing of any guard within `time` (in samples): its time in pieces, element (−1: none), direction.
+    """First crossing of any guard within `time` (in samples): its time in sub-steps, element (−1: none), direction.
 
     The Taylor series is made only of guards that may leave their bounds.
     """
@@ -175,7 +175,7 @@ def add_change(s, change, N):
 
 @njit(inline="always", **COMPILED)
 def _advance(at, table, s, change, order, time, N, C, idle):
-    """Takes the state `time` (in pieces) on by its Taylor series, whose table starts at at[table]."""
+    """Takes the state `time` (in sub-steps) on by its Taylor series, whose table starts at at[table]."""
     high = padded(N)
     row = C * high
     t, square = splat(time), splat(time * time)

@@ -12,15 +12,15 @@ and for each element e (a shaft with backlash, or a friction)
 - swing @ |s|      T²/2 · max |second derivative of guard| over the sample,
 - remainder @ |s|  T⁴/384 · max |fourth derivative of guard|, the error of the cubic Hermite interpolation,
 
-and the Taylor series of all guards and of the state over one *piece*, a time that is short against the mode's fastest
-pole. ``flat`` holds one block of numbers per mode, which Plant in ``simulation.tables`` fills. Tables lie column by
-column, since four rows at a time are a column's four numbers times one number of s; counts of rows are rounded up to
-whole groups of four (N₄, E₄, (O + 1)₄), the rest being zero, and −∞, ∞ for bounds. O is the order of the table that
-needs most:
+and the Taylor series of all guards and of the state over one *sub-step*, a time that is short against the mode's
+fastest pole. ``flat`` holds one block of numbers per mode, which Plant in ``simulation.tables`` fills. Tables lie
+column by column, since four rows at a time are a column's four numbers times one number of s; counts of rows are
+rounded up to whole groups of four (N₄, E₄, (O + 1)₄), the rest being zero, and −∞, ∞ for bounds. O is the order of the
+table that needs most:
 
     for each column of s    N₄ of delta, E₄ of guard, E₄ of guard_rate, E₄ of swing, E₄ of remainder
     E₄ lower bounds, E₄ upper bounds
-    length of a piece in samples, order of this mode's own series, 0, 0
+    length of a sub-step in samples, order of this mode's own series, 0, 0
     for order 1 … O         for each column of s   N₄ of the state's coefficients
     for each element        for each column of s   (O + 1)₄ of the guard's coefficients, order 0 … O
 
@@ -50,7 +50,7 @@ AT_ONCE = 1e-6
 MAX_ORDER = 24
 #: Rows of each element in a mode's block (layout).
 ELEMENT_ROWS = 4
-#: Numbers between a mode's bounds and its series: length of a piece, order (layout).
+#: Numbers between a mode's bounds and its series: length of a sub-step, order (layout).
 HEADER = 4
 
 

@@ -1,4 +1,4 @@
-"""Taylor series of a mode: its terms over a piece, their sum, and by doubling the whole sample; see ``modes``."""
+"""Taylor series of a mode: its terms over a sub-step, their sum, and by doubling the whole sample; see ``modes``."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..numerics.vectors import LANES, absolute, add, fused, load, read, splat, s
 from .equations import ELEMENT_OF_FRICTION, REST, driving_torque
 from .layout import padded
 
-#: The Taylor series ends where its terms fall below this part of what a torque moves in a piece (rounding of that).
+#: The Taylor series ends where its terms fall below this part of what a torque moves in a sub-step (rounding of that).
 #: (Numerics.)
 LAST_TERM = 1e-16
-#: Highest order of the Taylor series, which the largest piece needs (numerics: ``contact_states.PIECE_NORM``).
+#: Highest order of the Taylor series, which the largest sub-step needs (numerics: ``contact_states.PIECE_NORM``).
 ORDER = 15
 #: Times this, a number splits in two halves of 26 bits (numerics: Dekker 1971).
 SPLIT = 2.0**27 + 1.0
@@ -68,7 +68,7 @@ def state_terms(rows, rate, matrix, at, length, order, states, high):
 
 @njit(**_INNER)
 def guard_terms(rows, guard, row, terms, at, order, states, high, weights, second, fourth):
-    """Taylor coefficients of the guards over a piece, and bounds of their second and fourth derivative on it."""
+    """Taylor coefficients of the guards over a sub-step, and bounds of their second and fourth derivative on it."""
     columns, wide = rows.shape[1], padded(ORDER + 1)
     for e in range(rows.shape[0] - guard):
         for i in range(high):

@@ -2,12 +2,12 @@
 
     min ½ Uᵀ H U + (G ξ)ᵀ U + ½ ξᵀ Q ξ + ½ Σ ρ·dist(aᵣᵀU + fᵣᵀξ, [lowᵣ, highᵣ])²      |U + hold| ≤ limit
 
-The cost is convex and has a continuous slope, so a Newton step of the present piece points downwards, and the best
+The cost is convex and has a continuous slope, so a Newton step of the present interval points downwards, and the best
 point on it is found exactly: the slope along it is piecewise linear. Every plan on the way keeps the limit and costs
 less than the one before. So the search may be stopped anywhere.
 
 Source: Nocedal & Wright 2006, Numerical Optimization, section 16.7 (bounds); Hintermüller, Ito & Kunisch 2002, SIAM J.
-Optimization 13, 865–888 (Newton steps on pieces).
+Optimization 13, 865–888 (Newton steps on intervals).
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def slopes(q, s):
 
 @njit(_WHOLE(_ARRAY, _ARRAY), cache=True)
 def newton_direction(q, s):
-    """The step to the least cost of the present piece, in the free moves alone: L D Lᵀ, inverse D on the diagonal."""
+    """The step to the least cost of this interval, in the free moves alone: L D Lᵀ, inverse D on the diagonal."""
     for i in range(MOVES):
         for j in range(i + 1):
             s[FACTOR + i * MOVES + j] = q[HESSIAN + i * MOVES + j]

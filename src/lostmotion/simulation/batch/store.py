@@ -22,7 +22,7 @@ _COLUMNS = ("final_state", "peak", "rms", "events", "samples", "time")
 #: What a batch runs through: this layer and all below it.
 SOURCES = (
     "simulation", "systems", "metrics", "drivetrain", "recording", "signals", "curves", "events",
-    "argument_checks", "plain_data", "kernels", "errors", "display", "version",
+    "argument_checks", "plain_data", "memory", "kernels", "errors", "display", "version",
 )  # fmt: skip
 
 

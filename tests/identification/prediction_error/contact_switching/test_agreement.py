@@ -125,9 +125,9 @@ def test_a_rigid_drive_has_no_spring():
     assert set(found.intervals) & {"inertia_load", "stiffness", "damping", "backlash"} == set()
 
 
-@pytest.mark.parametrize("seed", [1, 22, 27])
+@pytest.mark.parametrize("seed", [1, 27])
 def test_drives_of_the_zoo_that_were_wrong(seed: int):
-    """A rigid drive, one with friction at the motor, one whose descent ended far off."""
+    """A rigid drive, and one whose descent ended far off; ``benchmarks/zoo.py`` has the many."""
     drive = lm.rig.drive(seed)
     found = lm.identify(drive.recording, start=drive.nameplate)
     assert set(found.intervals) & set(drive.absent) == set()

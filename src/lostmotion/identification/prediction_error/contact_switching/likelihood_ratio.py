@@ -1,4 +1,4 @@
-"""Whether one candidate predicts better than another by more than chance."""
+"""Whether one candidate predicts significantly better than another."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LEAST_RISE = 10.0
 #: Standard deviations of the blocks' mean rise above zero (numerics: by chance once in 300 recordings).
 SURE = 3.0
 #: Candidates are alike if their costs differ by less than the first number and this part of what the better is above
-#: the sensor's noise: where no candidate reaches that, none can be told from another by so little (calibrated on
+#: the sensor's noise: where no candidate reaches that, none differs from another by so little (calibrated on
 #: development drives 0 to 5: what differed by less was within the intervals).
 ALIKE, ALIKE_SHARE = 0.003, 0.2
 

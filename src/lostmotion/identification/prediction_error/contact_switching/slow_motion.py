@@ -64,7 +64,7 @@ class SlowMotion:
 
 
 def _slow(flt: ContactFilter, rows: slice, edge: float) -> tuple[Array, Array]:
-    """Torque (Nm) and motor speed (rad/s) of a piece below ``edge`` (Hz)."""
+    """Torque (Nm) and motor speed (rad/s) of a segment below ``edge`` (Hz)."""
     from scipy.signal import butter, sosfiltfilt
 
     low = butter(2, edge, fs=1.0 / flt.dt, output="sos")

@@ -1,4 +1,4 @@
-"""Parameter vectors of the contact-switching filter: from a drivetrain, and back to what is told of one."""
+"""Parameter vectors of the contact-switching filter: from a drivetrain, and back to what is identified of one."""
 
 from __future__ import annotations
 

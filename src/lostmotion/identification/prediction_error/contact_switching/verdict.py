@@ -24,8 +24,8 @@ from .starts import told_vector
 Array = NDArray[np.float64]
 Outcome = tuple[Predictor, Stage, Told, list[Problem]]
 
-#: No value is told where inertias, stiffness or backlash of candidates that predict better or alike are further away
-#: than this, in the logarithm (calibrated on development drives: right values agree within a tenth).
+#: No value is identified where inertias, stiffness or backlash of candidates that predict better or alike are further
+#: away than this, in the logarithm (calibrated on development drives: right values agree within a tenth).
 APART = 0.2
 
 
@@ -51,7 +51,7 @@ class Fit:
         return 0.0 if size < NEGLIGIBLE * float(np.std(predictor.speed)) else size / noise
 
     def shift(self, found: Sequence[Candidate]) -> Array:
-        """How far candidates are from each told value at most, in the logarithm; 0 where all are in its interval."""
+        """How far candidates are from each identified value at most, in the logarithm; 0 with all in its interval."""
         free = self.stage.free
         away = [np.abs(told_vector(one)[free] - self.told.theta[free]) for one in found]
         largest = np.max(away, axis=0) if away else np.zeros(len(free))
@@ -59,14 +59,14 @@ class Fit:
 
     @property
     def core(self) -> NDArray[np.bool_]:
-        """Which of the told values are inertias, stiffness and backlash."""
+        """Which of the identified values are inertias, stiffness and backlash."""
         return np.isin(self.stage.free, CORE)
 
     def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
         """With intervals that contain the candidates' values as well; nothing if they are too far apart.
 
         Where no candidate explains the recording, friction, damping and lag make up for what the model lacks: they are
-        not told.
+        not identified.
         """
         shift = self.shift(found)
         half = np.hypot(self.told.half, shift)
@@ -85,7 +85,7 @@ class Fit:
         return self._without(np.ones(len(self.stage.free), dtype=bool), reason)
 
     def _without(self, lost: NDArray[np.bool_], reason: Problem) -> Outcome:
-        """Without the told values that are lost, which get the nameplate's."""
+        """Without the identified values that are lost, which get the nameplate's."""
         stage, told = self.stage, self.told
         places = [i for i, gone in zip(stage.free, lost, strict=True) if gone]
         theta = told.theta.copy()
