@@ -1,6 +1,6 @@
 """The controllers' leaderboard and all pages that quote it: python docs/make_controller_leaderboard.py FOLDER
 
-Computes what is missing in the folder (``compare_controllers``: 20 rigs, ten minutes on two quiet cores; it goes on
+Computes what is missing in the folder (``compare_controllers``: 20 rigs, 15 minutes on two quiet cores; it goes on
 where it was stopped), then writes the figure, the tables of the benchmark's page, and the parts between ``<!-- … -->``
 marks of the leaderboard's page and of the page on choosing.
 """
