@@ -271,6 +271,7 @@ def _further_laws(own: dict[str, Any], wished: dict[str, Any]) -> list[Call]:
         Call(controllers.super_twisting, slides | {"integral_rate": 10.0}),
         Call(controllers.predictive, own | oscillates | {"torque_limit": 5.0, "moves": 2, "passes": 2}),
         Call(controllers.hybrid_predictive, own | planned),
+        Call(controllers.scheduled_lqi, own | oscillates | {"torque_limit": 5.0, "schedule_rate": 20.0}),
         Call(controllers.speed_course, course | {"dt": DT}),
         Call(controllers.torque_ramp, {"unwinding_rate": 4e3, "winding_rate": 2e4, "dt": DT}),
         Call(controllers.flatness, own | course | along | {"torque_limit": 5.0}),

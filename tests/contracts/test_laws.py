@@ -117,9 +117,6 @@ CONTROLLERS = {
         ONE_SIDED.with_parameters(lag=3e-4), **WISHES, torque_limit=73.5
     ),
     "flatness": flatness(
-        PAPER, dt=1e-4, largest_acceleration=300.0, largest_jerk=1e5, largest_error=2.0, largest_torque=73.5
-    ),
-    "flatness with limit": flatness(
         PAPER.with_parameters(lag=3e-4),
         largest_acceleration=300.0,
         largest_jerk=1e5,
@@ -162,7 +159,7 @@ LIMITED = {
     **dict.fromkeys(
         (
             "pole placement with limit", "pole placement, by reference", "H infinity", "predictive", "sliding mode",
-            "super-twisting", "lqi with limit, lag and friction of the motor", "flatness with limit",
+            "super-twisting", "lqi with limit, lag and friction of the motor", "flatness",
             "active damping with limit", "soft landing", "soft landing, bounded", "soft landing, estimated backlash",
             "observer + lqi + soft landing", "observer 1 + pole placement",
         ),

@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse import csc_matrix
 
 from lostmotion.controllers import quadratic_feedback, robust_feedback
-from lostmotion.controllers.feedback_law import wished_rows
+from lostmotion.controllers.feedback.feedback_law import wished_rows
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.systems import design_model

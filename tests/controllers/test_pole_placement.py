@@ -37,6 +37,20 @@ def test_the_poles_are_where_they_were_wanted(poles, dt):
     np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(wanted), rtol=1e-6)
 
 
+@pytest.mark.parametrize("poles", [(-400, -400, -400), (-400, -400, -100)])
+@pytest.mark.parametrize("dt", [None, 1e-4, 1e-3])
+def test_repeated_poles(poles, dt):
+    """By the polynomial: rounding spreads the eigenvalues of a repeated pole by its third root."""
+    a, b = PAPER.linear()
+    wanted = np.array(poles, dtype=float)
+    if dt is not None:
+        a, b = zero_order_hold(a, b, dt)
+        # As (z − 1)/dt: near 1 the coefficients of z would hide the poles.
+        a, b, wanted = (a - np.eye(3)) / dt, b / dt, np.expm1(wanted * dt) / dt
+    found = a - b @ state_feedback(PAPER, poles, dt).gain[None, :]
+    np.testing.assert_allclose(np.poly(found), np.poly(wanted), rtol=1e-6)
+
+
 def model_as_plant(drivetrain: Drivetrain, dt: float, load: float = 0.0) -> DiscreteSystem:
     """The linear two-mass model with all states as outputs, and a constant friction torque of the load."""
     a, b = drivetrain.linear()

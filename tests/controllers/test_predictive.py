@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from lostmotion.controllers import predictive, quadratic_feedback
-from lostmotion.controllers.feedback_law import wished_rows
+from lostmotion.controllers.feedback.feedback_law import wished_rows
 from lostmotion.controllers.planning.plan_cost import move_lengths
 from lostmotion.controllers.predictive import MOVES, closed_plan
 from lostmotion.drivetrain import Drivetrain

@@ -11,7 +11,7 @@ from test_hybrid_predictive import ALL_WISHES, DT, HALF, LIMIT, PLANT, PROGRAMS,
 from test_predictive import LAW as LINEAR
 from test_predictive import WISHES, answer, states
 
-from lostmotion.controllers.feedback_law import wished_rows
+from lostmotion.controllers.feedback.feedback_law import wished_rows
 from lostmotion.controllers.hybrid_predictive import crossing_problem
 from lostmotion.controllers.planning.crossing_plan import (
     CLOSING,

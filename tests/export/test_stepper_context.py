@@ -1,4 +1,4 @@
-"""Steppers as C: hybrid predictive control gives the very bits of Python; others are refused."""
+"""Steppers as C: hybrid predictive control and scheduled gains give the very bits of Python; others are refused."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from table_i import PAPER
 
 from lostmotion import export
-from lostmotion.controllers import hybrid_predictive
+from lostmotion.controllers import hybrid_predictive, scheduled_lqi
 from lostmotion.curves import dead_zone
 from lostmotion.errors import InvalidInput
 from lostmotion.observers import extended_kalman
@@ -20,6 +20,9 @@ needs_compiler = pytest.mark.skipif(
 )
 LAW = hybrid_predictive(
     PAPER, dt=1e-4, largest_error=1.0, largest_torque=73.5, torque_limit=73.5, contact_speed=0.4
+)
+SCHEDULED = scheduled_lqi(
+    PAPER.with_parameters(lag=3e-4), dt=1e-4, largest_error=2.0, largest_torque=73.5, torque_limit=73.5
 )
 
 
@@ -37,13 +40,21 @@ def crossings(count):
     return inputs
 
 
+def loads(count):
+    """Inputs (count, 8) of a drive whose load inertia is tracked, in the order of the scheduled law."""
+    reference, _, elastic, motor, load, friction, acting, pull = crossings(count).T
+    inertia = PAPER.inertia_load * (1.0 + 0.8 * np.sin(50.0 * np.arange(count) * 1e-4))
+    return np.column_stack([reference, elastic, motor, load, 0.1 * friction, 0.1 * acting, pull, inertia])
+
+
 @needs_compiler
-def test_hybrid_predictive_control_in_c_has_the_bits_of_python(tmp_path):
-    code = ctypes.CDLL(str(export.shared_library(LAW, tmp_path)))
+@pytest.mark.parametrize(("law", "made"), [(LAW, crossings), (SCHEDULED, loads)], ids=["hybrid", "scheduled"])
+def test_in_c_it_has_the_bits_of_python(law, made, tmp_path):
+    code = ctypes.CDLL(str(export.shared_library(law, tmp_path)))
     state = ctypes.create_string_buffer(code.law_size())
     code.law_init(state)
-    inputs, torque = crossings(3000), ctypes.c_double()
-    run = LAW.run(dict(zip(LAW.inputs, inputs.T, strict=True)))
+    inputs, torque = made(3000), ctypes.c_double()
+    run = law.run(dict(zip(law.inputs, inputs.T, strict=True)))
     found = []
     for row in inputs:
         code.law_step(state, row.ctypes.data_as(ctypes.c_void_p), ctypes.byref(torque))

@@ -1,4 +1,4 @@
-"""What keeps a default law from being handed out: margin and noise of PI's gains."""
+"""What keeps a default law from being handed out: margin and noise of PI's gains, and a poor response."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import math
 
 import pytest
 
-from lostmotion.controllers import symmetrical_optimum
+from lostmotion.controllers import pi, symmetrical_optimum
 from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
-from lostmotion.stages.fitness import check_gains
+from lostmotion.metrics import StepMetrics
+from lostmotion.stages.fitness import check_gains, check_responses, overshoots, responses
+from lostmotion.stages.possible_drives import simulated_drives
+from lostmotion.stages.speed_step import SpeedStep
 
 DT = 1e-4
 DRIVE = Drivetrain.two_mass(
@@ -38,3 +41,49 @@ def test_a_loop_that_is_unstable_with_any_gains_is_refused() -> None:
     assert math.isinf(tuning.sensitivity) and math.isinf(tuning.noise_gain)
     with pytest.raises(InvalidInput, match="an unstable loop with any gains"):
         check_gains(tuning, math.inf)
+
+
+def metrics(overshoot: float = 0.0, steady_error: float = 0.0, settles: bool = True) -> StepMetrics:
+    return StepMetrics(overshoot, 0.1, 0.2 if settles else None, 1.0, steady_error)
+
+
+@pytest.mark.parametrize(
+    ("poor", "reason"),
+    [
+        (metrics(overshoot=11.0), "an overshoot of 11 % of the step"),
+        (metrics(steady_error=0.02), "2 % of the step left"),
+        (metrics(steady_error=0.5, settles=False), "50 % of the step left"),
+    ],
+)
+def test_a_poor_response_on_one_of_the_drives_is_named(poor: StepMetrics, reason: str) -> None:
+    check_responses("pi", {"its own model": metrics(overshoot=7.0, steady_error=0.004)})
+    with pytest.raises(InvalidInput, match=f"controller pi with a heavy load: got {reason}"):
+        check_responses("pi", {"its own model": metrics(), "a heavy load": poor})
+
+
+def test_only_what_settles_overshoots() -> None:
+    """A slower set-point filter helps against overshoot, and not where the load never arrives."""
+    assert overshoots({"a": metrics(), "b": metrics(overshoot=11.0)})
+    assert not overshoots({"a": metrics(overshoot=7.0), "b": metrics(overshoot=60.0, settles=False)})
+
+
+def test_a_law_is_simulated_on_what_the_drive_may_be() -> None:
+    known = simulated_drives(DRIVE, frozenset(), 20.0)
+    assert list(known.values()) == [DRIVE]
+    unknown = frozenset({"inertia_load", "lag", "coulomb", "viscous"})
+    rubs = simulated_drives(DRIVE.with_parameters(coulomb=0.0), unknown, 20.0)
+    assert [(drive.inertia_motor, drive.inertia_load, drive.lag, drive.coulomb) for drive in rubs.values()] == [
+        (0.0195, 0.111, 3e-4, 0.0), (0.0195, 0.222, 2e-3, 0.0), (0.0195, 0.0555, 2e-3, 0.0), (0.0195, 0.111, 3e-4, 20.0)
+    ]  # fmt: skip
+    # A nameplate's friction is a better guess than the torque.
+    assert len(simulated_drives(DRIVE, unknown, 20.0)) == 3
+
+
+def test_without_friction_a_load_is_judged_without_its_gap() -> None:
+    """In it the load would float for ever, with any law."""
+    law, floats = (
+        pi(dt=DT, **symmetrical_optimum(DRIVE, dt=DT, spread=None).gains()),
+        DRIVE.with_parameters(coulomb=0.0),
+    )
+    found = responses(law, {"with": DRIVE, "without": floats}, SpeedStep(-2.0, 2.0, 0.3, 0.6, 0.9), DT)
+    assert all(one.settling_time is not None and one.steady_error < 0.005 for one in found.values())

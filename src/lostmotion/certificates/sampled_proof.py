@@ -228,10 +228,10 @@ class SampledProof(LoopMatrices):
         """−dV/dτ over (ζ, w) at one end of substep k, in the sectors (equation 13)."""
         (zeta, rate, z_rate), evaluations = self.flow
         form = zeta.T @ (unknowns[f"P{k + 1}"] - unknowns[f"P{k}"]) @ zeta
-        form = form + _twice(unknowns[f"P{k + end}"] @ zeta, rate)
+        form = form + twice_sum(unknowns[f"P{k + end}"] @ zeta, rate)
         eta = unknowns["eta_plus"] - unknowns["eta_minus"]
         for i in np.flatnonzero(eta):
-            form = form + eta[i] * _product(evaluations[i].value, z_rate[i])
+            form = form + eta[i] * twice_product(evaluations[i].value, z_rate[i])
         return -form - self._known(unknowns, "flow", 2 * k + end, 2 * self.substeps)
 
     def does_not_rise(self, unknowns: Unknowns) -> Matrix:
@@ -243,7 +243,7 @@ class SampledProof(LoopMatrices):
             if not (unknowns["theta_plus"][place] or unknowns["theta_minus"][place]):
                 continue
             curvature = _square(later - v) / self.steepest[p + j]
-            rise, fall = _product(later, s_later - s), _product(v, s_later - s)
+            rise, fall = twice_product(later, s_later - s), twice_product(v, s_later - s)
             form = form + unknowns["theta_plus"][place] * (rise - curvature)
             form = form - unknowns["theta_minus"][place] * (fall + curvature)
         return -form - self._known(unknowns, "jump", 0, 1)
@@ -271,10 +271,10 @@ class SampledProof(LoopMatrices):
         forms = []
         for e in evaluations:
             low, high = self.sectors[e.curve]
-            forms.append(_product(e.value - low * e.argument, high * e.argument - e.value))
+            forms.append(twice_product(e.value - low * e.argument, high * e.argument - e.value))
         for a, b, steepest, slack, loss in self.pairs(evaluations):
             rise, apart = a.value - b.value, a.argument - b.argument
-            forms.append(_product(rise, steepest * apart - (1 - slack) * rise))
+            forms.append(twice_product(rise, steepest * apart - (1 - slack) * rise))
             if loss:
                 forms[-1] = forms[-1] + 2 * loss * (_square(a.argument) + _square(b.argument))
         return np.array(forms)
@@ -358,12 +358,12 @@ def _square(row: Matrix) -> Matrix:
     return np.outer(row, row)
 
 
-def _product(a: Matrix, b: Matrix) -> Matrix:
+def twice_product(a: Matrix, b: Matrix) -> Matrix:
     """The form 2 (a·x)(b·x)."""
     return np.outer(a, b) + np.outer(b, a)
 
 
-def _twice(a: Matrix, b: Matrix) -> Matrix:
+def twice_sum(a: Matrix, b: Matrix) -> Matrix:
     """The form 2 Σ (aᵢ·x)(bᵢ·x)."""
     form = a.T @ b
     return form + form.T

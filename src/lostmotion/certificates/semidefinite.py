@@ -219,8 +219,9 @@ def _cheapest(
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
-    # The conditions are scaled, and dense within their blocks: both cost more than they gain.
-    settings.equilibrate_enable = settings.chordal_decomposition_enable = False
+    # Where the largest margin is asked for, all is scaled already, and dense within its blocks: both would cost more
+    # than they gain. A gain that is asked for may be far from 1.
+    settings.equilibrate_enable = settings.chordal_decomposition_enable = margin is not None
     nothing = csc_matrix((cost.size, cost.size))
     solver = clarabel.DefaultSolver(nothing, cost, matrix, np.concatenate(right), cones, settings)
     if ended is not None:

@@ -6,6 +6,11 @@ the loop, its equilibria and the sectors of its curves itself, and takes from th
 multipliers, which either satisfy the inequalities or do not. With law.json it also checks that the certificate is
 about that law. Numbers in brackets are the equations of docs/proofs.md. Exit code 0: proved; 1: not proved.
 
+How to read it: ``verify`` says what is checked, in its order. Forms, ``positive_definite`` and ``solve`` are school
+algebra; ``Curve`` and ``Loop`` build the system (1 to 3), ``equilibrium``, ``sectors_of`` and ``copies_of`` what is
+known of it (4 to 9), and ``Proof`` holds the inequalities, ``holds`` first. What is about a region counts where the
+claim has a limit alone, the last part where it has a box alone.
+
 A *form* is a linear expression in named variables, {name: coefficient}. A *quadratic* is {(name, name): coefficient}.
 """
 

@@ -9,7 +9,7 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem
 from ..systems.checks import sample_time
-from .limited_torque import limited_torque
+from .feedback.limited_torque import limited_torque
 
 #: Damping ratio of the shaft's eigenmode by default (option: no overshoot worth mentioning, and no slower than needed).
 DAMPING_RATIO = 0.5

@@ -12,7 +12,7 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, connect
 from ..systems.checks import sample_time
-from .feedback_law import QuadraticFeedback, feedback_law
+from .feedback.feedback_law import QuadraticFeedback, feedback_law
 from .lqi import quadratic_feedback
 
 #: Rate of the acceleration's follower as a multiple of that of the speed's (numerics: no overshoot from 4 on).

@@ -12,7 +12,7 @@ from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DesignModel, DiscreteSystem, design_model
-from .feedback_law import QuadraticFeedback, feedback_law, wished_rows, with_steady_state
+from .feedback.feedback_law import QuadraticFeedback, feedback_law, wished_rows, with_steady_state
 
 Array = NDArray[np.float64]
 

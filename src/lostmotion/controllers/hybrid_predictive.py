@@ -12,7 +12,8 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..kernels.predictive.layout import INSTANTS, MOVES, SIGNALS
 from ..systems import Stepper
-from .feedback_law import OSCILLATION_SHARE
+from .feedback.feedback_law import OSCILLATION_SHARE
+from .feedback.reference_direction import REFERENCE_BAND
 from .planning.crossing_plan import (
     CLOSING,
     FREE,
@@ -24,7 +25,6 @@ from .planning.crossing_plan import (
 )
 from .planning.plan_cost import move_lengths
 from .predictive import HORIZON
-from .reference_direction import REFERENCE_BAND
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..argument_checks import Limit, checks_arguments
 from ..drivetrain import Drivetrain
 from ..systems import DiscreteSystem, design_model
-from .feedback_law import QuadraticFeedback, feedback_law, wished_rows, with_steady_state
+from .feedback.feedback_law import QuadraticFeedback, feedback_law, wished_rows, with_steady_state
 
 Array = NDArray[np.float64]
 

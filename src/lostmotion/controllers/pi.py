@@ -12,7 +12,7 @@ from ..curves import PiecewiseLinear, saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem
-from .reference_direction import reference_direction
+from .feedback.reference_direction import reference_direction
 
 
 @checks_arguments

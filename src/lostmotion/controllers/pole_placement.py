@@ -14,7 +14,7 @@ from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem, zero_order_hold
-from .limited_torque import limited_torque
+from .feedback.limited_torque import limited_torque
 
 FrictionCompensation = Literal["estimated", "reference", "none"]
 

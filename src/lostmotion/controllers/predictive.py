@@ -13,10 +13,10 @@ from ..curves import saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DesignModel, DiscreteSystem, design_model
-from .feedback_law import wished_rows
-from .limited_torque import actuator_state
+from .feedback.feedback_law import wished_rows
+from .feedback.limited_torque import actuator_state
+from .feedback.reference_direction import reference_direction
 from .planning.plan_cost import Phase, Plan, move_lengths, plan_cost
-from .reference_direction import reference_direction
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from ..curves import PiecewiseLinear, saturation
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..systems import DiscreteSystem
-from ..systems.limits import POSITIVE_PART
+from .feedback.curve_chain import CurveChain
 
 Array = NDArray[np.float64]
 
@@ -41,8 +41,6 @@ PATIENCE = 2.0
 #: action); with little patience from more on, so that each sample opens it by so much of what it holds (numerics: from
 #: 2 on it would chatter).
 HELD, OPENED = 0.01, 0.5
-#: Curves of the law with all bounds (numerics).
-MOST_CURVES = 17
 #: Points of the braking parabola (numerics: on the paper's rig the chords then lie up to 2 % below it).
 POINTS = 8
 
@@ -159,15 +157,9 @@ def soft_landing(
     further = ["backlash_estimated"] * backlash_estimated + ["speed_reference"] * motor_bounded
     inputs = (*_INPUTS, *further)
     states = ("torque_actuator", "held") if lag > 0.0 else ("held",)
-    net = _Curves((*states, *inputs))
+    net = CurveChain((*states, *inputs))
     one = net.signals
-    # Speed and distance after the torque that is on its way.
-    closing = one["speed_motor_estimated"] - one["speed_load_estimated"]
-    acting = one["torque_motor_acting"]
-    coming = lag * one["torque_actuator"] + dt * acting if lag > 0.0 else dt * acting
-    speed = closing + coming / inertia
-    ahead = speed - 0.5 * dt / inertia * acting
-    distance = one["twist_estimated"] + lag * closing + dt * ahead
+    speed, distance = _after_the_delay(one, inertia, lag, dt)
     elastic, wished = one["twist_elastic_estimated"], one["torque_wished"]
     # The curve is over the way to the edge; a known edge is in the curve, an estimated one in its argument.
     half = 0.5 * one["backlash_estimated"] if backlash_estimated else 0.0 * distance
@@ -194,8 +186,20 @@ def soft_landing(
     torque = net.curve(saturation(torque_limit), torque)
     following = {"held": _lag(one["held"], direction, patience, dt)}
     if lag > 0.0:
-        following = {"torque_actuator": _lag(one["torque_actuator"], acting, lag, dt), **following}
-    return net.system(torque, inputs, dt, following)
+        following = {
+            "torque_actuator": _lag(one["torque_actuator"], one["torque_motor_acting"], lag, dt),
+            **following,
+        }
+    return net.system("soft_landing", torque, inputs, dt, following)
+
+
+def _after_the_delay(one: Mapping[str, Array], inertia: float, lag: float, dt: float) -> tuple[Array, Array]:
+    """Speed and twist of the motor against the load after the torque that is on its way, over the signals."""
+    closing, acting = one["speed_motor_estimated"] - one["speed_load_estimated"], one["torque_motor_acting"]
+    coming = lag * one["torque_actuator"] + dt * acting if lag > 0.0 else dt * acting
+    speed = closing + coming / inertia
+    ahead = speed - 0.5 * dt / inertia * acting
+    return speed, one["twist_estimated"] + lag * closing + dt * ahead
 
 
 def _lag(state: Array, follows: Array, time_constant: float, dt: float) -> Array:
@@ -207,45 +211,6 @@ def _lag(state: Array, follows: Array, time_constant: float, dt: float) -> Array
 def _opening(torque_limit: float) -> PiecewiseLinear:
     """Torque that opens a limit which holds it back for too long, from ``held`` on: 0 … 1 → Nm."""
     return PiecewiseLinear(((1.0 - math.exp(-1.0), 0.0),), 0.0, math.e * torque_limit)
-
-
-class _Curves:
-    """Curves one behind the other; each reads a sum of shares of the signals and of the curves before it (an array)."""
-
-    def __init__(self, signals: Sequence[str]) -> None:
-        self._shares = np.eye(len(signals) + MOST_CURVES)
-        self.signals = dict(zip(signals, self._shares, strict=False))
-        self._arguments: list[Array] = []
-        self._curves: list[PiecewiseLinear] = []
-
-    def curve(self, curve: PiecewiseLinear, argument: Array) -> Array:
-        """curve(argument)."""
-        self._arguments.append(argument)
-        self._curves.append(curve)
-        return self._shares[len(self.signals) + len(self._curves) - 1]
-
-    def both(
-        self, curve: PiecewiseLinear, argument: Array, offset: Array | float = 0.0
-    ) -> tuple[Array, Array]:
-        """curve(offset + argument) and curve(offset − argument): of both directions."""
-        return self.curve(curve, offset + argument), self.curve(curve, offset - argument)
-
-    def least(self, first: Array, second: Array) -> Array:
-        """min(first, second)."""
-        return first - self.curve(POSITIVE_PART, first - second)
-
-    def system(
-        self, output: Array, inputs: tuple[str, ...], dt: float, following: Mapping[str, Array]
-    ) -> DiscreteSystem:
-        """The law; ``output`` is that of a curve, the first signals are the states, with what follows each."""
-        p, n, m = len(following), len(self.signals), len(self._curves)
-        z = np.array(self._arguments)[:, : n + m]
-        x = np.array(list(following.values()))[:, : n + m]
-        return DiscreteSystem(
-            inputs=inputs, outputs=("torque_motor",), states=tuple(following), dt=dt, name="soft_landing",
-            curves=tuple(self._curves), F=z[:, :p], G=z[:, p:n], H=z[:, n:], A=x[:, :p], B=x[:, p:n], E=x[:, n:],
-            J=output[None, n : n + m],
-        )  # fmt: skip
 
 
 def _beyond(level: float, slope: float, offset: float = 0.0) -> PiecewiseLinear:

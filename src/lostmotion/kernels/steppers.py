@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from . import scheduled_feedback
 from .estimators import layout
 from .predictive import layout as predictive
 
@@ -14,13 +15,14 @@ MODULES = {
     "interacting_models": f"{_ESTIMATORS}.interacting_models.step",
     "moving_horizon": f"{_ESTIMATORS}.moving_horizon.step",
     "neural_network": f"{_ESTIMATORS}.motor_speed.neural_network",
+    "scheduled_feedback": "lostmotion.kernels.scheduled_feedback",
     "sliding_mode": f"{_ESTIMATORS}.motor_speed.sliding_mode",
     "super_twisting": f"{_ESTIMATORS}.motor_speed.super_twisting",
     "unscented_kalman": f"{_ESTIMATORS}.unscented_kalman",
 }
 
 #: Kind → place of the parameter that no output exceeds. (Layout.)
-LIMITS = {"hybrid_predictive": predictive.LIMIT}
+LIMITS = {"hybrid_predictive": predictive.LIMIT, "scheduled_feedback": scheduled_feedback.LIMIT}
 
 #: Numbers of parameters and outputs: a step reads and writes its arrays at fixed places, whatever their lengths are.
 #: (Layout.)
@@ -30,6 +32,7 @@ SIZES = {
     "interacting_models": (layout.size(layout.INTERACTING_PARAMETERS), 17),
     "moving_horizon": (layout.size(layout.HORIZON_PARAMETERS), 22),
     "neural_network": (layout.size(layout.NETWORK_PARAMETERS), 7),
+    "scheduled_feedback": (scheduled_feedback.PARAMETERS, 1),
     "sliding_mode": (layout.size(layout.SLIDING_PARAMETERS), 6),
     "super_twisting": (layout.size(layout.TWISTING_PARAMETERS), 7),
     "unscented_kalman": (layout.size(layout.PARAMETERS), 22),

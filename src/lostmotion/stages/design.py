@@ -77,8 +77,9 @@ def design(material: Material, found: Found) -> Design:
         return Design(skipped=reason, landing_skipped=reason, pi_skipped=reason)
     limit, limit_source = _torque_limit(material)
     task = LawTask(
-        settings, drivetrain, dt, is_averaged(recording, found), limit, _speed_noise(found), not_told(found)
-    )
+        settings, drivetrain, dt, is_averaged(recording, found), limit, _speed_noise(found), not_told(found),
+        _usual_torque(recording),
+    )  # fmt: skip
     tuned, pi_problem = tried(lambda: gains_of(task, material.virtual), task.remedy)
     gains, gains_source = tuned or ({}, "")
     filter_time = gains.get("filter_time", 0.0)
@@ -90,7 +91,8 @@ def design(material: Material, found: Found) -> Design:
     law = watched = landing = controller = None
     landing_skipped = "no law that it could stand behind"
     if tuned:
-        controller, pi_problem = tried(lambda: controller_of(task, gains, step), task.remedy_of("kp and ki"))
+        made, pi_problem = tried(lambda: controller_of(task, gains, step), task.remedy_of("kp and ki"))
+        controller, gains = made or (None, gains)
     if poles:
         law, law_problem = tried(lambda: law_of(task, poles, step), task.remedy_of("poles"))
     if poles and law:
@@ -124,6 +126,13 @@ def _torque_limit(material: Material) -> tuple[float, str]:
     return (
         (max(largest), "largest recorded motor torque") if largest else (math.inf, "no motor torque recorded")
     )
+
+
+def _usual_torque(recording: Recording | None) -> float:
+    """Median size of the recorded motor torque, Nm; zero where there is none."""
+    if recording is None or "torque_motor" not in recording:
+        return 0.0
+    return float(np.median(np.abs(recording["torque_motor"])))
 
 
 def _speed_noise(found: Found) -> float:

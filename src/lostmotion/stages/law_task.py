@@ -11,11 +11,12 @@ from ..controllers import pi, symmetrical_optimum
 from ..controllers.soft_landing import approach_rate
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput, Problem
+from ..metrics import StepMetrics
 from ..observers.estimates import ESTIMATES
 from ..systems import DiscreteSystem
-from .fitness import check_gains, check_speed, settling
+from .fitness import check_gains, check_responses, check_speed, overshoots, responses
 from .material import Settings
-from .possible_drives import DECISIVE, possible_drives
+from .possible_drives import DECISIVE, possible_drives, simulated_drives
 from .speed_step import SpeedStep
 from .target_law import Poles, default_poles, target_law
 
@@ -26,6 +27,8 @@ RIPPLE = 0.02
 #: The same of the approach-speed control in the gap, which acts for milliseconds (option; of the development drives of
 #: the zoo those with 0.03 and less land, those with 2.3 and more chatter in the gap).
 LANDING_RIPPLE = 0.5
+#: The set-point filter of PI is made so many times slower, in turn, where the load overshoots (option).
+FILTERS = (1.0, 1.5, 2.25, 3.4)
 #: Source of what the user has set.
 GIVEN = "[law] in the TOML"
 
@@ -34,7 +37,8 @@ GIVEN = "[law] in the TOML"
 class LawTask:
     """What the laws are made for: the model, how its speed is measured, and what is not known of it.
 
-    Sample time (s), torque limit (Nm), standard deviation of the measured speed's noise (rad/s).
+    Sample time (s), torque limit (Nm), standard deviation of the measured speed's noise (rad/s), median size of the
+    recorded torque (Nm).
     """
 
     settings: Settings
@@ -44,6 +48,7 @@ class LawTask:
     torque_limit: float
     noise: float
     unknown: frozenset[str]
+    usual_torque: float = 0.0
 
     @property
     def noise_gain(self) -> float:
@@ -60,9 +65,16 @@ class LawTask:
             self.drivetrain, poles.values, self.torque_limit, self.dt, self.averaged, outputs, landing=landing
         )
 
+    def responses(self, law: DiscreteSystem, step: SpeedStep) -> dict[str, StepMetrics]:
+        """Simulated on what the drive may be."""
+        drives = simulated_drives(self.drivetrain, self.unknown, self.usual_torque)
+        return responses(law, drives, step, self.dt)
+
     def worth_having(self, law: DiscreteSystem, step: SpeedStep, given: bool) -> DiscreteSystem:
-        """The law; raises ``InvalidInput`` where it does not settle, unless the user has set what makes it."""
-        return law if given else settling(law, self.drivetrain, step, self.dt)
+        """The law; raises ``InvalidInput`` where its response is poor, unless the user has set what makes it."""
+        if not given:
+            check_responses(law.name, self.responses(law, step))
+        return law
 
     @property
     def remedy(self) -> str:
@@ -93,10 +105,21 @@ def law_of(task: LawTask, poles: Poles, step: SpeedStep) -> DiscreteSystem:
     return task.worth_having(task.target(poles, ("torque_motor",)), step, given=poles.source == GIVEN)
 
 
-def controller_of(task: LawTask, gains: Mapping[str, Any], step: SpeedStep) -> DiscreteSystem:
-    """The PI controller with these arguments."""
-    law = pi(dt=task.dt, torque_limit=task.torque_limit, **gains)
-    return task.worth_having(law, step, given=task.settings.kp is not None)
+def controller_of(
+    task: LawTask, gains: Mapping[str, Any], step: SpeedStep
+) -> tuple[DiscreteSystem, dict[str, Any]]:
+    """The PI controller with these arguments, and the arguments: default ones with a slower set-point filter where the
+    load would overshoot."""
+    if task.settings.kp is not None:
+        return pi(dt=task.dt, torque_limit=task.torque_limit, **gains), dict(gains)
+    for factor in FILTERS:
+        slower = {**gains, "filter_time": factor * gains["filter_time"]}
+        law = pi(dt=task.dt, torque_limit=task.torque_limit, **slower)
+        found = task.responses(law, step)
+        if not overshoots(found):
+            break
+    check_responses(law.name, found)
+    return law, slower
 
 
 def landing_of(task: LawTask, poles: Poles, step: SpeedStep) -> tuple[DiscreteSystem | None, str]:

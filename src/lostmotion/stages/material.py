@@ -114,9 +114,6 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
     )  # fmt: skip
     problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
     first = {use: next((r for u, r in loaded if u == use), None) for use in ("identify", "validate")}
-    for use in first:
-        unused = [str(r.meta.get("file", "")) for u, r in loaded if u == use][1:]
-        problems += [_unused(file, use) for file in unused]
     identify, validate = first["identify"], first["validate"]
     if split and identify is not None and validate is None:
         cut = identify.time[-1] - VALIDATION_PART * (identify.time[-1] - identify.time[0])
@@ -132,16 +129,6 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
         uses={f"recording_{i + 1}": use for i, (use, _) in enumerate(loaded)},
         problems=tuple(problems),
         inputs=_hashes(configuration),
-    )
-
-
-def _unused(file: str, use: str) -> Problem:
-    return Problem(
-        "warning",
-        file,
-        f"a further recording to {use}",
-        f"one recording to {use}",
-        "Only the first is used: join the recordings, or run again with another one first.",
     )
 
 

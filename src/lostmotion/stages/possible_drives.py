@@ -31,19 +31,49 @@ def possible_drives(drivetrain: Drivetrain, unknown: frozenset[str]) -> tuple[Dr
     Inertias and stiffness are a factor ``OFF`` off, either way, and the lag is longer. Where the backlash is not
     identified there is one: how large it is does not change what a small oscillation sees of it.
     """
-    least = {}
-    if "damping" in unknown and not drivetrain.damping > 0.0:
-        least["damping"] = LEAST_DAMPING * drivetrain.stiffness / (math.pi * drivetrain.pole_frequency)
-    if "backlash" in unknown and not drivetrain.backlash > 0.0:
-        least["backlash"] = SOME_BACKLASH
-    nearest = drivetrain.with_parameters(**least)
+    nearest = _nearest(drivetrain, unknown)
     if not unknown & set(DECISIVE):
         return (nearest,)
     names = [name for name in _SHAPE if name in unknown]
-    longer = {"lag": max(OFF * drivetrain.lag, USUAL_LAG)} if "lag" in unknown else {}
+    longer = _longer_lag(drivetrain, unknown)
     corners = product((1.0 / OFF, OFF), repeat=len(names))
     off = (
         {name: factor * getattr(drivetrain, name) for name, factor in zip(names, corner, strict=True)}
         for corner in corners
     )
     return (nearest, *(nearest.with_parameters(**longer, **values) for values in off))
+
+
+def simulated_drives(
+    drivetrain: Drivetrain, unknown: frozenset[str], usual_torque: float
+) -> dict[str, Drivetrain]:
+    """Those of the possible drives that a default law is simulated on, by what they are.
+
+    A load overshoots by too much inertia and stands still by too much friction. Where no Coulomb friction is given
+    the drive may have as much as the torque under which it turned half of the time: ``usual_torque``, Nm.
+    """
+    nearest = _nearest(drivetrain, unknown)
+    drives = {"its own model": nearest}
+    inertias = [name for name in _SHAPE[:2] if name in unknown]
+    for factor, what in ((OFF, "larger"), (1.0 / OFF, "smaller")) if inertias else ():
+        values = {name: factor * getattr(drivetrain, name) for name in inertias}
+        drives[f"inertias {OFF:g} times {what}"] = nearest.with_parameters(
+            **_longer_lag(drivetrain, unknown), **values
+        )
+    if "coulomb" in unknown and not drivetrain.coulomb + drivetrain.coulomb_motor > 0.0:
+        drives["a friction as large as the recorded torque"] = nearest.with_parameters(coulomb=usual_torque)
+    return drives
+
+
+def _nearest(drivetrain: Drivetrain, unknown: frozenset[str]) -> Drivetrain:
+    """The drivetrain with the least damping, and with a gap, where it has none because none is given."""
+    least = {}
+    if "damping" in unknown and not drivetrain.damping > 0.0:
+        least["damping"] = LEAST_DAMPING * drivetrain.stiffness / (math.pi * drivetrain.pole_frequency)
+    if "backlash" in unknown and not drivetrain.backlash > 0.0:
+        least["backlash"] = SOME_BACKLASH
+    return drivetrain.with_parameters(**least)
+
+
+def _longer_lag(drivetrain: Drivetrain, unknown: frozenset[str]) -> dict[str, float]:
+    return {"lag": max(OFF * drivetrain.lag, USUAL_LAG)} if "lag" in unknown else {}

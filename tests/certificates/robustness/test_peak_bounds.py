@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from table_i import PAPER
+from table_i import PAPER, TABLE_I
 
 import lostmotion as lm
-from lostmotion.certificates import PeakBounds, continuous_pi, peak_bounds, worst_reference
+from lostmotion.certificates import (
+    PeakBounds,
+    continuous_observer_feedback,
+    continuous_pi,
+    peak_bounds,
+    worst_reference,
+)
 from lostmotion.certificates.continuous.continuous_law import ContinuousLaw
+from lostmotion.certificates.robustness import level_set_search
 from lostmotion.certificates.robustness.peak_outputs import sampled_peak_loop
 from lostmotion.errors import InvalidInput
 
@@ -87,3 +94,22 @@ def test_what_is_not_bounded_is_refused() -> None:
         peak_bounds(PAPER.with_parameters(lag=1e-3), continuous_pi())
     with pytest.raises(InvalidInput, match="substeps"):
         peak_bounds(PAPER, lm.controllers.pi(dt=1e-4), substeps=0)
+
+
+def test_a_linear_loop_with_an_observer_is_bounded_near_its_peak() -> None:
+    """No set-point moves the observer's errors: the level sets are flat. The worst set-point is known, as above."""
+    plant = lm.Drivetrain.two_mass(**{**TABLE_I, "backlash": 0.0, "coulomb": 0.0})
+    bounds = peak_bounds(plant, continuous_observer_feedback(plant), 0.5)
+    parts = [lm.observers.kalman(plant, dt=1e-4), lm.controllers.pole_placement(plant, dt=1e-4)]
+    law = lm.connect(parts, ("speed_reference", "speed_motor"), ("torque_motor",))
+    step = lm.simulate(plant, law=law, dt=1e-4, speed_reference=np.r_[np.zeros(5), np.full(4000, 0.5)])
+    peak = np.abs(np.diff(step["speed_motor"])).sum()
+    assert peak < bounds.speed_motor < 1.5 * peak
+
+
+def test_a_loop_with_an_observer_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After one round, with one decay: the gain over the level is far from 1, and the solver must scale it."""
+    monkeypatch.setattr(level_set_search, "ROUNDS", 1)
+    monkeypatch.setattr(level_set_search, "DECAYS", (0.75,))
+    bounds = peak_bounds(PAPER, continuous_observer_feedback(PAPER), 0.5)
+    assert 0.5 < bounds.speed_motor < 20.0 and bounds.twist < 0.1 and bounds.torque_motor < 400.0

@@ -12,6 +12,7 @@ import pytest
 from lostmotion.compare import compare_controllers
 from lostmotion.compare.controllers import CASES, CONTESTANTS, ControlTable
 from lostmotion.compare.controllers.cases import WORKS
+from lostmotion.compare.controllers.compare_controllers import CONTROLLERS
 from lostmotion.compare.controllers.experiment import designed, experiment, run, zoo_drive
 from lostmotion.compare.controllers.score_controllers import score_controllers
 from lostmotion.compare.controllers.scores import score
@@ -196,6 +197,19 @@ def test_what_is_told_of_unstable_runs_is_their_share():
     assert found.value == 0.25 and found.low == 0.0 and found.high > 0.25
     assert table.median("LQI", "step", "overshoot").value == 2.0
     assert "| 2 |" in table.to_markdown() and "| 25 |" in table.to_markdown()
+
+
+def test_quick_is_two_rigs_and_the_main_cases_and_all_is_twenty_fresh_rigs(monkeypatch):
+    """The seeds of the table are none that a law was tuned on (1 to 40)."""
+    told = replace(CONTROLLERS, work=lambda job: (job[0], job[1], {name: {} for name in job[3]}))
+    monkeypatch.setitem(compare_controllers.__globals__, "CONTROLLERS", told)
+    quick, whole = compare_controllers(quick=True, workers=1), compare_controllers(workers=1)
+    assert quick.seeds == (401, 402) and whole.seeds == tuple(range(401, 421))
+    assert list(quick.entries) == list(whole.entries) == [entry.name for entry in CONTESTANTS]
+    assert whole.cases == CASES and quick.cases == tuple(case for case in CASES if case.quick)
+    assert {"step", "load step", "rest", "tip-in"} <= {case.work for case in quick.cases} and len(
+        quick.cases
+    ) < 12
 
 
 def test_it_goes_on_where_it_was_stopped(small):

@@ -68,16 +68,14 @@ def test_a_backlash_that_is_wrong_by_a_fifth_costs_no_more_impact_than_pole_plac
         assert found["soft landing, bounded"]["impact_speed"] < found["pole placement"]["impact_speed"]
 
 
-@pytest.mark.parametrize(
-    ("name", "largest"), [("adaptive soft landing", 15.0), ("adaptive flat, 200 rad/s²", 8.0)]
-)
+@pytest.mark.parametrize("name", ["adaptive soft landing", "adaptive flat, 200 rad/s²"])
 @pytest.mark.parametrize("case", [c.name for c in CASES if c.load_inertia != 1.0])
-def test_a_law_that_tracks_the_load_inertia_stands_its_change(case, name, largest):
+def test_a_law_that_tracks_the_load_inertia_stands_its_change(case, name):
     found = medians(case, name)
-    assert found["overshoot"] < largest and found["unstable"] == 0.0
+    assert found["overshoot"] < 8.0 and found["unstable"] == 0.0
 
 
 @pytest.mark.parametrize("case", [c.name for c in CASES if c.work == "rest" and c.drive == "rig"])
 def test_the_load_rests_exactly(case):
-    found = medians(case, "soft landing")
+    found = medians(case, "soft landing, bounded")
     assert found["rest_speed"] == 0.0 and found["ripple"] < 1.5 and found["overshoot"] == 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from functools import cache
 
 import numpy as np
@@ -9,13 +10,14 @@ import pytest
 from lagged_drive import DT, PLANT, speed_from_counts
 
 import lostmotion as lm
-from lostmotion.errors import Problem
+from lostmotion.errors import InvalidInput, Problem
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.initial_values import rival
 from lostmotion.identification.prediction_error.innovations import NAMES, to_theta
 from lostmotion.identification.prediction_error.problems import second_minimum
-from lostmotion.identification.prediction_error.warnings import low_frequency_excess
+from lostmotion.identification.prediction_error.warnings import MEMORY, low_frequency_excess
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
+from lostmotion.memory import VARIABLE
 
 
 @cache
@@ -106,3 +108,28 @@ def test_a_second_minimum_is_told_with_its_values():
     problem = second_minimum(PLANT, {**values, "backlash": 0.024})
     assert "backlash 0.024 rad" in problem.got and "stiffness" not in problem.got
     assert "reversals" in problem.remedy
+
+
+def test_a_recording_that_takes_too_much_memory_is_refused_before_the_work(monkeypatch: pytest.MonkeyPatch):
+    """Ten hours at 10 kHz would end the process after hours, and nobody would know why."""
+    monkeypatch.setenv(VARIABLE, "10MB")
+    torque = lm.signals.excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    recording = lm.Recording(DT * np.arange(20_000), {"torque_motor": torque, "speed_motor": torque})
+    with pytest.raises(
+        InvalidInput, match=r"20000 rows.*12 MB.*window = \[start, stop\].*--memory-limit 12MB"
+    ):
+        lm.identify(recording, start=PLANT)
+
+
+def test_the_memory_that_is_asked_for_is_enough():
+    torque = lm.signals.excitation(2.0, DT, seed=1, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(PLANT, torque_motor=torque, dt=DT)
+    recording = run.only("torque_motor").with_signals("measured", speed_motor=speed_from_counts(run, 1e-6))
+    found()  # what is imported on the way does not count
+    tracemalloc.start()
+    try:
+        lm.identify(recording, start=PLANT, second_estimator=False)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert 0.3 * MEMORY < peak / len(recording) < MEMORY

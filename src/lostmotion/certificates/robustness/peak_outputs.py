@@ -80,6 +80,7 @@ def sampled_peak_loop(drivetrain: Drivetrain, law: DiscreteSystem, delay: int) -
 
 def _peak_loop(loop: LureLoop, torque: Matrix, given: Fraction, limit: float, *, sampled: bool) -> PeakLoop:
     """``torque``: the motor torque's row over states and curves; ``given``: its share of the set-point."""
+    loop, torque = _with_errors(loop, torque)
     n, p = len(loop.states), len(loop.plant_curves)
     curves = (*loop.plant_curves, *loop.law_curves)
     shapes = tuple(shape_of(curve, name) for curve, name in zip(curves, loop.names, strict=True))
@@ -106,6 +107,26 @@ def _peak_loop(loop: LureLoop, torque: Matrix, given: Fraction, limit: float, *,
         _named(asked, f"argument of {name}", own) for name, own in zip(loop.names, arguments, strict=True)
     ]
     return PeakLoop(loop, sampled, shapes, asked, tuple(names), limit)
+
+
+def _with_errors(loop: LureLoop, row: Matrix) -> tuple[LureLoop, Matrix]:
+    """The loop, and a row over its states and curves, with the errors of an observer in place of its estimates.
+
+    The set-point moves drivetrain and estimate alike: the level sets are flat in the direction of the errors, and in
+    the estimates' own coordinates the solver does not see how flat.
+    """
+    n = len(loop.states)
+    to, back = identity(n), identity(n)
+    for i, name in enumerate(loop.states):
+        own = name.removeprefix("law: ")
+        if own != name and own in loop.states:
+            to[i, loop.states.index(own)] -= 1
+            back[i, loop.states.index(own)] += 1
+    changed = replace(
+        loop, A=to @ loop.A @ back, E=to @ loop.E, L=to @ loop.L, R=to @ loop.R, Z=loop.Z @ back,
+        S=to @ loop.S @ back, S_w=to @ loop.S_w, S_v=to @ loop.S_v, N=loop.N @ back,
+    )  # fmt: skip
+    return changed, np.concatenate([row[:n] @ back, row[n:]])
 
 
 def _named(asked: dict[str, Asked], name: str, own: Asked) -> str:

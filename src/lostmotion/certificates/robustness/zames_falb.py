@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..certificate import short
 from ..lure import LureLoop
 from ..rational import Matrix, identity, is_positive_definite, rational
+from ..sampled_proof import twice_product, twice_sum
 from ..scaling import power_of_two
 from ..semidefinite import Inequalities, Layout, Unknowns
 
@@ -73,22 +74,22 @@ class ZamesFalb:
     def conditions(self, unknowns: Unknowns) -> list[Matrix]:
         """Matrices that must be positive definite: the fall (equation 35), and what keeps the weights sound (34)."""
         rows = self._rows
-        form = _twice(unknowns["P"] @ rows["state"], rows["rate"])
+        form = twice_sum(unknowns["P"] @ rows["state"], rows["rate"])
         w, u = rows["w"], rows["u"]
         for i, own in enumerate(unknowns["own"]):
             if own:
-                form = form + own * _product(w[i], u[i])
+                form = form + own * twice_product(w[i], u[i])
         minus, plus = unknowns["minus"], unknowns.get("plus", 0 * unknowns["minus"])
         for (i, j, kind), down, up in zip(self.kinds, minus, plus, strict=True):
             if down or up:
                 past, _, pole = kind.partition(" ")
                 of_w = rows["past w"][int(pole), i] if past == "w" else w[i]
                 of_u = rows["past u"][int(pole), j] if past == "u" else u[j]
-                form = form + (up - down) * _product(of_w, of_u)
+                form = form + (up - down) * twice_product(of_w, of_u)
         popov = unknowns["popov_plus"] - unknowns["popov_minus"]
         for weight, wi, faster in zip(popov, w, rows["faster"], strict=True):
             if weight:
-                form = form + weight * _product(wi, faster)
+                form = form + weight * twice_product(wi, faster)
         return [-form, *self._left(unknowns["own"], minus + plus)]
 
     def _left(self, own: Matrix, weights: Matrix) -> list[Matrix]:
@@ -135,7 +136,7 @@ def is_stable_with_flow(A: Matrix) -> bool:
     scale = np.diag(power_of_two(np.abs(np.linalg.inv(floats)).sum(axis=0)))
     found = rational(short(solve_continuous_lyapunov(floats.T, -scale)))
     found = (found + found.T) / 2
-    return is_positive_definite(found) and is_positive_definite(-_twice(found, A))
+    return is_positive_definite(found) and is_positive_definite(-twice_sum(found, A))
 
 
 def weights(loop: LureLoop, share: Fraction, of_state: Array) -> tuple[ZamesFalb, Unknowns] | None:
@@ -159,14 +160,3 @@ def weights(loop: LureLoop, share: Fraction, of_state: Array) -> tuple[ZamesFalb
         return None
     unknowns = {name: rational(short(value)) for name, value in found[0].items()}
     return (exact, unknowns) if all(map(is_positive_definite, exact.conditions(unknowns))) else None
-
-
-def _product(a: Matrix, b: Matrix) -> Matrix:
-    """The form 2 (a·x)(b·x)."""
-    return np.outer(a, b) + np.outer(b, a)
-
-
-def _twice(a: Matrix, b: Matrix) -> Matrix:
-    """The form 2 Σ (aᵢ·x)(bᵢ·x)."""
-    form = a.T @ b
-    return np.asarray(form + form.T)

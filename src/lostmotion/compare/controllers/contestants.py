@@ -176,6 +176,18 @@ def _lqi(s: Setting, error: float = 2.0, oscillation: float = 4.0) -> DiscreteSy
     return controllers.lqi(s.model, **_wishes(s, error, oscillation))
 
 
+def _scheduled(s: Setting, error: float = 2.0, oscillation: float = 4.0) -> Stepper:
+    return controllers.scheduled_lqi(s.model, **_wishes(s, error, oscillation))
+
+
+def _scheduled_soft(s: Setting) -> list[Law]:
+    wished = _scheduled(s, 2.3, 8.0)
+    if s.model.backlash == 0.0:
+        return [wished]
+    landing = controllers.soft_landing(s.model, dt=s.dt, torque_limit=s.torque_limit, **TOLERANT)
+    return [wished.renamed({"torque_motor": "torque_wished"}), landing]
+
+
 def _h_infinity(s: Setting) -> list[Law]:
     return [controllers.h_infinity(s.model, load_torque=10.0, margin=3.0, **_wishes(s))]
 
@@ -285,9 +297,9 @@ CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("soft landing, tolerant", "speed", lambda s: _soft(s, 2.3, 7.5, **TOLERANT), load_observer),
     Contestant("soft landing, bounded", "speed", _bounded, load_observer),
     Contestant("soft landing, fast", "speed", lambda s: _soft(s, 1.0, 6.0, **FAST), load_observer),
-    Contestant("adaptive LQI", "speed", lambda s: [_lqi(s)], adaptive_observer),
+    Contestant("adaptive LQI", "speed", lambda s: [_scheduled(s)], adaptive_observer),
     Contestant("adaptive flat, 200 rad/s²", "speed", lambda s: _flat(s, 200.0, 4e4), adaptive_observer),
-    Contestant("adaptive soft landing", "speed", lambda s: _soft(s, 2.3, 8.0, **TOLERANT), adaptive_observer),
+    Contestant("adaptive soft landing", "speed", _scheduled_soft, adaptive_observer),
     *(
         Contestant(f"ramp {rate:g} Nm/s, active damping", "torque", partial(_ramp, slope=rate), load_observer)
         for rate in RAMPS

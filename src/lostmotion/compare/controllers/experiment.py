@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ... import rig
-from ...curves import dead_zone, saturation
+from ...curves import PiecewiseLinear, dead_zone, saturation
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput
 from ...recording import Recording
@@ -171,9 +171,12 @@ def true_states(data: Experiment) -> DiscreteSystem:
         "torque_shaft_estimated": (nothing, (stiffness, 0.0)),
         "friction_load_estimated": (load.viscous * rows[2], (0.0, 1.0)),
         "torque_load_estimated": (torque, (0.0, 0.0)),
+        "inertia_load_estimated": (nothing, (0.0, 0.0)),
     }
+    known = PiecewiseLinear(((0.0, data.setting.model.inertia_load),))
+    direct, by_curves = (np.array(part) for part in zip(*outputs.values(), strict=True))
     return DiscreteSystem(
         name="true_states", dt=data.setting.dt, inputs=tuple(signals), outputs=tuple(outputs),
-        curves=(dead_zone(half), friction), G=rows[[0, 2]],
-        D=np.array([row for row, _ in outputs.values()]), J=np.array([by for _, by in outputs.values()]),
+        curves=(dead_zone(half), friction, known), G=rows[[0, 2, 2]], D=direct,
+        J=np.column_stack([by_curves, np.eye(len(outputs))[-1]]),
     )  # fmt: skip

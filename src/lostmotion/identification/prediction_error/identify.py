@@ -119,7 +119,7 @@ def identify(
     ------
     InvalidInput
         If a signal is missing, not finite or constant, the raster is not uniform within 5 %, the recording is
-        too short, or a name in ``fixed`` or ``measured`` or a contact law is unknown.
+        too short or takes too much memory, or a name in ``fixed`` or ``measured`` or a contact law is unknown.
 
     Notes
     -----
@@ -135,6 +135,7 @@ def identify(
     pieces = join(recordings, ("torque_motor", *measured))
     wide = load_torque or contact != "viscoelastic" or len(measured) > 1
     warnings.check_length(pieces.time.size, pieces.dt, MIN_ROWS, MIN_TIME)
+    warnings.check_size(pieces.time.size, len(measured))
     predictor = _predictor(pieces, recordings[0], start, speed_from_counts)
     coarse: list[Problem] = []
     if predictor.speed_from_counts and not wide:

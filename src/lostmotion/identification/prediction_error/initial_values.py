@@ -23,6 +23,9 @@ BACKLASH_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0)
 #: Length of the segment of the recording that the search runs over, s, and rows at least (option: its computing time).
 SEARCH_TIME, SEARCH_ROWS = 3.0, 5000
 
+#: Points of the search whose innovations are held at once (numerics: as many as a Jacobian has columns).
+BATCH = 8
+
 #: Points of the search from which a short fit starts (numerics).
 CANDIDATES = 3
 
@@ -119,7 +122,8 @@ def search(
             point[1] = np.log(total - np.exp(point[0]))
         points.append(point)
     part = predictor.part(_liveliest(predictor.torque, predictor.dt))
-    costs = [sum_of_squares(r) for r in part.residuals(np.array(points), bandwidth)]
+    batches = np.array_split(points, -(-len(points) // BATCH))
+    costs = [sum_of_squares(r) for batch in batches for r in part.residuals(batch, bandwidth)]
     free = [i for i in (0, 1, 2, 4, 5) if NAMES[i] not in fixed]
     best = [points[i] for i in np.argsort(costs)[:CANDIDATES]]
     if not free:

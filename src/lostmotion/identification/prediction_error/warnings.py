@@ -9,12 +9,17 @@ from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
+from ...memory import check_memory
 from ...recording import Recording
 from . import problems as problem
 from .result import Prediction
 
 #: Largest torque (Nm) and speed (rad/s) that are taken for real (option: a thousand times those of big drives).
 LARGEST_VALUE = 1e8
+
+#: Bytes that a row of a channel takes (numerics: eight Jacobians of eight columns stand side by side for the intervals;
+#: measured are 0.5 kB).
+MEMORY = 600
 
 #: Correlation above which two parameters can hardly be separated (numerics: each interval is five times as wide as
 #: with the other one known).
@@ -84,6 +89,14 @@ def check_length(rows: int, dt: float, min_rows: int, min_time: float) -> None:
             f"at least {min_rows} rows and {min_time:g} s",
             "Record longer: 10 s at 10 kHz are good.",
         )
+
+
+def check_size(rows: int, channels: int) -> None:
+    """Raise InvalidInput if so many rows take more memory than the limit."""
+    remedy = (
+        "Identify from a part: window = [start, stop] in the TOML, recording.window(start, stop) in Python."
+    )
+    check_memory("recording", f"{rows} rows to identify from", MEMORY * rows * channels, remedy)
 
 
 def count_step(speed: NDArray[np.float64]) -> float | None:

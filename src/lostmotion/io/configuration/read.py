@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,7 +14,8 @@ from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
-from ..recordings.checks import check_identifiable, check_inertia
+from ..recordings.checks import check_identifiable
+from ..recordings.plausibility import check_law, check_nameplate
 from ..recordings.read import read_recording
 from ..storage.toml_files import read_toml
 from ..tables.channels import Channel
@@ -173,10 +174,13 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
         try:
             recording = source.read()
             if source.use == "identify":
-                found = (
-                    *recording.meta["problems"], *check_identifiable(recording), *_inertia(recording, configuration),
-                )  # fmt: skip
-                recording = replace(recording, meta={**recording.meta, "problems": found})
+                recording = _with_problems(
+                    recording,
+                    *check_identifiable(recording),
+                    *check_nameplate(recording, configuration.nameplate),
+                    *check_law(recording, configuration.law.torque_limit, configuration.law.poles),
+                )
+            recording = _with_problems(recording, *_not_used(source, configuration.recordings))
             loaded.append((source.use, recording))
             problems.extend(recording.meta["problems"])
         except InputProblems as error:
@@ -186,10 +190,25 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
     return loaded
 
 
-def _inertia(recording: Recording, configuration: Configuration) -> tuple[Problem, ...]:
-    """Whether acceleration and torque are those of the nameplate's inertias, where it gives them."""
-    inertias = [configuration.nameplate.get(name) for name in ("inertia_motor", "inertia_load")]
-    return check_inertia(recording, sum(known)) if len(known := [j for j in inertias if j]) == 2 else ()
+def _with_problems(recording: Recording, *further: Problem) -> Recording:
+    return replace(recording, meta={**recording.meta, "problems": (*recording.meta["problems"], *further)})
+
+
+def _not_used(source: RecordingSource, sources: Sequence[RecordingSource]) -> list[Problem]:
+    """Warnings that a recording is not the first of its use, or is the one that was identified from."""
+    found, where = [], str(source.file)
+    if next(one for one in sources if one.use == source.use) is not source:
+        remedy = "Only the first is used: join the recordings, or run again with another one first."
+        got, expected = f"a further recording to {source.use}", f"one recording to {source.use}"
+        found.append(Problem.warning(where, got, expected, remedy))
+    identified = [one for one in sources if one.use == "identify"]
+    if source.use == "validate" and any(
+        (one.file, one.window) == (source.file, source.window) for one in identified
+    ):
+        got = "the recording to validate is that to identify from"
+        remedy = "Give another one or another window, or leave it out: the last part is then kept for it."
+        found.append(Problem.warning(where, got, "one that nothing was fitted to", remedy))
+    return found
 
 
 def template() -> str:

@@ -8,8 +8,20 @@ from numpy.typing import NDArray
 from ...argument_checks import checks_arguments
 from ...errors import InputProblems, Problem
 from ...recording import Recording
-from .signal_faults import LARGEST, STUCK_SHARE, Place, dead, longest_run, places, spikes, stuck
-from .torque_and_speed import column_order, inertia_shown, torque_agreement
+from .load_speed import check_load_speed
+from .signal_faults import (
+    LARGEST,
+    STUCK_SHARE,
+    Place,
+    dead,
+    longest_run,
+    overflows,
+    places,
+    sentinels,
+    spikes,
+    stuck,
+)
+from .torque_and_speed import column_order, torque_agreement
 
 #: Fewest samples of a recording. Option: less than a few periods of any shaft at any sensible sample time.
 MINIMUM_SAMPLES = 100
@@ -32,11 +44,6 @@ SLOW = 0.02
 #: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Calibrated as
 #: ``torque_and_speed.BLOCK``: the other correlation was -0.24 to 0 in all of these.
 SWAPPED, SWAPPED_MARGIN = 0.4, 0.2
-
-
-#: How far the inertia that a recording shows may be off the nameplate's (option: a factor of two each by noise and by
-#: the nameplate, and some more; rpm for rad/s is a factor of nine).
-FAR_OFF = 5.0
 
 
 def check_finite(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
@@ -109,21 +116,6 @@ def stop_at_errors(problems: list[Problem]) -> None:
         raise InputProblems(problems)
 
 
-def check_inertia(recording: Recording, nameplate: float) -> tuple[Problem, ...]:
-    """A warning where the motor accelerates as no drive of the nameplate's inertia (kg m2, of all) would."""
-    shown = inertia_shown(recording)
-    # A negative one is a wrong sign, which has its own check.
-    if shown is None or shown < 0.0 or 1.0 / FAR_OFF < shown / nameplate < FAR_OFF:
-        return ()
-    where = str(recording.meta.get("file", "recording"))
-    got, expected = (
-        f"an acceleration as of {shown:.2g} kg m2",
-        f"about {nameplate:.2g} kg m2, as on the nameplate",
-    )
-    remedy = "Check unit and scale in the channels of torque and speed, and the inertias under [nameplate]."
-    return (Problem.warning(f"{where}, torque_motor and speed_motor", got, expected, remedy),)
-
-
 @checks_arguments
 def check_recording(recording: Recording) -> tuple[Problem, ...]:
     """The warnings about a recording: what its channels cannot tell, and what a slip in its columns would look like.
@@ -144,8 +136,9 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
             remedy = "It does not identify the backlash: record with reversals of the torque."
             found.append(Problem.warning(f"{where}, {name}", got, "torque in both directions", remedy))
         found += stuck(name, values, recording, where)
-        found += spikes(name, values, recording, where)
-    found += dead(recording.signals, recording.time, where)
+        found += spikes(name, values, recording, where) or sentinels(name, values, where)
+        found += overflows(name, values, where)
+    found += [*dead(recording.signals, recording.time, where), *check_load_speed(recording)]
     follows, followed = column_order(recording)
     agreement = torque_agreement(recording)
     if followed > max(SWAPPED, abs(follows) + SWAPPED_MARGIN):

@@ -27,6 +27,12 @@ DEAD_SHARE, DEAD_TORQUE = 0.1, 0.7
 #: A sample is far off where it jumps there and back by so many times what 99.9 % of the changes are below (calibrated
 #: on the same).
 SPIKE, USUAL_CHANGES = 300.0, 0.999
+#: An angle that jumps by this share of its whole range in one sample has overflowed (option: 65 535 of 65 536 counts,
+#: and what the drive turns in a sample).
+WHOLE_RANGE = 0.8
+#: A value that marks lost samples comes so often at least, and is so far from all others, over their whole range
+#: (option: half of it; a motion has values on its way there).
+FEWEST_MARKS, MARK_AWAY = 3, 0.5
 
 Place = Callable[[int], str]
 
@@ -109,6 +115,34 @@ def spikes(name: str, values: NDArray[np.float64], recording: Recording, where: 
         "A lost bit of the logger? Leave these samples out by window = [...], or repair them in the file."
     )
     return [Problem.warning(f"{where}, {name}", got, expected, remedy)]
+
+
+def sentinels(name: str, values: NDArray[np.float64], where: str) -> list[Problem]:
+    """The warning that one value stands far off all others, again and again in single samples: a mark of lost ones."""
+    for extreme in (float(values.max()), float(values.min())):
+        rows = np.flatnonzero(values == extreme)
+        rest = values[values != extreme]
+        if rows.size < FEWEST_MARKS or not rest.size or np.any(np.diff(rows) == 1):
+            continue
+        away, spread = float(np.min(np.abs(rest - extreme))), float(np.ptp(rest))
+        if away > MARK_AWAY * spread > 0.0:
+            got = f"{extreme:g} in {rows.size} single samples, and nothing between it and the rest"
+            remedy = (
+                "A mark of lost samples? Fill them in the tool that recorded them, or give window = [...]."
+            )
+            return [Problem.warning(f"{where}, {name}", got, "a signal without gaps", remedy)]
+    return []
+
+
+def overflows(name: str, values: NDArray[np.float64], where: str) -> list[Problem]:
+    """The warning that an angle jumps back by its whole range: a counter that begins anew in each turn."""
+    span = float(np.ptp(values))
+    rows = np.flatnonzero(np.abs(np.diff(values)) > WHOLE_RANGE * span)
+    if not name.startswith("angle_") or rows.size == 0 or span == 0.0:
+        return []
+    got = f"an angle that jumps by {span:.4g} rad, its whole range, {rows.size} times"
+    remedy = "The counter overflows: let it count on in the tool that records, or give the speed instead."
+    return [Problem.warning(f"{where}, {name}", got, "an angle that goes on counting", remedy)]
 
 
 def _runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

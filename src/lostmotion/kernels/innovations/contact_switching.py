@@ -27,6 +27,9 @@ from .transitions import (
     DEAD_ZONE,
     EDGE,
     HALF,
+    INERTIA_LOAD,
+    INERTIA_MOTOR,
+    JUMP,
     LEAD,
     LEVELS,
     LOAD,
@@ -38,8 +41,10 @@ from .transitions import (
     TORQUE,
     WHOLE,
     WIDE,
+    changes_within,
     fill_model,
     layout,
+    shape_mean,
 )
 
 #: Sensors.
@@ -51,6 +56,8 @@ _DOUBT = 3.0
 _LOST, _MOST = 3.0, 1e6
 #: Step of the differences in θ: far above rounding, far below any interval (numerics).
 _STEP = 1e-6
+#: A piece over which a friction that holds is constant, rad of the torsional period (numerics: 1e-3 of its change).
+_SHORT = 0.1
 _ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
 
 
@@ -62,33 +69,53 @@ def _add(a, at, factor, out, to):
 
 
 @njit(forceinline=True, **COMPILED)
-def _moved(t, at, c, of, n, x, torque, edge, out):
+def _friction(before, free, per_torque, forwards, backwards):
+    """Mean torque of a Coulomb friction over a piece, and whether its inertia is at rest in the end.
+
+    ``before``: speed at the beginning; ``free``: at the end without this friction; ``per_torque``: what a friction of
+    1 Nm adds. It acts against the motion until that ends, then holds if its level suffices.
+    """
+    slipping, moving = 0.0, 0.0
+    if before != 0.0:
+        slipping = forwards if before > 0.0 else -backwards
+        end = free + slipping * per_torque
+        if end * before > 0.0:
+            return slipping, False
+        moving = before / (before - end)
+    holding = (before - free) / per_torque
+    limited = min(max(holding, -backwards), forwards)
+    return moving * slipping + (1.0 - moving) * limited, limited == holding
+
+
+@njit(forceinline=True, **COMPILED)
+def _moved(t, at, c, of, n, x, torque, jump, edge, out):
     """State after a piece with the transition at t[at …] and a model's numbers at c[of …].
 
-    Each friction takes what brings its inertia to rest at the end of the piece, within its Coulomb levels. Returns 1 if
-    the motor sticks, plus 2 if the load does.
+    ``torque``: its mean; ``jump``: by how much it is higher at the beginning, of whole samples. Returns 1 if the motor
+    sticks, plus 2 if the load does.
     """
     motor_at, load_at, constant = at + MOTOR * WIDE, at + LOAD * WIDE, c[of + CONSTANT]
     for i in range(WIDE):
         out[i] = (
-            torque * t[at + TORQUE * WIDE + i] + edge * t[at + EDGE * WIDE + i] - constant * t[load_at + i]
+            torque * t[at + TORQUE * WIDE + i]
+            + jump * t[at + JUMP * WIDE + i]
+            + edge * t[at + EDGE * WIDE + i]
+            - constant * t[load_at + i]
         )
     for j in range(n):
         _add(t, at + j * WIDE, x[j], out, 0)
-    stuck = 3
-    motor = -out[1] / t[motor_at + 1]
-    if motor > c[of + LEVELS]:
-        motor, stuck = c[of + LEVELS], 2
-    elif motor < -c[of + LEVELS + 1]:
-        motor, stuck = -c[of + LEVELS + 1], 2
-    load = -(out[2] + t[motor_at + 2] * motor) / t[load_at + 2]
-    if load > c[of + LEVELS + 2]:
-        load, stuck = c[of + LEVELS + 2], stuck & 1
-    elif load < -c[of + LEVELS + 3]:
-        load, stuck = -c[of + LEVELS + 3], stuck & 1
+    levels = of + LEVELS
+    motor, motor_rests = _friction(x[1], out[1], t[motor_at + 1], c[levels], c[levels + 1])
+    free = out[2] + t[motor_at + 2] * motor
+    load, load_rests = _friction(x[2], free, t[load_at + 2], c[levels + 2], c[levels + 3])
     for i in range(WIDE):
         out[i] += motor * t[motor_at + i] + load * t[load_at + i]
-    return stuck
+    # Exactly at rest: rounding is no motion.
+    if motor_rests:
+        out[1] = 0.0
+    if load_rests:
+        out[2] = 0.0
+    return (1 if motor_rests else 0) + (2 if load_rests else 0)
 
 
 @njit(**COMPILED)
@@ -142,13 +169,16 @@ def _turned(c, of, x, y):
 
 
 @njit(**COMPILED)
-def _through(t, begin, c, of, finest, n, nc, tail, law, torque, contact, x, y, errors, f, work):
-    """A sample in which something changes, from event to event: x is advanced; returns contact and closed share.
+def _through(
+    t, begin, c, of, finest, held, ramp, n, nc, tail, law, torque, jump, contact, rest, x, y, errors, f, work
+):
+    """A sample in which something changes, from event to event.
 
-    The model's transitions are at t[begin …], its numbers at c[of …]. With ``errors``, f is how an error of the state
-    goes on over the sample.
+    x is advanced; returns contact, what sticks, and the share of the sample with the gap closed. The model's
+    transitions are at t[begin …], its numbers at c[of …]. What sticks is taken as constant over 2⁻ʰᵉˡᵈ of a sample at
+    most. With ``errors``, f is how an error of the state goes on over the sample.
     """
-    lead, half = c[of + LEAD], c[of + HALF]
+    lead, half, part = c[of + LEAD], c[of + HALF], -1.0 if ramp else c[of + PART]
     if errors:
         for j in range(nc):
             for i in range(WIDE):
@@ -158,11 +188,17 @@ def _through(t, begin, c, of, finest, n, nc, tail, law, torque, contact, x, y, e
         while (1 << (finest - level)) > left:
             level += 1
         size = 1 << (finest - level)
+        done = (1 << finest) - left
+        if jump != 0.0 and level < finest and changes_within(part, finest, done, size):
+            level += 1
+            continue
         at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
-        stuck = _moved(t, at, c, of, n, x, torque, contact * half, y)
+        u = torque + shape_mean(part, finest, done, size) * jump
+        stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
         z = y[0] + lead * (y[tail] - y[2])
         after = _next_contact(contact, z, y[0], half, law)
-        if (after != contact or _turned(c, of, x, y)) and level < finest:
+        changes = after != contact or stuck != rest or _turned(c, of, x, y)
+        if (changes and level < finest) or (stuck != 0 and level < held):
             level += 1
             continue
         share = 1.0
@@ -183,16 +219,17 @@ def _through(t, begin, c, of, finest, n, nc, tail, law, torque, contact, x, y, e
         if after != contact:
             contact = after
             at = begin + ((finest + 1 if contact != 0 else 0) + finest) * BLOCK
-            stuck = _moved(t, at, c, of, n, x, torque, contact * half, y)
+            stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
             if errors:
                 _follow(t, at, nc, stuck, 1.0 - share, f, work)
             for i in range(n):
                 x[i] += (1.0 - share) * (y[i] - x[i])
+        rest = stuck
         closed += size if contact != 0 else 0
         left -= size
         if level > 0 and left % (size << 1) == 0:
             level -= 1
-    return contact, closed / (1 << finest)
+    return contact, rest, closed / (1 << finest)
 
 
 @njit(forceinline=True, **COMPILED)
@@ -236,11 +273,16 @@ def _times_turned(a, f, at, nc, noise, closed, p):
 
 
 @njit(forceinline=True, **COMPILED)
-def _delayed(torque, k, c, of):
-    """Torque that acts over sample k."""
+def _delayed(torque, k, c, of, ramp):
+    """Mean of the torque that acts over sample k, and by how much it is higher at the beginning than in the end."""
     first, last = k - int(c[of + WHOLE]), torque.size - 1
     now, before = torque[min(max(first, 0), last)], torque[min(max(first - 1, 0), last)]
-    return now + c[of + PART] * (before - now)
+    mean = now + c[of + PART] * (before - now)
+    if not ramp:
+        return mean, before - now
+    after = torque[min(max(first + 1, 0), last)]
+    end = after + c[of + PART] * (now - after)
+    return 0.5 * (mean + end), mean - end
 
 
 @njit(**COMPILED)
@@ -251,6 +293,17 @@ def _changed(value, kind, unit, change, dt):
     if kind == 1:
         return (value + dt) * math.exp(change) - dt
     return value + unit * change
+
+
+@njit(**COMPILED)
+def _held(q, dt, finest):
+    """Halvings until a piece is short against the torsional period: so long a friction that holds is constant."""
+    angle = math.sqrt(q[STIFFNESS] * (1.0 / q[INERTIA_MOTOR] + 1.0 / q[INERTIA_LOAD])) * dt
+    halvings = 0
+    while halvings < finest and angle > _SHORT:
+        angle *= 0.5
+        halvings += 1
+    return halvings
 
 
 @njit(**COMPILED)
@@ -277,8 +330,8 @@ def _sensor_rows(q, sensors, counted, law, third, angle, rows, offsets):
 
 @njit(**COMPILED)
 def innovations(
-    parameters, free, kinds, units, dt, law, finest, sensors, counted, ratios, bounds, torque, measured, level, spread,
-    residuals, variances, jacobian,
+    parameters, free, kinds, units, dt, law, finest, ramp, sensors, counted, ratios, bounds, torque, measured, level,
+    spread, residuals, variances, jacobian,
 ):  # fmt: skip
     """One pass of the filter over a recording, with the sensitivities to some parameters.
 
@@ -293,6 +346,8 @@ def innovations(
     dt : float, s
     law, finest : int
         Contact law; a sample is halved so often at most.
+    ramp : bool
+        Whether the torque goes straight from row to row, as a measured one does; else it is held.
     sensors : (s,) int array
         SPEED_MOTOR first.
     counted : bool
@@ -321,25 +376,26 @@ def innovations(
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
     noise, other, errors = np.zeros((2, square)), np.zeros((2, square)), np.zeros(8 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
-    fill_model(parameters, dt, law, finest, counted, angled, level, models[0], numbers[0], noise)
+    fill_model(parameters, dt, law, finest, ramp, counted, angled, level, models[0], numbers[0], noise)
     for j in range(m):
         q = parameters.copy()
         q[free[j]] = _changed(q[free[j]], kinds[j], units[j], _STEP, dt)
-        fill_model(q, dt, law, finest, counted, angled, level, models[j + 1], numbers[j + 1], other)
+        fill_model(q, dt, law, finest, ramp, counted, angled, level, models[j + 1], numbers[j + 1], other)
     _sensor_rows(parameters, sensors, counted, law, third, angle, rows, offsets)
     for which in range(8):
         _errors(models.reshape(-1), (which >> 2) * whole, nc, which & 3, errors, which * square)
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
     lead, half = c[LEAD], c[HALF]
-    x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
+    x, y, old, gain, first = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
     p, f, work, mixed = np.zeros(square), np.zeros(square), np.zeros(square + WIDE), np.zeros(BLOCK)
     # Sensitivities of the state to θ, column after column, and where they go.
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
-    piece, contact, base, weight = -1, 0, 0.0, 0.0
+    held = _held(parameters, dt, finest)
+    piece, contact, rest, base, weight = -1, 0, 0, 0.0, 0.0
     for k in range(torque.size):
         if k == bounds[piece + 1]:
             piece += 1
-            contact = 1 if gap_law == NO_GAP else 0
+            contact, rest = 1 if gap_law == NO_GAP else 0, 0
             x[:] = 0.0
             p[:] = 0.0
             slope[:] = 0.0
@@ -355,6 +411,8 @@ def innovations(
                 p[load * WIDE + load] = spread[2] ** 2
             if angle > 0:
                 p[angle * WIDE + angle] = 1.0
+            for i in range(nc):
+                first[i] = p[i * WIDE + i]
             base = measured[k, 0] if counted else 0.0
         elif counted:
             # The angle is that since the last count: a small number, whose differences are fine.
@@ -378,6 +436,8 @@ def innovations(
             wanted = (e / (_LOST * level)) ** 2
             if wanted > variance:
                 growth = min((wanted - ratios[s]) / max(variance - ratios[s], 1e-12), _MOST)
+                for i in range(nc):  # far beyond what a start knows nothing but rounding is left
+                    growth = min(growth, max(_MOST * first[i] / max(p[i * WIDE + i], 1e-300), 1.0))
                 variance = ratios[s] + growth * (variance - ratios[s])
                 for i in range(WIDE):
                     gain[i] *= growth
@@ -395,7 +455,7 @@ def innovations(
                 _add(gain, 0, -total / variance, slope, j * WIDE)
         for i in range(WIDE):
             old[i] = x[i]
-        u = _delayed(torque, k, c, 0)
+        u, jump = _delayed(torque, k, c, 0, ramp)
         rate = x[tail] - x[2]
         z = x[0] + lead * rate
         # In doubt about the contact: an edge is within the filter's uncertainty, and that is more than the way of a
@@ -409,29 +469,30 @@ def innovations(
             doubt = level * math.sqrt(max(variance, 0.0))
             if doubt <= abs(travel) or abs(abs(z) - half) >= _DOUBT * doubt + abs(travel):
                 doubt = 0.0
-        before, quiet, at = contact, False, closed * whole
+        before, rested, quiet, at = contact, rest, False, closed * whole
         if doubt > 0.0:
             weight, edge = _mean_gap(z + travel, half, doubt)
             _blend(t, 0, whole, weight, mixed)
-            stuck = _moved(mixed, 0, c, 0, n, x, u, edge, y)
+            rest = _moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
             for i in range(n):
                 x[i] = y[i]
             z = x[0] + lead * (x[tail] - x[2])
             contact = 1 if z > half else -1 if z < -half else 0
-            _errors(mixed, 0, nc, stuck, f, 0)
+            _errors(mixed, 0, nc, rest, f, 0)
         else:
-            stuck = _moved(t, at, c, 0, n, x, u, contact * half, y)
+            rest = _moved(t, at, c, 0, n, x, u, jump, contact * half, y)
             z = y[0] + lead * (y[tail] - y[2])
             quiet = _next_contact(contact, z, y[0], half, gap_law) == contact and not _turned(c, 0, x, y)
+            quiet = quiet and rest == rested and (rest == 0 or held == 0)
             if quiet:
                 for i in range(n):
                     x[i] = y[i]
             else:
-                contact, weight = _through(
-                    t, 0, c, 0, finest, n, nc, tail, gap_law, u, contact, x, y, True, f, work
-                )
+                contact, rest, weight = _through(
+                    t, 0, c, 0, finest, held, ramp, n, nc, tail, gap_law, u, jump, contact, rested, x, y, True, f, work
+                )  # fmt: skip
         if quiet:
-            where = (4 * closed + stuck) * square
+            where = (4 * closed + rest) * square
             _times(errors, where, nc, slope, m, next_slope)
             _times(errors, where, nc, p, nc, work)
             _times_turned(work, errors, where, nc, noise, closed, p)
@@ -442,17 +503,20 @@ def innovations(
         # How the parameters move the state within this sample, by differences.
         for j in range(m):
             begin, of = (j + 1) * model, (j + 1) * NUMBERS
-            u = _delayed(torque, k, c, of)
+            u, jump = _delayed(torque, k, c, of, ramp)
             if quiet:
-                _moved(t, begin + at, c, of, n, old, u, before * c[of + HALF], y)
+                _moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], y)
             elif doubt > 0.0:
                 weight, edge = _mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
                 _blend(t, begin, begin + whole, weight, mixed)
-                _moved(mixed, 0, c, of, n, old, u, edge, y)
+                _moved(mixed, 0, c, of, n, old, u, jump, edge, y)
             else:
                 for i in range(n):
                     gain[i] = old[i]
-                _through(t, begin, c, of, finest, n, nc, tail, gap_law, u, before, gain, y, False, f, work)
+                _through(
+                    t, begin, c, of, finest, held, ramp, n, nc, tail, gap_law, u, jump, before, rested, gain, y, False,
+                    f, work,
+                )  # fmt: skip
                 for i in range(n):
                     y[i] = gain[i]
             for i in range(nc):

@@ -31,10 +31,11 @@ VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
 
 #: States at most (layout). Columns of a transition are so long: loops of a known length become vector instructions.
 WIDE = 8
-#: A transition's columns: states, then torque, gap edge, friction of motor and of load.
-TORQUE, EDGE, MOTOR, LOAD = range(WIDE, WIDE + 4)
+#: A transition's columns: states, then torque, gap edge, friction of motor and of load, and what a torque that changes
+#: within the sample does that its mean does not (of a whole sample alone).
+TORQUE, EDGE, MOTOR, LOAD, JUMP = range(WIDE, WIDE + 5)
 #: Numbers in a transition, which lies column after column.
-BLOCK = (WIDE + 4) * WIDE
+BLOCK = (WIDE + 5) * WIDE
 
 #: Places among a model's numbers (layout): lead of the gap's argument (s), half the gap (rad), Coulomb levels (Nm) of
 #: the motor forwards and backwards and of the load, constant load torque (Nm), delay in whole samples and its rest.
@@ -44,6 +45,10 @@ COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_
 
 #: Largest norm before squaring, as in ``two_mass`` (numerics).
 _NORM = 0.5
+#: Halvings of a sample whose torque is a ramp, to find what the ramp does (numerics: 1e-4 of it).
+_RAMP = 6
+#: A lag below this part of a sample is none: its pole would take the digits of all others (numerics).
+_NO_LAG = 1e-6
 
 
 @njit(**COMPILED)
@@ -74,7 +79,7 @@ def _damped_spring(block, behind, before, spring, damper, j_before, j_behind):
 
 
 @njit(**COMPILED)
-def _continuous(q, n, third, load, angle, closed, law, block):
+def _continuous(q, dt, n, third, load, angle, closed, law, block):
     """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
     block[:] = 0.0
     jm, jl, k, rate = q[INERTIA_MOTOR], q[INERTIA_LOAD], q[STIFFNESS], q[DAMPING] / q[STIFFNESS]
@@ -97,7 +102,7 @@ def _continuous(q, n, third, load, angle, closed, law, block):
         block[2, load] = 1.0 / jl
     if angle > 0:
         block[angle, 1] = 1.0
-    if q[LAG] > 0.0:
+    if q[LAG] > _NO_LAG * dt:
         block[1, n - 1], block[n - 1, n - 1], block[n - 1, n] = 1.0 / jm, -1.0 / q[LAG], 1.0 / q[LAG]
     else:
         block[1, n] = 1.0 / jm
@@ -159,7 +164,50 @@ def _transitions(block, density, dt, n, finest, table, at, noise):
 
 
 @njit(**COMPILED)
-def fill_model(q, dt, law, finest, counted, angled, level, table, c, noise):
+def shape_mean(part, finest, done, size):
+    """Mean over a piece of what a torque within a sample differs from its mean by; done and size in finest pieces.
+
+    A held torque changes after ``part`` of the sample: 1 before, 0 after, less the mean. A ramp (part < 0) falls from
+    0.5 to −0.5.
+    """
+    whole = 1 << finest
+    if part < 0.0:
+        return 0.5 - (done + 0.5 * size) / whole
+    return min(max((part * whole - done) / size, 0.0), 1.0) - part
+
+
+@njit(**COMPILED)
+def changes_within(part, finest, done, size):
+    """Whether a held torque changes inside a piece."""
+    change = part * (1 << finest)
+    return done < change < done + size
+
+
+@njit(**COMPILED)
+def _fill_jump(table, at, finest, n, part):
+    """Column ``JUMP`` of the whole sample: what ``shape_mean`` adds."""
+    x, y, done = np.zeros(WIDE), np.zeros(WIDE), 0
+    while done < 1 << finest:
+        level = min(finest, _RAMP) if part < 0.0 else 0
+        while level < finest:
+            size = 1 << (finest - level)
+            if done % size == 0 and not changes_within(part, finest, done, size):
+                break
+            level += 1
+        size, column = 1 << (finest - level), at + level * BLOCK
+        mean = shape_mean(part, finest, done, size)
+        for i in range(n):
+            y[i] = mean * table[column + TORQUE * WIDE + i]
+            for j in range(n):
+                y[i] += table[column + j * WIDE + i] * x[j]
+        x, y = y, x
+        done += size
+    for i in range(n):
+        table[at + JUMP * WIDE + i] = x[i]
+
+
+@njit(**COMPILED)
+def fill_model(q, dt, law, finest, ramp, counted, angled, level, table, c, noise):
     """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise."""
     third, load, angle, n, nc = layout(q, angled)
     block, density, own = np.zeros((n + 4, n + 4)), np.zeros((nc, nc)), np.zeros((nc, nc))
@@ -172,8 +220,10 @@ def fill_model(q, dt, law, finest, counted, angled, level, table, c, noise):
     if load > 0:
         density[load, load] = (q[TORQUE_RATE] / level) ** 2
     for closed in range(2):
-        _continuous(q, n, third, load, angle, closed == 1, law, block)
-        _transitions(block, density, dt, n, finest, table, closed * (finest + 1) * BLOCK, own)
+        _continuous(q, dt, n, third, load, angle, closed == 1, law, block)
+        at = closed * (finest + 1) * BLOCK
+        _transitions(block, density, dt, n, finest, table, at, own)
+        _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
         for i in range(nc):
             for j in range(nc):
                 noise[closed, i * WIDE + j] = own[i, j]

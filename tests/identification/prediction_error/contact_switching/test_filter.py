@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import (
+    INDEX,
     PARAMETERS,
     ContactFilter,
     white_noise,
 )
+from lostmotion.identification.prediction_error.innovations import Predictor
 
 
 def test_the_true_parameters_leave_the_sensors_noise(flt: ContactFilter, values: dict[str, float]):
@@ -57,3 +60,61 @@ def test_noise_of_a_smooth_signal_is_seen():
     time = np.arange(20_000) * 1e-4
     noise = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
     assert white_noise(10.0 * np.sin(30.0 * time) + noise) == pytest.approx(1e-3, rel=0.05)
+
+
+#: Plant steps in a row of the coarse recordings below, which have 15 rows per torsional period.
+STEPS, COARSE = 10, 1e-3
+#: Count of the encoder there, rad: 1e-5 of the motion in a row, so that an error of the model shows.
+COUNT = 2.0 * np.pi / 2**24
+
+
+def coarse(
+    plant: lm.Drivetrain, torque: np.ndarray, held: np.ndarray, steps: int = STEPS, **given: float
+) -> tuple[ContactFilter, np.ndarray]:
+    """The filter over rows of so many plant steps each, and the vector of the true parameters."""
+    fine = COARSE / steps
+    angle = lm.simulate(plant, dt=fine, torque_motor=torque)["angle_motor"][::steps]
+    speed = np.diff(np.floor(angle / COUNT), prepend=0.0) * COUNT / COARSE
+    flt = ContactFilter.of(Predictor(held, speed, COARSE, True, plant, skip=0), 100.0)
+    true = {name: value for name, value in plant.parameters().items() if name in PARAMETERS}
+    return flt, flt.theta(true | {"motor_rate": 1.0, "load_rate": 1.0} | given)
+
+
+def command() -> np.ndarray:
+    """Levels of torque that change from row to row, Nm."""
+    return 10.0 * np.random.default_rng(5).standard_normal(1000)
+
+
+def test_a_torque_that_changes_within_a_sample_is_followed_exactly(plant: lm.Drivetrain):
+    """The delay is 0.3 of a row; with the torque's mean alone the innovations are a thousand times as large."""
+    linear, held = plant.with_parameters(backlash=0.0, coulomb=0.0), command()
+    torque = np.concatenate([np.zeros(3), np.repeat(held, STEPS)])[: held.size * STEPS]
+    flt, theta = coarse(linear, torque, held, delay=0.3 * COARSE)
+    assert flt.run(theta).cost == pytest.approx(0.0, abs=0.1)
+
+
+def test_friction_that_ends_within_a_sample_is_followed(plant: lm.Drivetrain):
+    """The load stops, rests and breaks away between rows."""
+    rubbing, held = plant.with_parameters(backlash=0.0, coulomb=4.0), command()
+    flt, theta = coarse(rubbing, np.repeat(held, STEPS), held)
+    assert flt.run(theta).cost < 0.4
+
+
+def test_a_measured_torque_goes_straight_from_row_to_row(plant: lm.Drivetrain):
+    linear, rows = plant.with_parameters(backlash=0.0, coulomb=0.0, lag=0.0), np.arange(1000)
+    finely = 20 * STEPS
+    time = (np.arange(rows.size * finely) + 0.5) / finely
+    flt, theta = coarse(linear, np.interp(time, rows, command()), command(), finely)
+    assert replace(flt, ramp=True).run(theta).cost == pytest.approx(0.0, abs=0.1)
+    assert flt.run(theta).cost > 1.0
+
+
+def test_a_lag_of_next_to_nothing_is_none(plant: lm.Drivetrain):
+    """A pole far beyond all others would take their digits."""
+    linear, held = plant.with_parameters(backlash=0.0, coulomb=0.0, lag=0.0), command()
+    flt, theta = coarse(linear, np.repeat(held, STEPS), held)
+    without = flt.run(theta).cost
+    tiny = theta.copy()
+    tiny[INDEX["lag"]] += 1e-12
+    assert flt.run(tiny).cost == pytest.approx(without, abs=1e-6)
+    assert without == pytest.approx(0.0, abs=0.1)

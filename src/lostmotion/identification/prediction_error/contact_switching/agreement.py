@@ -10,7 +10,7 @@ from .. import problems as problem
 from ..gain_schedule import Stage
 from ..identifiability import Told
 from ..innovations import Predictor
-from .descents import EXPLAINED, NOISE_ALONE, POLES, Search
+from .descents import EXPLAINED, NOISE_ALONE, POLES, Search, with_other_torque
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, polish
@@ -45,8 +45,11 @@ def confirmed(
         return fit.stays()
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
     rivals = search.rivals(own)
-    own = min(own, search.with_all_structures(own, intervals(stage, told, search.box)), key=_cost)
-    best, rigid = min(own, *rivals, key=_cost), search.rigid()
+    inside = intervals(stage, told, search.box)
+    own = min(own, search.with_all_structures(own, inside), key=_cost)
+    own = with_other_torque(own, inside) or own
+    best = min(own, *rivals, key=_cost)
+    rigid = search.rigid(best)
     if not clearly_better(best, polish(rigid, rigid.flt, search.box)):
         return fit.nothing(problem.rigid())
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED

@@ -120,10 +120,11 @@ class Search:
 
         return side_by_side(short, list(enumerate(grid.best(self.part, self.start, self.fixed))))
 
-    def rigid(self) -> Candidate:
-        """One inertia with friction and lag."""
+    def rigid(self, like: Candidate | None = None) -> Candidate:
+        """One inertia with friction and lag; the torque as another candidate takes it."""
         theta, free = rigid_start(self.flt, self.start)
-        return descend("rigid", self.part, theta, free, self.box)
+        part = replace(self.part, ramp=like is not None and like.flt.ramp)
+        return descend("rigid", part, theta, free, self.box)
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
         """The fit with friction at both ends, asymmetry and delay, within a box."""
@@ -144,6 +145,8 @@ class Search:
         found = [*side_by_side(self.descent, list(self.begun)), *self.from_grid()]
         best = _apart(sorted(found, key=_cost))[:POLISHED]
         found += side_by_side(lambda one: polish(one, one.flt, self.box), best)
+        if (otherwise := with_other_torque(min(found, key=_cost), self.box)) is not None:
+            found += [otherwise, *side_by_side(lambda one: polish(one, otherwise.flt, self.box), best)]
         if not self.piece:
             found.append(_with_piece(fit, None, self.box))
         found.append(
@@ -194,7 +197,7 @@ class Search:
         others = {one.start for one in found if one.start != best.start and same(one)}
         if len(others) == OTHERS - 1:
             theta = 0.5 * (self.begun["nameplate"] + best.theta)
-            again = descend("half way", self.part, theta, best.free, self.box)
+            again = descend("half way", best.over(self.part), theta, best.free, self.box)
             return same(polish(again, again.flt, self.box))
         return len(others) >= OTHERS
 
@@ -203,12 +206,18 @@ def _finished(
     others: Sequence[Candidate], flt: ContactFilter, piece: tuple[float, float] | None, box: Box
 ) -> list[Candidate]:
     """Over more rows: the best two, then the best under other laws and with a third inertia; the lowest comes first."""
-    found = side_by_side(lambda one: polish(one, flt, box), _apart(others)[:2])
+    found = side_by_side(lambda one: polish(one, one.over(flt), box), _apart(others)[:2])
     best = min(found, key=_cost)
-    laws = [law for law in LAWS if law != flt.law]
-    found += side_by_side(lambda law: replace(polish(best, replace(flt, law=law), box), start=law), laws)
+    laws = [law for law in LAWS if law != best.flt.law]
+    found += side_by_side(lambda law: replace(polish(best, replace(best.flt, law=law), box), start=law), laws)
     found.append(_with_piece(min(found, key=_cost), piece, box))
     return sorted(found, key=_cost)
+
+
+def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
+    """The candidate with the torque as a ramp instead of held, or the other way; None where that is no better."""
+    other = polish(candidate, replace(candidate.flt, ramp=not candidate.flt.ramp), box)
+    return other if other.cost < candidate.cost and not alike(candidate, other) else None
 
 
 def _with_piece(candidate: Candidate, piece: tuple[float, float] | None, box: Box) -> Candidate:

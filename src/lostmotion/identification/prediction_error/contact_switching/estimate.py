@@ -49,11 +49,17 @@ def distance(one: Candidate, other: Candidate) -> Array:
 def told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
     """Values of the best candidate; half widths from the sandwich covariance, and where plausible ones disagree."""
     run = best.flt.run(best.theta, best.free)
+    if not np.all(np.isfinite(run.jacobian)):  # numbers that grow without bound tell nothing
+        nothing = np.full(len(TOLD), np.inf)
+        return Estimate(told_vector(best), nothing, np.zeros((len(TOLD), len(TOLD))), best)
     gather = _gather(best)
     white = inverse_hessian(run.jacobian) * np.mean(run.weighted**2)
     coloured = sandwich(run.jacobian, run.weighted)
-    covariance = gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
-    spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
+    with np.errstate(invalid="ignore"):  # an infinite variance: not excited
+        covariance = (
+            gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
+        )
+        spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
     # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.

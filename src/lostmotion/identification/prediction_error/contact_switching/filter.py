@@ -29,6 +29,8 @@ LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2}
 #: Likewise (layout).
 KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2}
 
+#: Noise over the motion below which a speed has none (numerics: so exactly the filter finds an impact).
+EXACT = 3e-6
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
 
@@ -76,6 +78,8 @@ class ContactFilter:
     bounds : tuple of int
         First row of each piece, and the number of rows.
     law : str
+    ramp : bool
+        Whether the torque goes straight from row to row, as a measured one does; else it is held.
     """
 
     torque: Array
@@ -87,6 +91,7 @@ class ContactFilter:
     halvings: int
     bounds: tuple[int, ...]
     law: str = "viscoelastic"
+    ramp: bool = False
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -95,7 +100,7 @@ class ContactFilter:
         Raises
         ------
         InvalidInput
-            If the speed has no noise at all: then there is no likelihood.
+            If the speed has no noise, or less than the filter's own errors: then there is no likelihood.
         """
         dt, counted = predictor.dt, predictor.speed_from_counts
         measured = np.cumsum(predictor.speed) * dt if counted else predictor.speed
@@ -104,7 +109,7 @@ class ContactFilter:
             floor = step * dt / np.sqrt(12.0)
         else:  # recordings of several sensors are judged by the noisiest
             floor = max(white_noise(measured[piece]) for piece in predictor.pieces)
-        if not floor > 0.0:
+        if not floor > (0.0 if counted else EXACT * float(np.std(measured))):
             raise InvalidInput("speed_motor", "no noise", "a sensor's noise", "Check the channel.")
         halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
         return cls(
@@ -155,7 +160,7 @@ class ContactFilter:
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
             np.array([self._unit(PARAMETERS[NAMES[i]]) for i in free]),
-            self.dt, LAWS[self.law], self.halvings, np.zeros(1, dtype=np.int64), self.counted, np.ones(1),
+            self.dt, LAWS[self.law], self.halvings, self.ramp, np.zeros(1, dtype=np.int64), self.counted, np.ones(1),
             np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None], self.level,
             tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip

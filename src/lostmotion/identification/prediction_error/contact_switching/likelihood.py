@@ -180,6 +180,10 @@ class Candidate:
     flt: ContactFilter
     free: list[int]
 
+    def over(self, rows: ContactFilter) -> ContactFilter:
+        """The filter over other rows, with what this candidate takes for torque and contact."""
+        return replace(rows, ramp=self.flt.ramp, law=self.flt.law)
+
 
 def descend(
     start: str,

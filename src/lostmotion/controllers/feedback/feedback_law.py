@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..systems import DesignModel, DiscreteSystem
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...systems import DesignModel, DiscreteSystem
 from .limited_torque import actuator_state, limited_torque
 
 Array = NDArray[np.float64]
@@ -74,6 +74,28 @@ def with_steady_state(drivetrain: Drivetrain, model: DesignModel, gain: Array) -
     return QuadraticFeedback(model.states, gain, prefilter, load_gain, motor_gain)
 
 
+def signal_gains(drivetrain: Drivetrain, design: QuadraticFeedback, load_torque: bool) -> dict[str, float]:
+    """What each input of ``lqi`` adds to the torque, by name and in their order."""
+    k = dict(zip(design.states, design.gain, strict=True))
+    gains = {
+        "speed_reference": design.prefilter,
+        "twist_elastic_estimated": -k["twist"],
+        "speed_motor_estimated": -k["speed_motor"],
+        # The prefilter carries the viscous part, so the friction's estimate gives its Coulomb part alone.
+        "speed_load_estimated": -k["speed_load"] - design.load_gain * drivetrain.viscous,
+        "friction_load_estimated": design.load_gain,
+        "torque_motor_acting": -k["torque_last"],
+    }
+    if load_torque:
+        gains["torque_load_estimated"] = -design.load_gain
+    return gains
+
+
+def actuator_gain(design: QuadraticFeedback) -> float:
+    """What the current loop's torque adds to the torque; 0 where the drivetrain has no lag."""
+    return -dict(zip(design.states, design.gain, strict=True)).get("torque_actuator", 0.0)
+
+
 def feedback_law(
     name: str,
     drivetrain: Drivetrain,
@@ -88,22 +110,10 @@ def feedback_law(
 
     ``further`` are inputs with their gains in the torque, for a feedforward.
     """
-    k = dict(zip(design.states, design.gain, strict=True))
-    gains = {
-        "speed_reference": design.prefilter,
-        "twist_elastic_estimated": -k["twist"],
-        "speed_motor_estimated": -k["speed_motor"],
-        # The prefilter carries the viscous part, so the friction's estimate gives its Coulomb part alone.
-        "speed_load_estimated": -k["speed_load"] - design.load_gain * drivetrain.viscous,
-        "friction_load_estimated": design.load_gain,
-        "torque_motor_acting": -k["torque_last"],
-    }
-    if load_torque:
-        gains["torque_load_estimated"] = -design.load_gain
-    gains |= further or {}
+    gains = signal_gains(drivetrain, design, load_torque) | (further or {})
     motor = drivetrain.frictions[0]
     return limited_torque(
         name, gains, dt=dt, torque_limit=torque_limit,
         friction=(design.motor_gain * motor.coulomb_plus, design.motor_gain * motor.coulomb_minus),
-        actuator_gain=-k.get("torque_actuator", 0.0), actuator=actuator_state(drivetrain, dt, tuple(gains)),
+        actuator_gain=actuator_gain(design), actuator=actuator_state(drivetrain, dt, tuple(gains)),
     )  # fmt: skip

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..curves import saturation
-from ..drivetrain import Drivetrain
-from ..errors import InvalidInput
-from ..systems import DiscreteSystem
+from ...curves import saturation
+from ...drivetrain import Drivetrain
+from ...errors import InvalidInput
+from ...systems import DiscreteSystem
 from .reference_direction import reference_direction
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..curves import PiecewiseLinear
+from ...curves import PiecewiseLinear
 
 #: Speed set-point (rad/s) from which on the compensation by its direction is full; linear below (option:
 #: the same for drives of every size).

@@ -1,0 +1,44 @@
+"""Whether the load's speed is that of the load of this motor: turned the same way, behind no gear, at the same time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...errors import Problem
+from ...recording import Recording
+from .torque_and_speed import BLOCK, FEWEST_BLOCKS
+
+#: Least correlation of both speeds over means of blocks, and how far their ratio may be from one (options: a shaft that
+#: swings and a gap take little of slow motion; rpm for rad/s and usual gears are far beyond).
+CORRELATED, RATIO = 0.7, 1.5
+#: A load that moves by less than this share of the motor's motion is held, as in the locked-load test (option).
+LOCKED = 0.01
+
+
+def check_load_speed(recording: Recording) -> tuple[Problem, ...]:
+    """The warning that over means of 25 ms the load does not turn as fast as the motor."""
+    if not {"speed_motor", "speed_load"} <= set(recording.signals):
+        return ()
+    rows = max(1, round(BLOCK / recording.dt))
+    blocks = len(recording) // rows
+    if blocks < FEWEST_BLOCKS:
+        return ()
+    motor, load = (
+        recording[name][: blocks * rows].reshape(blocks, rows).mean(axis=1)
+        for name in ("speed_motor", "speed_load")
+    )
+    sizes = float(np.linalg.norm(motor)), float(np.linalg.norm(load))
+    if min(sizes) <= LOCKED * max(sizes):
+        return ()
+    correlation, ratio = float(motor @ load) / (sizes[0] * sizes[1]), sizes[0] / sizes[1]
+    if correlation > CORRELATED and 1.0 / RATIO < ratio < RATIO:
+        return ()
+    got = f"a load that turns {1.0 / ratio:.3g} times as fast as the motor (correlation {correlation:.2f})"
+    if correlation < -CORRELATED:
+        remedy = "It turns the other way: set sign = -1 for speed_load."
+    elif correlation > CORRELATED:
+        remedy = f"Check its unit. Behind a gear, give scale = {ratio:.4g}: all is referred to the motor."
+    else:
+        remedy = "Check that both were recorded at the same time, and the column."
+    where = f"{recording.meta.get('file', 'recording')}, speed_load"
+    return (Problem.warning(where, got, "a load that turns with the motor, but for shaft and gap", remedy),)
