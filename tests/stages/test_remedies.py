@@ -133,7 +133,7 @@ def test_a_torque_of_the_wrong_sign() -> None:
 
 def test_counts_that_are_too_coarse() -> None:
     """Faster motion with more torque."""
-    coarse = find_parameters(material(recorded(3.0, step=60.0), START))
+    coarse = find_parameters(material(recorded(step=60.0), START))
     assert "faster motion with more torque" in told(coarse, "Nothing is identified").remedy
     helped = find_parameters(material(recorded(step=60.0, size=6.0), START))
     assert not [p for p in helped.problems if "Nothing is identified" in p.remedy]
