@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, descend, minimise
+from lostmotion.identification.prediction_error.contact_switching.likelihood import (
+    Box,
+    descend,
+    minimise,
+    polish,
+)
 
 CORE = [INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 
@@ -20,10 +25,11 @@ def test_sensitivities_lead_back_to_the_truth(flt: ContactFilter, values: dict[s
 
 
 def test_a_descent_finds_the_truth_from_far_off(flt: ContactFilter, values: dict[str, float]):
-    """From twice the stiffness and half the gap, by ever lower noise levels."""
+    """From twice the stiffness and half the gap, by ever lower noise levels; the rest is polished, as in use."""
     truth = flt.theta(values)
     theta = truth.copy()
     theta[CORE] += np.log([1.3, 0.8, 2.0, 0.5])
-    found = descend("far", flt, theta, CORE, Box.around(flt, truth, 10.0))
+    box = Box.around(flt, truth, 10.0)
+    found = polish(descend("far", flt, theta, CORE, box), flt, box)
     assert np.max(np.abs(found.theta[CORE] - truth[CORE])) < 0.01
     assert found.cost < 0.06
