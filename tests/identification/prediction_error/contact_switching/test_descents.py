@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.descents import DISPLACED, Search
+from lostmotion.identification.prediction_error.contact_switching.descents import (
+    DISPLACED,
+    Search,
+    with_other_torque,
+)
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance, told
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
@@ -33,6 +37,15 @@ def test_what_is_displaced_from_the_truth_comes_back(search: Search, best: Candi
     assert len(found) == 2 * len(known) == 8
     lowest = min(found, key=lambda one: one.cost)
     assert np.max(distance(lowest, best)[:5]) < 0.01
+
+
+def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(search: Search, best: Candidate):
+    """This recording's is a command: a ramp is no better, and from a ramp the search comes back to it."""
+    assert with_other_torque(best, search.box) is None
+    ramp = replace(best.flt, ramp=True)
+    held = with_other_torque(replace(best, flt=ramp, cost=ramp.run(best.theta).cost), search.box)
+    assert held is not None and not held.flt.ramp
+    assert held.over(ramp).ramp is False
 
 
 def test_a_place_is_believed_where_other_starts_lead_there(search: Search, best: Candidate):
