@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks a stability certificate in exact fractions: python verify_certificate.py certificate.json [law.json]
 
-It needs Python's standard library alone. Of the file it believes the drivetrain and the law; P and the multipliers
-either satisfy the inequalities or they do not. With law.json it also checks that the certificate is about that law.
+It needs Python's standard library alone. Drivetrain and law are what the claim is about; all else that it takes from
+the file, P and multipliers, either satisfies the inequalities or does not. With law.json it compares the law with that.
 Exit code 0: proved; 1: not proved. Numbers in brackets are the equations of docs/proofs.md.
 
     step                                                      where                              equations
