@@ -66,8 +66,9 @@ TIME_UNIT = Fraction(1, 1024)
 
 def verify(certificate, law=None):
     """The claim that is proved; raises ``NotProved``."""
-    claim, own, is_box = certificate["claim"], certificate["law"], "cells" in certificate
+    claim, is_box = certificate["claim"], "cells" in certificate
     demand(claim is not None, "the file claims nothing")
+    own = certificate["law"]
     demand(set(claim) == CLAIM | ({"box"} if is_box else set()), "a claim of another kind")
     demand(law is None or pruned(law) == pruned(own), "the certificate is about another law")
     if is_box:
