@@ -28,6 +28,16 @@ def test_import_loads_nothing_heavy() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_a_proof_needs_no_compiler() -> None:
+    """numba would be a twentieth of the time of ``certify``."""
+    code = (
+        "import sys, lostmotion.commands.certify, lostmotion.controllers, lostmotion.observers\n"
+        "print('numba' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 def test_help_loads_nothing_heavy() -> None:
     code = (
         "import sys, lostmotion.cli as c\n"
