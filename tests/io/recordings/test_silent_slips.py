@@ -110,6 +110,7 @@ SLIPS: dict[str, tuple[Callable[[Columns], Columns], str, str, str]] = {
     "lost packets": (put("n_load", slice(4500, 4550), 0.0), RECORDING, "then 0 in 50 rows", "window = [...]"),
     "few levels": (lambda c: {**c, "n": 5.0 * np.round(c["n"] / 5.0)}, NO_LOAD, "of only", "channels.angle_motor"),
     "offset": (lambda c: {**c, "n_load": c["n_load"] + 3.0}, RECORDING, "less or more than the motor", "offset"),
+    "exchanged": (lambda c: {**c, "n": c["n_load"], "n_load": c["n"]}, RECORDING, "answers the motor", "exchange"),
     "limit in kNm": (same, NO_LOAD + "[law]\ntorque_limit = 0.3\n", "0.3 Nm", "Check the unit"),
     "ms as s": (same, NO_LOAD + "[law]\nsample_time = 1\n", "law.sample_time: got 1 s", "0.001"),
     "us as s": (same, NO_LOAD + '[law]\nsample_time = "1 us"\n', "law.sample_time", "1 ms"),

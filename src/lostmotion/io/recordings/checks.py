@@ -132,7 +132,7 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
     """
     where = str(recording.meta.get("file", "recording"))
     swapped = _swapped(recording, where)
-    if swapped:  # what else is told of the two is told of the wrong one
+    if swapped:  # what else is found in the two is found in the wrong one
         return (*_slow(recording, where), *swapped)
     found: list[Problem] = [*_slow(recording, where)]
     for name, values in recording.signals.items():
@@ -262,7 +262,7 @@ def _standing(recording: Recording, where: str) -> list[Problem]:
 
 def _unrelated(recording: Recording, where: str) -> list[Problem]:
     largest = unrelated(recording)
-    if largest is None or np.ptp(recording["torque_motor"]) == 0.0:  # a constant one is told already
+    if largest is None or np.ptp(recording["torque_motor"]) == 0.0:  # a constant one is reported already
         return []
     got = f"a speed that does not follow the torque (correlation {largest:.2f} at most)"
     remedy = (
