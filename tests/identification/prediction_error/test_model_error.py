@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from slow_axis import AXIS
 from table_i import PAPER
 
 import lostmotion as lm
@@ -89,16 +90,7 @@ def test_rigid_body_start():
 
 def test_rigid_body_of_a_slow_axis():
     """Its zero at 3.9 Hz lies within the 8 Hz in which the rig turns as one."""
-    axis = lm.Drivetrain.two_mass(
-        inertia_motor=2.0,
-        inertia_load=50.0,
-        stiffness=3e4,
-        damping=20.0,
-        backlash=2e-3,
-        coulomb=15.0,
-        viscous=5.0,
-    )
     held = np.repeat(np.random.default_rng(1).choice([-1.0, 1.0], 600), 36) * 135.0
-    speed = lm.simulate(axis, torque_motor=held, dt=1e-3)["speed_motor"]
-    assert rigid_body(held, speed, 1e-3, axis.zero_frequency)[0] == pytest.approx(52.0, rel=0.15)
+    speed = lm.simulate(AXIS, torque_motor=held, dt=1e-3)["speed_motor"]
+    assert rigid_body(held, speed, 1e-3, AXIS.zero_frequency)[0] == pytest.approx(52.0, rel=0.15)
     assert rigid_body(held, speed, 1e-3, 38.0)[0] < 26.0

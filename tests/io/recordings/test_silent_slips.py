@@ -7,21 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from slow_axis import AXIS
 
 import lostmotion as lm
 from lostmotion.io import find_problems
 
-#: A slow axis: torsional mode at 20 Hz, zero at 3.9 Hz, 1 ms, 16 bit; torque held for 36 ms under a speed control.
+#: Sample time (s) and rows of a slow axis, 16 bit; torque held for 36 ms under a speed control.
 DT, ROWS = 1e-3, 12_000
-AXIS = lm.Drivetrain.two_mass(
-    inertia_motor=2.0,
-    inertia_load=50.0,
-    stiffness=3e4,
-    damping=20.0,
-    backlash=2e-3,
-    coulomb=15.0,
-    viscous=5.0,
-)
 Columns = dict[str, np.ndarray]
 
 

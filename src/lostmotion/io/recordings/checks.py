@@ -174,7 +174,7 @@ def _wrong_sign(recording: Recording, where: str) -> list[Problem]:
     got = f"torque and acceleration of the motor of opposite sign (agreement {agreement:.2f})"
     expected = "acceleration in the direction of the torque (agreement near 1)"
     remedy = (
-        "Set sign = -1 for torque_motor, or for the motor's speed; or exchange the two if they are swapped."
+        "Set sign = -1 for torque_motor or for the motor's speed, or exchange the two if they are swapped."
     )
     return [Problem.warning(f"{where}, torque_motor", got, expected, remedy)]
 
