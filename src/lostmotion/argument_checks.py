@@ -269,7 +269,7 @@ _SIMPLE: Mapping[str, _Kind] = {
         _is_limit, "a number, or infinity for none", "Give a number in SI units, without its unit."
     ),
     "complex": _Kind(_is_complex, f"a finite number up to {LARGEST:g}", "Give a number, real or complex."),
-    "int": _Kind(_is_whole, "a whole number below 2⁶³", "Give it without a decimal point."),
+    "int": _Kind(_is_whole, "a whole number", "Give it without a decimal point, with 18 digits at most."),
     "bool": _Kind(
         lambda value: isinstance(value, bool | np.bool_), "True or False", "Give one of them, without quotes."
     ),

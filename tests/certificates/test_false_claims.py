@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -10,7 +11,10 @@ from table_i import PAPER, TABLE_I
 
 import lostmotion as lm
 from lostmotion.certificates import around, continuous_pi, prove_box, prove_running, verdict
-from lostmotion.certificates.lure import lure_loop
+from lostmotion.certificates.equilibrium import equilibrium
+from lostmotion.certificates.lure import lure_loop, with_memory
+from lostmotion.certificates.sampled_proof import sampled_proof
+from lostmotion.certificates.sectors import copies, limit_region, sectors
 
 PI = lm.controllers.pi(dt=1e-4)
 LIMIT = 73.5
@@ -54,8 +58,9 @@ def test_a_certificate_of_an_older_version_says_so(delayed: dict[str, Any]) -> N
     assert "another version" in (verdict(old) or "")
 
 
-def test_a_limit_that_falls_beyond_its_corner_is_no_limit() -> None:
-    """Its chord slopes beyond the corner are below the share of the slope that the region counts on."""
+@pytest.fixture(scope="module")
+def limited() -> dict[str, Any]:
+    """A proof within the region of a torque limit that acts."""
     parts = [
         lm.observers.kalman(PAPER, dt=1e-4),
         lm.controllers.pole_placement(PAPER, dt=1e-4, torque_limit=LIMIT),
@@ -63,6 +68,46 @@ def test_a_limit_that_falls_beyond_its_corner_is_no_limit() -> None:
     law = lm.connect(parts, ("speed_reference", "speed_motor"), ("torque_motor",))
     data = prove_running(PAPER, law, speeds=(0.5,)).certificate
     assert data is not None and data["claim"]["limit"] is not None and verdict(data) is None
+    return data
+
+
+def test_copies_of_the_limit_do_not_prove_the_bound_that_they_need(limited: dict[str, Any]) -> None:
+    """The sector of the limit holds where its argument is bounded, and (17) proves the bound: a copy of the limit, its
+    own value at the last sample, would bring the sector into that proof by a side door."""
+    loop = lure_loop(PAPER, lm.DiscreteSystem.from_dict(limited["law"]))
+    assert loop.limit is not None
+    place = len(loop.plant_curves) + loop.limit
+    remembering = with_memory(loop, (place,))
+    rests = [equilibrium(remembering, Fraction(speed), Fraction(0)) for speed in (0.5, 1000.0)]
+    corners = [rest for rest in rests if rest is not None]
+    bounds, pairs = sectors(remembering, corners), copies(remembering, corners)
+    assert bounds is not None and any(place in pair[:2] for pair in pairs), "the copy is known as one"
+    region, bounds = limit_region(remembering, corners, bounds, Fraction(1, 2), Fraction(1, 2))
+    kept = sampled_proof(remembering, corners[0], bounds, pairs, 1, region).copies
+    assert kept and not any(place in pair[:2] for pair in kept)
+    # The verifier takes no such loop at all: the copy rests on a slope, where (18) wants every integral to be zero.
+    data = copy.deepcopy(limited)
+    data["proof"]["memory"] = [place]
+    data["segments"].append(data["segments"][place])
+    assert f"curve_{loop.limit} at the last sample rests on a slope" in (verdict(data) or "")
+
+
+@pytest.mark.parametrize(
+    ("memory", "reason"),
+    [([0, 0], "two states of one name"), ([0, 99], "IndexError"), ([-1], "a number of things")],
+    ids=["twice", "of a memory", "from the end"],
+)
+def test_no_curve_is_a_copy_of_a_copy(limited: dict[str, Any], memory: list[int], reason: str) -> None:
+    """The memory of a memory, or two of one curve: copies whose argument hangs on the copies themselves."""
+    data = copy.deepcopy(limited)
+    data["proof"]["memory"] = [len(data["segments"]) if place == 99 else place for place in memory]
+    data["segments"] += [data["segments"][0]] * len(memory)
+    assert reason in (verdict(data) or "")
+
+
+def test_a_limit_that_falls_beyond_its_corner_is_no_limit(limited: dict[str, Any]) -> None:
+    """Its chord slopes beyond the corner are below the share of the slope that the region counts on."""
+    data = copy.deepcopy(limited)
     place = next(i for i, c in enumerate(data["law"]["curves"]) if c["points"][-1] == [LIMIT, LIMIT])
     falling = [[-3 * LIMIT, LIMIT], [-LIMIT, -LIMIT], [LIMIT, LIMIT], [3 * LIMIT, -LIMIT]]
     data["law"]["curves"][place]["points"] = falling

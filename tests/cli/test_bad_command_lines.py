@@ -42,6 +42,7 @@ identify no.toml                               | 1 | no such file
 identify rig.csv                               | 1 | A recording is named in a TOML
 identify rig.toml --out rig                    | 1 | Choose another name or folder
 identify rig.toml --seed 1.5                   | 2 | --seed
+run rig.toml --seed 99999999999999999999       | 1 | 18 digits at most
 frf rig.npz --low nan                          | 1 | a finite number
 frf rig.npz --low 100 --high 1                 | 1 | low < high
 frf rig.npz --high -5                          | 1 | low < high

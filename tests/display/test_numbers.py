@@ -42,7 +42,7 @@ def test_digits_follow_the_interval():
 
 def test_percentages():
     assert numbers.percent(0.00157) == "0.16\u00a0%"
-    assert numbers.percent(3e-7) == "< 0.001\u00a0%"
+    assert numbers.percent(3e-7) == numbers.percent(1.3e-5) == "< 0.01\u00a0%"
     assert numbers.percent(0.0) == "0\u00a0%"
     assert numbers.half_width(100.0, 99.0, 101.0) == "±\u00a01.0\u00a0%"
     assert numbers.half_width(0.0, -1.0, 1.0) == "–"

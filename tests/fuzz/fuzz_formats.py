@@ -252,8 +252,8 @@ def results() -> tuple[bytes, ...]:
 
 @functools.cache
 def manifests() -> tuple[bytes, ...]:
-    listed = {"files": {"report.html": "0" * 64, "c/law.c": "1" * 64}}
-    return (_saved(lambda path: files.save_json(path, "output_folder", listed)),)
+    listed = {"run": {"report.html": "0" * 64, "c/law.c": "1" * 64}, "files": {"box.json": "2" * 64}}
+    return (_saved(lambda path: files.save_json(path, "written_files", listed)),)
 
 
 @functools.cache
@@ -385,7 +385,7 @@ FORMATS = (
     Format("drivetrain.toml", "drivetrain.toml", drivetrains, _toml_rewritten, lm.load_drivetrain),
     Format("results.json", "results.json", results, _json_rewritten, lambda path: files.load_json(path, "results")),
     Format(
-        "manifest", ".lostmotion-run.json", manifests, _json_rewritten, lambda path: files.foreign_files(path.parent)
+        "manifest", ".lostmotion-files.json", manifests, _json_rewritten, lambda path: files.foreign_files(path.parent)
     ),
     Format("chunk of a batch", "variants-000000.summary.npz", chunks, fuzz_tables.changed_npz, _read_chunk),
     Format(

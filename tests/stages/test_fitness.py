@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import pytest
+from servo_drive import DRIVE
 
 from lostmotion.controllers import pi, symmetrical_optimum
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.errors import InvalidInput
 from lostmotion.metrics import StepMetrics
 from lostmotion.stages.fitness import check_gains, check_responses, overshoots, responses
@@ -15,10 +15,6 @@ from lostmotion.stages.possible_drives import simulated_drives
 from lostmotion.stages.speed_step import SpeedStep
 
 DT = 1e-4
-DRIVE = Drivetrain.two_mass(
-    inertia_motor=0.0195, inertia_load=0.111, stiffness=6500.0, damping=0.42, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
 
 
 def test_gains_that_keep_both_are_taken() -> None:
@@ -75,12 +71,15 @@ def test_a_law_is_simulated_on_what_the_drive_may_be() -> None:
     assert [(drive.inertia_motor, drive.inertia_load, drive.lag, drive.coulomb) for drive in rubs.values()] == [
         (0.0195, 0.111, 3e-4, 0.0), (0.0195, 0.222, 2e-3, 0.0), (0.0195, 0.0555, 2e-3, 0.0), (0.0195, 0.111, 3e-4, 20.0)
     ]  # fmt: skip
-    # A nameplate's friction is a better guess than the torque.
-    assert len(simulated_drives(DRIVE, unknown, 20.0)) == 3
+    # A nameplate's friction is off either way, but not above the torque under which the drive turned.
+    for usual, levels in ((20.0, [1.0, 4.0]), (3.0, [1.0, 3.0]), (1.0, [1.0])):
+        rubs = simulated_drives(DRIVE, unknown, usual)
+        assert [drive.coulomb for drive in rubs.values()][3:] == levels
+    assert rubs["a smaller friction"].viscous == 0.5 * DRIVE.viscous
 
 
-def test_without_friction_a_load_is_judged_without_its_gap() -> None:
-    """In it the load would float for ever, with any law."""
+def test_without_friction_a_load_is_judged_with_a_little() -> None:
+    """Else it would float in its gap for ever, with any law."""
     law, floats = (
         pi(dt=DT, **symmetrical_optimum(DRIVE, dt=DT, spread=None).gains()),
         DRIVE.with_parameters(coulomb=0.0),

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from servo_drive import DRIVE
 
 from lostmotion.certificates import margins
-from lostmotion.drivetrain import Drivetrain
 from lostmotion.metrics import step_metrics
 from lostmotion.simulation import simulate
 from lostmotion.stages.target_law import (
@@ -23,10 +23,6 @@ from lostmotion.stages.target_law import (
 )
 
 DT = 1e-4
-DRIVE = Drivetrain.two_mass(
-    inertia_motor=0.0195, inertia_load=0.111, stiffness=6500.0, damping=0.42, backlash=0.012, coulomb=2.0,
-    viscous=0.0175, lag=3e-4,
-)  # fmt: skip
 
 
 def test_the_default_keeps_its_margin_and_says_what_limits_it() -> None:

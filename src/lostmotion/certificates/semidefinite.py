@@ -25,6 +25,9 @@ TOLERANCE = 1e-8
 #: ``Inequalities.centred`` ends at this margin (1: that of the centre), or within this share of the largest one; and
 #: where no margin is above ``NOTHING`` (numerics: the exact check needs some margin, not the largest).
 ENOUGH, NEARLY, NOTHING = 0.1, 0.2, 1e-9
+#: Times that Clarabel refines the solution of a linear system: its default, and where the largest margin is asked for
+#: (numerics: more cost a quarter of the time there; without any, two loops of ``benchmarks/certify.py`` prove less).
+REFINED, REFINED_FOR_MARGIN = 10, 1
 
 
 @dataclass(frozen=True)
@@ -219,9 +222,10 @@ def _cheapest(
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
-    # Where the largest margin is asked for, all is scaled already, and dense within its blocks: both would cost more
+    # Where the largest margin is asked for, all is scaled already, and dense within its blocks: these would cost more
     # than they gain. A gain that is asked for may be far from 1.
     settings.equilibrate_enable = settings.chordal_decomposition_enable = margin is not None
+    settings.iterative_refinement_max_iter = REFINED_FOR_MARGIN if margin is None else REFINED
     nothing = csc_matrix((cost.size, cost.size))
     solver = clarabel.DefaultSolver(nothing, cost, matrix, np.concatenate(right), cones, settings)
     if ended is not None:

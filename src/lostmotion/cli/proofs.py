@@ -71,7 +71,7 @@ def certify(
     if box is not None:
         certify_a_box(drivetrain, law, out, delay, torque_load, fastest, box, box_speed, force)
         return
-    from ..certificates.robustness.contact_margins import MARGIN_COLUMNS, margin_table
+    from ..certificates.robustness.contact_margins import MARGIN_COLUMNS, margin_remark, margin_table
     from ..commands.certify import certify_file
     from ..display.tables import text
     from ..terminal import StageLines
@@ -88,6 +88,8 @@ def certify(
         say("  valid while " + ";\n              ".join(result["conditions"]))
     if result["margins"]:
         say(text([MARGIN_COLUMNS, *margin_table(result["margins"])]))
+        if remark := margin_remark(result["margins"]):
+            say(f"  {remark}")
     for sentence in result["simulated"]:
         say(f"  {sentence}")
     finished([], out, ".json", "_verify.py")

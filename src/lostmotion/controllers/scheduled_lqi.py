@@ -9,7 +9,6 @@ import numpy as np
 from ..argument_checks import Limit, checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..kernels.scheduled_feedback import POINTS
 from ..systems import Stepper
 from .feedback.feedback_law import actuator_gain, signal_gains
 from .feedback.reference_direction import REFERENCE_BAND
@@ -66,6 +65,8 @@ def scheduled_lqi(
     -----
     Rugh & Shamma 2000, Automatica 36, 1401–1425 (gain scheduling, slowly varying parameters).
     """
+    from ..kernels.scheduled_feedback import POINTS  # numba: not for all that imports controllers
+
     if not (math.isfinite(torque_limit) and torque_limit > 0.0):
         raise InvalidInput(
             "scheduled_lqi.torque_limit", repr(torque_limit), "a positive number in Nm", "Give it."

@@ -102,9 +102,9 @@ def _with_unit(text: str, unit: str) -> str:
 
 
 def percent(fraction: Any, significant: int = 2) -> str:
-    """A fraction in per cent: 0.0042 → "0.42 %"; below a thousandth of a per cent only that it is."""
-    if is_number(fraction) and 0.0 < abs(fraction) < 1e-5:
-        return _with_unit("< 0.001", "%")
+    """A fraction in per cent: 0.0042 → "0.42 %"; below a hundredth of a per cent only that it is."""
+    if is_number(fraction) and 0.0 < abs(fraction) < 1e-4:
+        return _with_unit("< 0.01", "%")
     return _with_unit(digits(100.0 * fraction, significant), "%") if is_number(fraction) else NONE
 
 

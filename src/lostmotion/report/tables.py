@@ -85,7 +85,8 @@ def skipped(results: Mapping[str, Any]) -> list[tuple[str, str]]:
             for key, value in part.items():
                 if key == "baselines":
                     continue  # the observers say what was not recorded
-                search(f"{name}: {words(key)}", value, depth - 1)
+                part_of = signal_words(key) if unit_of(str(key)) else words(key)
+                search(f"{name}: {part_of}", value, depth - 1)
 
     for key, value in results.items():
         if key != "truth":  # only the virtual rig has one: its absence is no loss

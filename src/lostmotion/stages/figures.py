@@ -47,8 +47,8 @@ def figures(
 
 
 def stability_figure(section: Mapping[str, Any]) -> list[ReportFigure]:
-    """The range of load speeds that is proved; none where the proof was skipped."""
-    if "proved" not in section:
+    """The range of load speeds that is proved; none where nothing is."""
+    if not section.get("proved"):
         return []
     caption = "From standstill up to the bar nothing is proved: there the loop may rest anywhere in the gap, or stick."
     drawn = plot.stability_range({"these parameters": section})

@@ -16,6 +16,7 @@ LEAST_DAMPING = 0.005
 #: A gap of which nothing is known, rad (numerics: that there is one counts, not how large it is).
 SOME_BACKLASH = 1e-3
 _SHAPE = ("inertia_motor", "inertia_load", "stiffness")
+_FRICTION = ("coulomb", "coulomb_motor", "viscous", "viscous_motor")
 #: What decides whether a speed loop is stable.
 DECISIVE = (*_SHAPE, "lag", "backlash")
 
@@ -49,8 +50,9 @@ def simulated_drives(
 ) -> dict[str, Drivetrain]:
     """Those of the possible drives that a default law is simulated on, by what they are.
 
-    A load overshoots by too much inertia and stands still by too much friction. Where no Coulomb friction is given
-    the drive may have as much as the torque under which it turned half of the time: ``usual_torque``, Nm.
+    A load overshoots by too much inertia and stands still by too much friction; a law that compensates more friction
+    than there is pushes the load on. A nameplate's friction is ``OFF`` times off as well, but not above the torque
+    under which the drive turned half of the time: ``usual_torque``, Nm. As much it may have where none is given.
     """
     nearest = _nearest(drivetrain, unknown)
     drives = {"its own model": nearest}
@@ -60,8 +62,16 @@ def simulated_drives(
         drives[f"inertias {OFF:g} times {what}"] = nearest.with_parameters(
             **_longer_lag(drivetrain, unknown), **values
         )
-    if "coulomb" in unknown and not drivetrain.coulomb + drivetrain.coulomb_motor > 0.0:
+    coulomb = drivetrain.coulomb + drivetrain.coulomb_motor
+    if "coulomb" in unknown and not coulomb > 0.0:
         drives["a friction as large as the recorded torque"] = nearest.with_parameters(coulomb=usual_torque)
+    elif "coulomb" in unknown:
+        factors = {"a smaller friction": 1.0 / OFF}
+        if usual_torque > coulomb:
+            factors["a larger friction"] = min(OFF, usual_torque / coulomb)
+        for what, factor in factors.items():
+            friction = {name: factor * getattr(drivetrain, name) for name in _FRICTION}
+            drives[what] = nearest.with_parameters(**friction)
     return drives
 
 

@@ -12,7 +12,7 @@ from table_i import TABLE_I
 import lostmotion as lm
 from lostmotion.certificates import margins
 from lostmotion.certificates.robustness.contact_loops import contact_loops
-from lostmotion.certificates.robustness.contact_margins import margin_data, margin_table
+from lostmotion.certificates.robustness.contact_margins import margin_data, margin_remark, margin_table
 from lostmotion.certificates.robustness.loop_margins import loop_margins
 from lostmotion.certificates.robustness.open_loop import OpenLoop
 from lostmotion.errors import InvalidInput
@@ -116,6 +116,14 @@ def test_the_closed_gap_has_the_sensitivity_of_the_design() -> None:
     designed = loop_margin(linearised(law, [1.0] * len(law.curves)), design_model(plant, 1e-4, 2))
     values = loop.response(np.geomspace(1e-4 * math.pi, math.pi, 300))
     assert np.max(1.0 / np.abs(1.0 + values)) == pytest.approx(designed.sensitivity, rel=1e-9)
+
+
+def test_what_is_unstable_with_a_held_load_is_explained() -> None:
+    stable, unstable = {"stable": True}, {"stable": False}
+    assert margin_remark({"running, gap closed": unstable, "load held, gap open": stable}) == ""
+    assert "motor torque swings" in margin_remark(
+        {"load held, gap closed": unstable, "load held, gap open": stable}
+    )
 
 
 def test_with_the_load_held_the_motor_hangs_on_the_spring_or_on_nothing() -> None:

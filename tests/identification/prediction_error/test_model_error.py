@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from slow_axis import AXIS
 from table_i import PAPER
 
 import lostmotion as lm
@@ -81,7 +82,15 @@ def test_rigid_body_start():
     torque = lm.signals.excitation(10.0, DT, seed=2, inertia=0.12, coulomb=1.5, viscous=0.03)
     plant = PAPER.with_parameters(inertia_motor=0.03, inertia_load=0.09, coulomb=1.5, viscous=0.03)
     speed = lm.simulate(plant, torque_motor=torque, dt=DT)["speed_motor"]
-    inertia, coulomb, viscous = rigid_body(torque, speed, DT)
+    inertia, coulomb, viscous = rigid_body(torque, speed, DT, zero=38.0)
     assert inertia == pytest.approx(0.12, rel=0.05)
     assert coulomb == pytest.approx(1.5, rel=0.2)
     assert viscous == pytest.approx(0.03, rel=0.5)
+
+
+def test_rigid_body_of_a_slow_axis():
+    """Its zero at 3.9 Hz lies within the 8 Hz in which the rig turns as one."""
+    held = np.repeat(np.random.default_rng(1).choice([-1.0, 1.0], 600), 36) * 135.0
+    speed = lm.simulate(AXIS, torque_motor=held, dt=1e-3)["speed_motor"]
+    assert rigid_body(held, speed, 1e-3, AXIS.zero_frequency)[0] == pytest.approx(52.0, rel=0.15)
+    assert rigid_body(held, speed, 1e-3, 38.0)[0] < 26.0

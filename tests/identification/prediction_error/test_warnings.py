@@ -14,7 +14,7 @@ from lostmotion.errors import InvalidInput, Problem
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.initial_values import rival
 from lostmotion.identification.prediction_error.innovations import NAMES, to_theta
-from lostmotion.identification.prediction_error.problems import second_minimum
+from lostmotion.identification.prediction_error.problems import not_excited, second_minimum
 from lostmotion.identification.prediction_error.warnings import MEMORY, low_frequency_excess
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
 from lostmotion.memory import VARIABLE
@@ -133,3 +133,11 @@ def test_the_memory_that_is_asked_for_is_enough():
     finally:
         tracemalloc.stop()
     assert 0.3 * MEMORY < peak / len(recording) < MEMORY
+
+
+@pytest.mark.parametrize(
+    ("nameplate", "words"), [(0.01, "The nameplate's 0.01 rad is used"), (0.0, "lacks it: 0 rad")]
+)
+def test_what_is_taken_for_an_unexcited_parameter(nameplate, words):
+    """A user who gave no backlash is not told of the nameplate's."""
+    assert words in not_excited("backlash", nameplate).remedy

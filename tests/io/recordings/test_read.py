@@ -440,7 +440,7 @@ def test_a_hundred_thousand_rows_are_read_fast(tmp_path: Path) -> None:
     table = np.column_stack([1e-4 * np.arange(100_000), rng.normal(size=(100_000, 4))])
     path = tmp_path / "long.csv"
     np.savetxt(path, table, delimiter=",", fmt="%.8g")
-    start = clock.perf_counter()
+    start = clock.process_time()
     recording = read_recording(
         path,
         time=0,
@@ -448,7 +448,7 @@ def test_a_hundred_thousand_rows_are_read_fast(tmp_path: Path) -> None:
             n: i + 1 for i, n in enumerate(("speed_motor", "torque_motor", "speed_load", "torque_shaft"))
         },
     )
-    seconds = clock.perf_counter() - start
+    seconds = clock.process_time() - start
     assert len(recording) == 100_000
     assert seconds < 3.0  # measured 0.3 s; a reading line by line in Python takes longer than this
 

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 from lostmotion.errors import InvalidInput
-from lostmotion.io.storage.folders import MARKER, foreign_files, output_folder
+from lostmotion.io.storage.folders import foreign_files, output_folder
 from lostmotion.io.storage.json_files import save_json
+from lostmotion.io.storage.written_files import MANIFEST, replacing
 
 
 def run(path: Path, force: bool = False, **files: str) -> None:
@@ -28,7 +29,7 @@ def content(path: Path) -> dict[str, str]:
     return {
         p.relative_to(path).as_posix(): p.read_text()
         for p in sorted(path.rglob("*"))
-        if p.is_file() and p.name != MARKER
+        if p.is_file() and p.name != MANIFEST
     }
 
 
@@ -103,19 +104,37 @@ def test_a_file_changed_during_the_run_is_kept(out: Path) -> None:
     assert content(out) == {"old.txt": "two", "old.txt.kept": "mine"}
 
 
-def test_the_output_of_an_older_version_is_replaced(out: Path) -> None:
-    """Its marker lists names without hashes."""
-    save_json(out / MARKER, "output_folder", {"files": sorted(FIRST)})
+def test_a_command_replaces_what_the_run_wrote_and_the_run_what_the_command_wrote_for_it(out: Path) -> None:
+    """One manifest: certify writes a run's certificate anew, and the next run takes it for its own."""
+    law = out / "c" / "law.c"
+    for text in ("by a command", "by another one"):
+        with replacing(law):
+            law.write_text(text)
+        assert foreign_files(out) == []
+    law.write_text("mine")
+    with pytest.raises(InvalidInput, match=r"changed since: law\.c"), replacing(law):
+        pytest.fail("the work was started")
+    law.write_text("by another one")
     run(out, a_txt="two")
     assert content(out) == {"a.txt": "two"}
 
 
-def test_a_folder_without_marker_or_with_a_broken_one_is_foreign(out: Path) -> None:
+def test_a_run_takes_no_file_away_that_a_command_put_beside_its_own(out: Path) -> None:
+    for text in ("one", "two"):  # of a command, which may replace it, before and after a run
+        with replacing(out / "box.json"):
+            (out / "box.json").write_text(text)
+        with pytest.raises(InvalidInput, match=r"box\.json"), output_folder(out):
+            pytest.fail("the work was started")
+        run(out, True, a_txt=text)
+        assert content(out) == {"a.txt": text, "box.json": text}
+
+
+def test_a_folder_without_manifest_or_with_a_broken_one_is_foreign(out: Path) -> None:
     for text in ("{", '{"kind": "output_folder", "schema_version": 1}', '{"kind": "x"}'):
-        (out / MARKER).write_text(text)
+        (out / MANIFEST).write_text(text)
         with pytest.raises(InvalidInput, match="files that no run has written"), output_folder(out):
             pytest.fail("the work was started")
-    (out / MARKER).unlink()
+    (out / MANIFEST).unlink()
     with pytest.raises(InvalidInput, match="3 files"), output_folder(out):
         pytest.fail("the work was started")
 
@@ -211,7 +230,7 @@ def test_a_full_disk_is_said_of_the_place_that_the_user_named(
         assert caught.value.problem.where == str(out / name)
     with pytest.raises(InvalidInput) as caught, output_folder(out):
         pass  # the marker
-    assert caught.value.problem.where == str(out / MARKER)
+    assert caught.value.problem.where == str(out / MANIFEST)
     with pytest.raises(InvalidInput) as caught, output_folder(out):
         raise InvalidInput("kp", "-1", "a positive number", "Check it.")
     assert caught.value.problem.where == "kp"

@@ -80,3 +80,10 @@ def margin_table(data: Mapping[str, Mapping[str, Any]]) -> Iterable[tuple[str, .
         yield (
             state, digits(each["disk"]), f"{digits(each['gain_low'])} … {high}", phase, quantity(each["delay"], "s")
         )  # fmt: skip
+
+
+def margin_remark(data: Mapping[str, Mapping[str, Any]]) -> str:
+    """What an unstable state with a held load means; empty without one."""
+    if all(each["stable"] for state, each in data.items() if state.startswith("load held")):
+        return ""
+    return "unstable with the load held: while friction holds the load, the motor torque swings instead of resting"

@@ -37,21 +37,24 @@ RIVAL_COST, RIVAL_DISTANCE = 1.1, 0.2
 #: Damping ratio where the nameplate has no damping (Fietzek & Rinderknecht, section II).
 DAMPING_RATIO = 0.02
 
-#: Upper edge of the band in which the drivetrain turns as one rigid body, Hz (calibrated on the virtual rigs 1 and 2,
-#: whose zero is at 38 Hz: half and double give the same; benchmarks/calibrations.py).
-RIGID_BAND = 8.0
+#: Upper edge of the band in which the drivetrain turns as one rigid body: Hz, and as a share of the nameplate's zero
+#: (calibrated on the virtual rigs 1 and 2, whose zero is at 38 Hz: half and double give the same;
+#: benchmarks/calibrations.py. With a zero at 3.9 Hz, 8 Hz showed a ninth of the inertia, half of the share 13 % too
+#: much, double of it 5 %).
+RIGID_BAND, RIGID_SHARE = 8.0, 0.2
 
 
 def rigid_body(
-    torque: Array, speed: Array, dt: float, pieces: Sequence[slice] = (slice(None),)
+    torque: Array, speed: Array, dt: float, zero: float, pieces: Sequence[slice] = (slice(None),)
 ) -> tuple[float, float, float]:
     """Total inertia, Coulomb and viscous friction from torque = J·acceleration + M_c·sgn(speed) + d_v·speed.
 
-    Least squares below ``RIGID_BAND``, where neither the shaft nor the gap matters, over all segments together.
+    Least squares far below the zero (Hz), where neither the shaft nor the gap matters, over all segments together.
     """
     from scipy.signal import butter, sosfiltfilt
 
-    low = butter(2, min(RIGID_BAND, 0.1 / dt), fs=1.0 / dt, output="sos")
+    band = min(RIGID_BAND, RIGID_SHARE * zero, 0.1 / dt)
+    low = butter(2, band, fs=1.0 / dt, output="sos")
     every = max(1, int(0.005 / dt))
     columns, torques = [], []
     for piece in pieces:
@@ -69,7 +72,9 @@ def complete(start: Drivetrain, predictor: Predictor, fixed: Collection[str]) ->
     Friction comes from the recording where it tells. What the nameplate leaves at zero gets: damping ratio
     0.02, friction of 1 % of the motor torque, a lag of two samples, a backlash of torque / stiffness.
     """
-    inertia, coulomb, viscous = rigid_body(predictor.torque, predictor.speed, predictor.dt, predictor.pieces)
+    inertia, coulomb, viscous = rigid_body(
+        predictor.torque, predictor.speed, predictor.dt, start.zero_frequency, predictor.pieces
+    )
     values = {name: getattr(start, name) for name in NAMES}
     force = float(np.std(predictor.torque))
     fastest = float(np.max(np.abs(predictor.speed)))

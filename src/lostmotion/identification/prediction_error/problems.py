@@ -156,7 +156,12 @@ def laws_alike(gain: float, certainty: float, least: float) -> Problem:
 
 def not_excited(name: str, nameplate: float) -> Problem:
     value = f"{nameplate:g} {PARAMETER_UNITS[name]}"
-    remedy = f"{_EXCITE.get(name, 'Record more torque.')} The nameplate's {value} is used instead."
+    instead = (
+        f"The nameplate's {value} is used instead."
+        if nameplate
+        else f"The nameplate lacks it: {value} is used."
+    )
+    remedy = f"{_EXCITE.get(name, 'Record more torque.')} {instead}"
     return Problem.warning(name, "a recording that does not tell it", "excitation", remedy)
 
 

@@ -170,6 +170,7 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
     """
     loaded: list[tuple[str, Recording]] = []
     problems: list[Problem] = []
+    law = configuration.law
     for source in configuration.recordings:
         try:
             recording = source.read()
@@ -178,7 +179,7 @@ def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]
                     recording,
                     *check_identifiable(recording),
                     *check_nameplate(recording, configuration.nameplate),
-                    *check_law(recording, configuration.law.torque_limit, configuration.law.poles),
+                    *check_law(recording, law.torque_limit, law.poles, law.sample_time, law.kp),
                 )
             recording = _with_problems(recording, *_not_used(source, configuration.recordings))
             loaded.append((source.use, recording))

@@ -21,7 +21,8 @@ from .signal_faults import (
     spikes,
     stuck,
 )
-from .torque_and_speed import column_order, torque_agreement
+from .speed_faults import check_speeds
+from .torque_and_speed import column_order, shows_wrong_sign, torque_agreement, unrelated
 
 #: Fewest samples of a recording. Option: less than a few periods of any shaft at any sensible sample time.
 MINIMUM_SAMPLES = 100
@@ -38,12 +39,17 @@ _REVERSAL = 0.01
 #: Shortest and longest sample time of a recording, s (option: no logger of a drive is faster than 100 MHz, nor slower
 #: than one row in 100 s).
 SHORTEST_STEP, LONGEST_STEP = 1e-8, 100.0
+#: Days since 1900 from 1954 to 2119, as a spreadsheet counts them (physics); and numbers from which on a step counts ns
+#: and not µs (option: 50 ms in µs, 50 µs in ns).
+DAYS, NANOSECONDS = (20_000.0, 80_000.0), 5e4
 #: Longest sample time without a warning, s. Option: up to 50 kHz a raster in ms is seen; it tells nothing above 25 Hz.
 SLOW = 0.02
 
 #: Least correlation of swapped columns, and how far it lies above that of the columns as they are. Calibrated as
 #: ``torque_and_speed.BLOCK``: the other correlation was -0.24 to 0 in all of these.
 SWAPPED, SWAPPED_MARGIN = 0.4, 0.2
+#: Agreement of torque and acceleration that shows a wrong sign (option: half of full disagreement).
+OPPOSITE = -0.5
 
 
 def check_finite(name: str, values: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
@@ -77,18 +83,18 @@ def check_length(samples: int, where: str) -> list[Problem]:
 
 def check_sample_time(time: NDArray[np.float64], where: str) -> list[Problem]:
     """A median step that no logger of a drive has: the time is in another unit."""
-    step = float(np.median(np.diff(time)))
-    if SHORTEST_STEP <= step <= LONGEST_STEP:
+    step, duration = float(np.median(np.diff(time))), float(time[-1] - time[0])
+    days = DAYS[0] < time[0] < DAYS[1] and duration < 1.0
+    if SHORTEST_STEP <= step <= LONGEST_STEP and not days:
         return []
-    return [
-        Problem(
-            "error",
-            f"{where}, time",
-            f"a sample time of {step:.4g} s",
-            f"{SHORTEST_STEP:g} to {LONGEST_STEP:g} s",
-            'Say the unit of the time: time = { column = ..., unit = "ns" }.',
+    got, unit = f"a sample time of {step:.4g} s", "ns" if step > NANOSECONDS else "us"
+    if days:
+        got, unit = (
+            f"times near {time[0]:.9g} that last {duration:.3g} in all: days, as a spreadsheet counts",
+            "d",
         )
-    ]
+    remedy = f'Say the unit of the time: time = {{ column = ..., unit = "{unit}" }}.'
+    return [Problem.error(f"{where}, time", got, f"{SHORTEST_STEP:g} to {LONGEST_STEP:g} s", remedy)]
 
 
 def check_raster(time: NDArray[np.float64], where: str, place: Place) -> list[Problem]:
@@ -125,6 +131,9 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
     Raises nothing; an empty tuple means that nothing was found.
     """
     where = str(recording.meta.get("file", "recording"))
+    swapped = _swapped(recording, where)
+    if swapped:  # what else is found in the two is found in the wrong one
+        return (*_slow(recording, where), *swapped)
     found: list[Problem] = [*_slow(recording, where)]
     for name, values in recording.signals.items():
         if np.ptp(values) == 0.0:
@@ -138,23 +147,36 @@ def check_recording(recording: Recording) -> tuple[Problem, ...]:
         found += stuck(name, values, recording, where)
         found += spikes(name, values, recording, where) or sentinels(name, values, where)
         found += overflows(name, values, where)
-    found += [*dead(recording.signals, recording.time, where), *check_load_speed(recording)]
+    found += dead(recording.signals, recording.time, where)
+    found += _wrong_sign(recording, where)
+    return (*found, *check_speeds(recording), *check_load_speed(recording))
+
+
+def _swapped(recording: Recording, where: str) -> list[Problem]:
     follows, followed = column_order(recording)
+    if followed <= max(SWAPPED, abs(follows) + SWAPPED_MARGIN):
+        return []
+    got = (
+        f"a torque whose changes follow the speed (correlation {followed:.2f}), "
+        f"not a speed whose changes follow the torque ({follows:.2f})"
+    )
+    remedy = "The two columns look swapped: exchange them in channels, or in the file's header."
+    columns = f"{where}, torque_motor and speed_motor"
+    return [Problem.warning(columns, got, "a speed that the torque accelerates", remedy)]
+
+
+def _wrong_sign(recording: Recording, where: str) -> list[Problem]:
     agreement = torque_agreement(recording)
-    if followed > max(SWAPPED, abs(follows) + SWAPPED_MARGIN):
-        got = (
-            f"a torque whose changes follow the speed (correlation {followed:.2f}), "
-            f"not a speed whose changes follow the torque ({follows:.2f})"
-        )
-        remedy = "The two columns look swapped: exchange them in channels, or in the file's header."
-        columns = f"{where}, torque_motor and speed_motor"
-        found.append(Problem.warning(columns, got, "a speed that the torque accelerates", remedy))
-    elif agreement < -0.5:
-        got = f"torque and acceleration of the motor of opposite sign (agreement {agreement:.2f})"
-        expected = "acceleration in the direction of the torque (agreement near 1)"
-        remedy = "Set sign = -1 for torque_motor, or for the motor's speed; or exchange the two if they are swapped."
-        found.append(Problem.warning(f"{where}, torque_motor", got, expected, remedy))
-    return tuple(found)
+    if shows_wrong_sign(recording):
+        agreement = min(agreement, column_order(recording)[0])
+    if agreement > OPPOSITE:
+        return []
+    got = f"torque and acceleration of the motor of opposite sign (agreement {agreement:.2f})"
+    expected = "acceleration in the direction of the torque (agreement near 1)"
+    remedy = (
+        "Set sign = -1 for torque_motor or for the motor's speed, or exchange the two if they are swapped."
+    )
+    return [Problem.warning(f"{where}, torque_motor", got, expected, remedy)]
 
 
 def _slow(recording: Recording, where: str) -> list[Problem]:
@@ -185,7 +207,11 @@ def rounded_to_decimals(values: NDArray[np.float64]) -> bool:
 def check_identifiable(recording: Recording) -> tuple[Problem, ...]:
     """What forbids to identify from a recording: errors where its speed tells nothing, else warnings."""
     where = str(recording.meta.get("file", "recording"))
-    return (*_too_short(recording, where), *_missing(recording, where), *_standing(recording, where))
+    return (
+        *_too_short(recording, where),
+        *_missing(recording, where),
+        *(_standing(recording, where) or _unrelated(recording, where)),
+    )
 
 
 def _too_short(recording: Recording, where: str) -> list[Problem]:
@@ -193,7 +219,10 @@ def _too_short(recording: Recording, where: str) -> list[Problem]:
     if rows >= IDENTIFIABLE_ROWS and duration >= IDENTIFIABLE_TIME:
         return []
     expected = f"at least {IDENTIFIABLE_ROWS} rows and {IDENTIFIABLE_TIME:g} s to identify from"
-    remedy = 'Record longer, widen the window, or set use = "validate". 10 s at 10 kHz are good.'
+    remedy = (
+        'Record longer, widen the window, or set use = "validate"; 10 s at 10 kHz are good. Or say the unit of the '
+        'time: time = { column = ..., unit = "min" }.'
+    )
     return [Problem.warning(where, f"{rows} rows, {duration:g} s", expected, remedy)]
 
 
@@ -229,6 +258,19 @@ def _standing(recording: Recording, where: str) -> list[Problem]:
         'Check the encoder and its channel; leave that part out by window = [...], or set use = "validate".'
     )
     return [Problem.error(f"{where}, speed_motor", got, expected, remedy)]
+
+
+def _unrelated(recording: Recording, where: str) -> list[Problem]:
+    largest = unrelated(recording)
+    if largest is None or np.ptp(recording["torque_motor"]) == 0.0:  # a constant one is reported already
+        return []
+    got = f"a speed that does not follow the torque (correlation {largest:.2f} at most)"
+    remedy = (
+        "Check that both are of one recording, their columns, that the speed has its sign, and the torque is this "
+        "motor's. Steady operation identifies nothing."
+    )
+    columns = f"{where}, torque_motor and speed_motor"
+    return [Problem.warning(columns, got, "a motor that its torque accelerates", remedy)]
 
 
 def _reverses(torque: NDArray[np.float64]) -> bool:

@@ -19,8 +19,13 @@ FAR_OFF = 5.0
 LARGEST_WIND_UP, LARGEST_BACKLASH, LARGEST_LAG = 0.5, 0.4, 0.05
 #: Fewest samples in a period of the torsional mode (option: 15 are needed, and a nameplate is three off).
 FEWEST_SAMPLES = 4.0
-#: Largest torque limit over the largest recorded torque (option: mNm as Nm is a thousand times).
+#: Largest torque limit over the largest recorded torque, either way (option: mNm as Nm is a thousand times).
 LARGEST_LIMIT = 50.0
+#: Largest sample time of the law over that of the recording, either way (option: ms as s is a thousand times).
+LARGEST_RASTER = 20.0
+#: Largest torque of kp at the recorded speed over the limit (option: a stiff servo reaches its limit at a hundredth of
+#: its speed; the unit is the rest).
+LARGEST_GAIN = 1000.0
 
 
 def check_nameplate(recording: Recording, nameplate: Mapping[str, float]) -> tuple[Problem, ...]:
@@ -45,20 +50,52 @@ def check_nameplate(recording: Recording, nameplate: Mapping[str, float]) -> tup
 
 
 def check_law(
-    recording: Recording, torque_limit: float | None, poles: Sequence[complex] | None
+    recording: Recording,
+    torque_limit: float | None,
+    poles: Sequence[complex] | None,
+    sample_time: float | None = None,
+    kp: float | None = None,
 ) -> tuple[Problem, ...]:
-    """Warnings where the torque limit (Nm) or the poles (1/s) cannot be meant for the recorded drive."""
+    """Warnings where torque limit (Nm), poles (1/s), sample time (s) or kp (Nm s/rad) are not meant for this drive."""
     found = []
-    if torque_limit is not None and "torque_motor" in recording:
-        torque = float(np.max(np.abs(recording["torque_motor"])))
-        if 0.0 < LARGEST_LIMIT * torque < torque_limit:
-            got, expected = f"{torque_limit:g} Nm", f"near the {torque:.3g} Nm that were recorded at most"
-            found.append(Problem.warning("law.torque_limit", got, expected, "Check the unit: it is in Nm."))
-    if poles is not None and (fastest := max(abs(pole) for pole in poles)) * recording.dt > 1.0:
+    torque, speed = (
+        float(np.max(np.abs(recording[name]))) if name in recording else 0.0
+        for name in ("torque_motor", "speed_motor")
+    )
+    if torque_limit is not None and torque > 0.0 and _far(torque_limit, torque, LARGEST_LIMIT):
+        got, expected = f"{torque_limit:g} Nm", f"near the {torque:.3g} Nm that were recorded at most"
+        remedy = "Check the unit: it is in Nm. If it is right, check unit and scale in the torque's channel."
+        found.append(Problem.warning("law.torque_limit", got, expected, remedy))
+    if sample_time is not None and _far(sample_time, recording.dt, LARGEST_RASTER):
+        got, expected = f"{sample_time:g} s", f"near the {recording.dt:.4g} s of the recording"
+        found.append(Problem.warning("law.sample_time", got, expected, 'Check the unit: "1 ms", or 0.001.'))
+    if poles is not None:
+        found += _poles([abs(pole) for pole in poles], recording)
+    limit = torque_limit or torque
+    if kp is not None and 0.0 < LARGEST_GAIN * limit < kp * speed:
+        got = f"{kp:g} Nm s/rad: {kp * speed:.3g} Nm at the recorded {speed:.3g} rad/s"
+        expected = f"within a thousand times the torque limit, {limit:.3g} Nm"
+        remedy = "Check the unit, Nm s/rad, or leave kp and ki out: the default suits the drive."
+        found.append(Problem.warning("law.kp", got, expected, remedy))
+    return tuple(found)
+
+
+def _far(one: float, other: float, factor: float) -> bool:
+    return not 1.0 / factor <= one / other <= factor
+
+
+def _poles(sizes: Sequence[float], recording: Recording) -> list[Problem]:
+    """Poles faster than the raster, or slower than the whole recording; 1/s."""
+    fastest, slowest, duration = max(sizes), min(sizes), float(recording.time[-1] - recording.time[0])
+    if fastest * recording.dt > 1.0:
         expected = f"slower than 1/sample_time = {1.0 / recording.dt:.4g} 1/s"
         remedy = "Slower poles, or leave them out: the default suits the drive."
-        found.append(Problem.warning("law.poles", f"{fastest:.4g} 1/s", expected, remedy))
-    return tuple(found)
+        return [Problem.warning("law.poles", f"{fastest:.4g} 1/s", expected, remedy)]
+    if slowest * duration < 1.0:
+        expected = f"faster than the recording is long: {1.0 / duration:.3g} 1/s"
+        remedy = "Faster poles, or leave them out: the default suits the drive."
+        return [Problem.warning("law.poles", f"{slowest:.4g} 1/s", expected, remedy)]
+    return []
 
 
 def _inertia(recording: Recording, nameplate: float) -> list[Problem]:

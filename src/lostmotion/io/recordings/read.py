@@ -39,7 +39,7 @@ def read_recording(
     path : path
     time : column, mapping or None
         Like a channel (s if no unit is stated), or ``{"sample_time": "0.1 ms"}`` where the file has no time.
-        Default: the column named ``time`` or ``t``, or the time of Simulink's "structure with time".
+        Default: the column named ``time`` or ``t`` (or alike), or the time of Simulink's "structure with time".
     channels : mapping of signal → column or mapping
         See ``Channel``. Default: the columns that bear the name of a signal (``speed_motor [rpm]``).
     window : (start, stop), s

@@ -15,13 +15,8 @@ from pathlib import Path
 from ...argument_checks import checks_arguments
 from ...errors import InvalidInput
 from ..spelling import short_list
-from .json_files import save_json
-from .written_files import content_hash, known_files
+from .written_files import MANIFEST, Written, content_hash, save_written, written_in
 
-#: File in every output folder that lists what the run wrote, with hashes: whatever else lies there, or was changed, is
-#: somebody else's.
-MARKER = ".lostmotion-run.json"
-_KIND = "output_folder"
 #: Errors of the place, not of the program: no space, no quota (unknown to Windows), read-only.
 _NO_ROOM = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC), errno.EROFS)
 
@@ -65,8 +60,10 @@ def output_folder(path: str | Path, force: bool = False) -> Iterator[Path]:
         raise _cannot_write(path, error) from None
     try:
         yield new
-        save_json(new / MARKER, _KIND, {"files": {name: content_hash(new / name) for name in _files(new)}})
+        run = {name: content_hash(new / name) for name in _files(new)}
         _keep_foreign(path, new)
+        others = (written_in(path) or Written({}, {})).files
+        save_written(new, Written(run, {name: found for name, found in others.items() if name not in run}))
         _swap(path, new)
     except OSError as error:
         if error.errno in _NO_ROOM:
@@ -89,20 +86,21 @@ def foreign_files(path: str | Path) -> list[str]:
     path = Path(path)
     if not os.path.isdir(path):  # noqa: PTH112
         return []
-    known = known_files(path / MARKER, _KIND)
-    own = {} if known is None else {**known, MARKER: None}
-    return [
-        name for name in _files(path) if name not in own or own[name] not in (None, content_hash(path / name))
-    ]
+    known = written_in(path)
+    own = {} if known is None else known.run
+    broken = [MANIFEST] if known is None and os.path.lexists(path / MANIFEST) else []
+    return broken + [name for name in _files(path) if own.get(name) != content_hash(path / name)]
 
 
 def _files(folder: Path) -> list[str]:
-    """Every file, link and empty folder below a folder, relative, sorted; empty folders end with a slash."""
+    """Every file, link and empty folder below a folder, relative, sorted, but manifests; empty folders end with a
+    slash."""
     found: list[str] = []
     for root, folders, files in os.walk(folder):
         place = Path(root)
         links = [name for name in folders if (place / name).is_symlink()]
-        found += [(place / name).relative_to(folder).as_posix() for name in (*files, *links)]
+        names = (name for name in (*files, *links) if name != MANIFEST)
+        found += [(place / name).relative_to(folder).as_posix() for name in names]
         if not folders and not files and place != folder:
             found.append(place.relative_to(folder).as_posix() + "/")
     return sorted(found)
@@ -142,8 +140,8 @@ def _refuse_foreign(path: Path, force: bool) -> None:
 def _keep_foreign(path: Path, new: Path) -> None:
     """Foreign files also go into the new folder, as hard links where possible: the old one stays whole."""
     for name in foreign_files(path):
-        if name == MARKER:
-            continue  # a marker that cannot be read is no marker
+        if name == MANIFEST:
+            continue  # one that cannot be read is none
         source, target = path / name, new / name
         while os.path.lexists(target) and not name.endswith("/"):
             target = target.with_name(target.name + ".kept")

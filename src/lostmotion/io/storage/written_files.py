@@ -5,17 +5,29 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from ...errors import InvalidInput
-from ...plain_data import mapping, text, texts
+from ...plain_data import mapping, text
 from ..spelling import short_list
 from .json_files import load_json, save_json
 
-#: File beside what commands and ``export`` wrote, with a hash of each.
+#: File in every folder that this package wrote into, with a hash of each file.
 MANIFEST = ".lostmotion-files.json"
 _KIND = "written_files"
+
+
+class Written(NamedTuple):
+    """Names, relative to the manifest's folder, with hashes: of a run that made the whole folder, and of others."""
+
+    run: Mapping[str, str]
+    files: Mapping[str, str]
+
+    @property
+    def all(self) -> dict[str, str]:
+        return {**self.files, **self.run}
 
 
 @contextlib.contextmanager
@@ -25,7 +37,8 @@ def replacing(*files: Path, force: bool = False) -> Iterator[None]:
     Parameters
     ----------
     files : Path
-        All that the block may write. What it has written, whole or interrupted, goes into the manifest of its folder.
+        All that the block may write. What it has written, whole or interrupted, goes into the manifests that know it,
+        else into that of its folder.
     force : bool
         Replace whatever is there.
 
@@ -39,12 +52,7 @@ def replacing(*files: Path, force: bool = False) -> Iterator[None]:
     try:
         yield
     finally:
-        for folder in {file.parent for file in files}:
-            after = {file: content_hash(file) for file in files if file.parent == folder}
-            written = {file.name: found for file, found in after.items() if found != before[file]}
-            if written:
-                known = known_files(folder / MANIFEST, _KIND) or {}
-                save_json(folder / MANIFEST, _KIND, {"files": dict(sorted({**known, **written}.items()))})
+        _record({file: found for file in files if (found := content_hash(file)) != before[file]})
 
 
 def check_own(*files: Path, force: bool = False) -> None:
@@ -61,22 +69,44 @@ def check_own(*files: Path, force: bool = False) -> None:
 
 
 def _is_own(file: Path) -> bool:
-    """Whether a file may be replaced: it is not there, or its content is what the manifest says."""
+    """Whether a file may be replaced: it is not there, or its content is what a manifest says."""
     if not os.path.lexists(file):
         return True
-    known = known_files(file.parent / MANIFEST, _KIND) or {}
-    return known.get(file.name) == content_hash(file)
+    return content_hash(file) in [known.all[name] for _, name, known in _known_as(file)]
 
 
-def known_files(manifest: Path, kind: str) -> dict[str, str | None] | None:
-    """Names and hashes in a manifest; None where there is no manifest, or none that can be read."""
+def _known_as(file: Path) -> list[tuple[Path, str, Written]]:
+    """Folders with a manifest that knows a file, its name there, and all that the manifest knows."""
+    found = []
+    for folder in file.absolute().parents:
+        known, name = written_in(folder), file.absolute().relative_to(folder).as_posix()
+        if known is not None and name in known.all:
+            found.append((folder, name, known))
+    return found
+
+
+def _record(written: Mapping[Path, str]) -> None:
+    for file, found in written.items():
+        nothing = file.parent, file.name, written_in(file.parent) or Written({}, {})
+        for folder, name, known in _known_as(file) or [nothing]:
+            group = "run" if name in known.run else "files"
+            changed = dict(sorted({**getattr(known, group), name: found}.items()))
+            save_written(folder, known._replace(**{group: changed}))
+
+
+def written_in(folder: Path) -> Written | None:
+    """What the manifest of a folder says; None where there is none, or none that can be read."""
     try:
-        files = load_json(manifest, kind)["files"]
-        if isinstance(files, list):  # an older version listed names alone
-            return dict.fromkeys(texts("files", files))
-        return {name: text(name, found) for name, found in mapping("files", files).items()}
-    except (InvalidInput, KeyError):
+        data = load_json(folder / MANIFEST, _KIND)
+        groups = (mapping(key, data.get(key, {})) for key in Written._fields)
+        return Written(*({name: text(name, found) for name, found in group.items()} for group in groups))
+    except InvalidInput:
         return None
+
+
+def save_written(folder: Path, written: Written) -> None:
+    """Write the manifest of a folder."""
+    save_json(folder / MANIFEST, _KIND, written._asdict())
 
 
 def content_hash(file: Path) -> str:

@@ -23,7 +23,7 @@ from .units import is_unit
 #: bytes).
 PER_BYTE, PER_LINE = 4.0, 150.0
 COMMENT_MARKS = ("#", "%", "//")
-_TIME_NAMES = ("time", "t")
+_TIME_NAMES = ("time", "t", "time_s", "t_s", "zeit", "timestamp")
 #: A date, or a time of the day.
 _DATE = re.compile(r"\d[-/.]\d+[-/.]\d|\d:\d\d", re.ASCII)
 _DATES = "Export seconds instead of dates, or give time = { sample_time = ... }."
@@ -138,6 +138,8 @@ class CsvTable:
         if max(map(len, lines)) > LONGEST * self.width:
             return self._one_by_one(wanted)
         if self.dialect.decimal_comma:
+            if mixed := self._mixed_signs(wanted):
+                return np.empty((0, len(wanted))), mixed
             lines = "\n".join(lines).replace(",", ".").split("\n")
         try:
             separator = self.dialect.separator
@@ -148,6 +150,27 @@ class CsvTable:
             return self._one_by_one(wanted)
         # A quote that is not closed goes on in the next line.
         return (data, []) if len(data) == len(lines) else self._one_by_one(wanted)
+
+    def _mixed_signs(self, wanted: list[int]) -> list[Problem]:
+        """Columns with a decimal comma in some lines and a point in others: 1.234 may be a thousand there."""
+        points = [
+            (line, int(number))
+            for line, number in zip(self.lines, self.line_numbers, strict=True)
+            if "." in line
+        ]
+        problems = []
+        for i in wanted if points else ():
+            found = next(((text, n) for line, n in points if "." in (text := self._field(line, i))), None)
+            if found and any("," in self._field(line, i) for line in self.lines):
+                name = f"column {shown(self.header[i])}" if self.header else f"column {i}"
+                got = f"{shown(found[0])} in line {found[1]}, and a decimal comma in other lines"
+                remedy = "Export it again with one decimal sign and without a sign between thousands."
+                problems.append(Problem.error(f"{self.where}, {name}", got, "one decimal sign", remedy))
+        return problems
+
+    def _field(self, line: str, i: int) -> str:
+        fields = self.dialect.split(line)
+        return fields[i] if i < len(fields) else ""
 
     def _one_by_one(self, wanted: list[int]) -> tuple[NDArray[np.float64], list[Problem]]:
         """The numbers, or all fields that are none: slow, and only after the fast reading has failed."""
@@ -221,9 +244,9 @@ def read_csv(path: Path, raw: bytes) -> CsvTable:
     if start is None:
         raise InvalidInput(
             where,
-            f"no line of numbers; the first line is {texts[0][:60]!r}",
-            "columns of numbers separated by ; , tab or blanks",
-            "Check the separator and the decimal sign.",
+            f"no line of numbers; the first line is {texts[0][:60]!r}, the last {texts[-1][:60]!r}",
+            "columns of numbers such as -1.5e-3, separated by ; , tab or blanks",
+            "Check the separator, the decimal sign and the exponent.",
         )
     body = texts[start:]
     width = int(np.median([len(dialect.split(line)) for line in body[:200]]))

@@ -19,7 +19,7 @@ _RPM = 2.0 * math.pi / 60.0
 #: Factor to SI of every known unit, by dimension; a dimension is named by its SI unit (physics).
 UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
+        "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0},
         "Hz": {"Hz": 1.0, "kHz": 1e3},
         "rad": {
             "rad": 1.0,
