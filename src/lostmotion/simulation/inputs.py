@@ -44,7 +44,7 @@ def check_sample_time(dt: float) -> None:
         raise InvalidInput(
             "simulate.dt",
             repr(dt),
-            f"a positive sample time in s, from {SHORTEST_SAMPLE:g} to {LONGEST_SAMPLE:g} s",
+            f"a positive sample time in s, of at most {LONGEST_SAMPLE:g} s and at least {SHORTEST_SAMPLE:g} s",
             "Give the sample time.",
         )
 
