@@ -46,7 +46,7 @@ GOOD: list[dict[str, Any]] = [
     {"row": 3.0}, {"row": np.full(3, np.nan)}, {"band": (1, 2)}, {"band": [1.0, 2.0]}, {"band": np.ones(2)},
     {"band": None}, {"names": ["a"]}, {"levels": np.ones(3)}, {"levels": []}, {"sizes": {"a": 1}}, {"method": "c"},
     {"pole": 1 + 1j}, {"anything": object()}, {"unknown": (object(),)}, {"torque_motor": [1.0]},
-    {"largest": float("inf")},
+    {"largest": float("inf")}, {"row": np.ma.masked_array([1.0, 2.0])},
 ]  # fmt: skip
 BAD: list[dict[str, Any]] = [
     {"number": "1"}, {"number": True}, {"number": None}, {"number": float("nan")}, {"number": float("inf")},
@@ -54,6 +54,7 @@ BAD: list[dict[str, Any]] = [
     {"count": 1.0}, {"count": True}, {"count": 2**63}, {"flag": 1}, {"flag": "no"}, {"name": 3}, {"file": b"x"},
     {"row": ["a"]}, {"row": None}, {"row": [[1], [1, 2]]}, {"row": 1j}, {"row": [10**400]}, {"band": (1, 2, 3)},
     {"band": (1, None)}, {"band": 3}, {"band": "ab"}, {"names": "ab"}, {"names": [1]}, {"names": {"a": 1}},
+    {"row": np.ma.masked_array([1.0, 2.0], [False, True])},
     {"levels": 1.0}, {"levels": ["a"]}, {"sizes": {"a": "b"}}, {"sizes": {1: 1.0}}, {"sizes": [1]}, {"method": 1},
     {"pole": "x"}, {"pole": complex("nan")}, {"unknown": 3}, {"torque_motor": "x"},
     {"largest": float("nan")},

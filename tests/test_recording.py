@@ -170,3 +170,15 @@ def test_bounces_merge_into_one_impact():
 )
 def test_units_of_a_chains_numbered_signals(name, unit):
     assert unit_of(name) == unit
+
+
+def test_the_first_time_that_does_not_increase_is_named():
+    with pytest.raises(lm.InvalidInput, match=r"got 0\.1 s after 0\.2 s in row 2"):
+        Recording(np.array([0.0, 0.2, 0.1]), {})
+    with pytest.raises(lm.InvalidInput, match=r"got nan s after 0\.0 s in row 1"):
+        Recording(np.array([0.0, np.nan, 0.1]), {})
+
+
+def test_a_slice_is_no_signal():
+    with pytest.raises(lm.InvalidInput, match="no such signal"):
+        recording()[1:3]

@@ -222,6 +222,8 @@ def _is_whole(value: Any) -> bool:
 
 
 def _is_array(value: Any, kinds: str = "fiub") -> bool:
+    if np.ma.is_masked(value):  # what is masked would count as if it were not
+        return False
     try:
         return np.asarray(value).dtype.kind in kinds
     except (ValueError, TypeError, OverflowError):  # rows of different lengths
@@ -258,7 +260,7 @@ _CLASSES = {
     "Stepper": ", as the nonlinear observers are",
     "TorsionalModel": "; assemble(parts) makes one",
 }
-_NUMBERS = "Give numbers in SI units, without their unit."
+_NUMBERS = "Give numbers in SI units, without their unit, and none of them masked."
 _SIMPLE: Mapping[str, _Kind] = {
     "float": _Kind(
         _is_number, f"a finite number up to {LARGEST:g}", "Give a number in SI units, without its unit."

@@ -73,8 +73,16 @@ def flag(where: str, value: object) -> bool:
 def whole(where: str, value: object) -> int:
     """A whole number that 64 bits hold."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or abs(int(value)) >= 2**63:
-        raise InvalidInput(where, shown(value), "a whole number", _REMEDY)
+        raise InvalidInput(where, shown(value), "a whole number below 2⁶³", _REMEDY)
     return int(value)
+
+
+def seed_of(where: str, value: object) -> int:
+    """A seed: numpy takes none below zero."""
+    found = whole(where, value)
+    if found < 0:
+        raise InvalidInput(where, shown(value), "a whole number from 0 on", "Leave out the sign.")
+    return found
 
 
 def number(where: str, value: object) -> float:

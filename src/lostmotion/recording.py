@@ -15,6 +15,7 @@ from .argument_checks import checks_arguments, not_negative
 from .display import numbers, tables
 from .errors import InvalidInput
 from .events import NO_EVENTS, Event, Events
+from .plain_data import shown
 
 #: Unit of every signal name that the package knows. An ending ``_estimated`` or ``_reference`` changes nothing.
 SIGNAL_UNITS: Mapping[str, str] = MappingProxyType(
@@ -49,6 +50,14 @@ def unit_of(signal: str) -> str:
     bare = re.sub(r"_\d+$", "", base)
     known = SIGNAL_UNITS if bare == base else {**NUMBERED_UNITS, **SIGNAL_UNITS}
     return known.get(bare, "")
+
+
+def _disorder(time: NDArray[np.float64]) -> str:
+    """What keeps the times from being those of a recording."""
+    if time.ndim != 1 or time.size < 2:
+        return f"shape {time.shape}"
+    row = int(np.argmax(~(time[1:] > time[:-1])))
+    return f"{time[row + 1]} s after {time[row]} s in row {row + 1}"
 
 
 def _read_only(values: ArrayLike) -> NDArray[np.float64]:
@@ -106,7 +115,7 @@ class Recording:
         if time.ndim != 1 or time.size < 2 or not np.all(time[1:] > time[:-1]):
             raise InvalidInput(
                 "Recording.time",
-                f"shape {time.shape}",
+                _disorder(time),
                 "at least two strictly increasing times",
                 "Sort or crop it.",
             )
@@ -128,9 +137,12 @@ class Recording:
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         try:
             return self.signals[name]
-        except KeyError:
+        except (KeyError, TypeError):  # a slice, a number: a recording is not cut by them
             raise InvalidInput(
-                f"Recording[{name!r}]", "no such signal", f"one of {sorted(self.signals)}", "Check the name."
+                f"Recording[{shown(name)}]",
+                "no such signal",
+                f"one of {sorted(self.signals)}",
+                "Check the name.",
             ) from None
 
     def __contains__(self, name: object) -> bool:

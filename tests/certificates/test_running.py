@@ -165,3 +165,9 @@ def test_load_torque_narrows_what_is_proved() -> None:
     assert driven.speed > (3.0 - 2.0) / 0.0175, (
         "below, the shaft torque at rest passes zero and the gap opens"
     )
+
+
+def test_a_delay_of_a_million_samples_is_refused_at_once():
+    plant = lm.Drivetrain.two_mass(**TABLE_I)
+    with pytest.raises(InvalidInput, match="at most 100"):
+        prove_running(plant, lm.controllers.pi(dt=1e-4), delay=10**6)

@@ -33,6 +33,11 @@ run rig.toml --seed -1                         | 2 | --seed
 run rig.toml --seed x                          | 2 | --seed
 run rig.toml --out                             | 2 | requires an argument
 run a b                                        | 2 | unexpected extra argument
+simulate drivetrain.toml --spread 0.5          | 2 | does nothing without --variants
+simulate drivetrain.toml --torque rig.csv --dt 1 | 2 | does nothing beside --torque
+certify drivetrain.toml --box-speed 5          | 2 | does nothing without --box
+certify drivetrain.toml --box 5 --simulate 5   | 2 | does nothing beside --box
+certify drivetrain.toml --observer twist --box 5 | 2 | does nothing beside --observer
 identify no.toml                               | 1 | no such file
 identify rig.csv                               | 1 | A recording is named in a TOML
 identify rig.toml --out rig                    | 1 | Choose another name or folder
@@ -71,7 +76,7 @@ simulate rig.toml                              | 1 | inertia_load
 simulate drivetrain.toml --out rig.csv         | 1 | has not written
 simulate drivetrain.toml --torque no.csv       | 1 | no such file
 simulate drivetrain.toml --torque law.json     | 1 | expected
-simulate drivetrain.toml --torque speed.csv    | 1 | no such signal
+simulate drivetrain.toml --torque speed.csv    | 1 | a column torque_motor
 simulate drivetrain.toml --duration 1e9        | 1 | of memory are needed
 simulate drivetrain.toml --dt 1e-12            | 1 | Take fewer
 simulate drivetrain.toml --dt 0                | 2 | above 0

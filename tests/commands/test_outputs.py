@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -84,3 +85,18 @@ def test_a_saved_recording_is_checked_like_any_other(tmp_path: Path) -> None:
     lm.save_recording(lm.Recording(time, {"speed_motor": [float("nan")] * 300}), tmp_path / "a.npz")
     with pytest.raises(lm.InputProblems, match="NaN or infinity"):
         frequency_response_file(tmp_path / "a.npz", tmp_path / "frf")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in folders here")
+def test_beside_a_device_or_a_pipe_nothing_is_written(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(lm.InvalidInput, match="a device or a pipe"), outputs(tmp_path / "pipe", ".csv"):
+        pass
+    assert [file.name for file in tmp_path.iterdir()] == ["pipe"]
+
+
+def test_a_torque_file_without_torque_is_named(plant: Path, tmp_path: Path) -> None:
+    table = tmp_path / "speed.csv"
+    table.write_text("time,speed_motor\n" + "".join(f"{k / 1000},{k % 7}\n" for k in range(200)))
+    with pytest.raises(lm.InvalidInput, match=r"speed\.csv: got columns \['speed_motor'\]"):
+        simulate_file(plant, tmp_path / "out", table)

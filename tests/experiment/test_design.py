@@ -107,3 +107,10 @@ def test_misuse_is_told() -> None:
     ):
         with pytest.raises(lm.InvalidInput, match=name):
             design_excitation(NAMEPLATE, speed_limit=10.0, torque_limit=10.0, **{name: value})
+
+
+def test_a_drive_that_cannot_move_is_told_by_its_inertia() -> None:
+    """An inertia in g cm², 1e7 times that in kg m²."""
+    heavy = lm.Drivetrain.two_mass(inertia_motor=2e5, inertia_load=1e6, stiffness=6000.0, damping=0.4)
+    with pytest.raises(lm.InvalidInput, match=r"1\.2e\+06 kg m² in all"):
+        design_excitation(heavy, duration=0.2, torque_limit=5.0, speed_limit=50.0)

@@ -221,3 +221,8 @@ def test_a_filter_is_refused_with_what_to_take_instead(tmp_path):
     plant = Drivetrain.two_mass(inertia_motor=0.0182, inertia_load=0.111, stiffness=6285.896, backlash=0.012)
     with pytest.raises(InvalidInput, match=r"Stepper.*expected a DiscreteSystem.*kalman"):
         export.c(extended_kalman(plant, dt=1e-4), tmp_path)
+
+
+def test_a_seed_below_zero_is_refused(law, tmp_path):
+    with pytest.raises(lm.InvalidInput, match="from 0 on"):
+        lm.export.c(law, tmp_path, seed=-1)

@@ -129,3 +129,22 @@ def test_event_space_grows():
     assert len(recording.events) > 2048
     impacts = [e for e in recording.events if e.kind == "impact"]
     np.testing.assert_allclose([abs(e.speed) for e in impacts], 2.0, rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"sensors": {"speed_motor": lm.Sensor("speed_motor")}}, "no law"),
+        ({"seed": -1}, "from 0 on"),
+        ({"dt": 1e-300}, "sample time"),
+    ],
+)
+def test_what_would_do_nothing_is_refused(paper, arguments, said):
+    with pytest.raises(lm.InvalidInput, match=said):
+        lm.simulate(paper, **{"dt": 1e-4, "torque_motor": np.ones(5), **arguments})
+
+
+def test_a_torque_that_never_acts_is_refused(paper):
+    law = lm.controllers.pi(dt=1e-4)
+    with pytest.raises(lm.InvalidInput, match="fewer than the 5"):
+        lm.simulate(paper, law=law, speed_reference=np.ones(5), dt=1e-4, delay=5)

@@ -27,6 +27,8 @@ from .plant import plant_of
 from .rational import Matrix, identity, rational, zeros
 from .static_curves import StaticCurve, normalised
 
+#: Longest computing delay, samples (chosen: drives have one to three; a state is added for each).
+LONGEST_DELAY = 100
 #: What a law may read of the plant, beside its reference.
 MEASURABLE = ("speed_motor", "speed_load", "twist", "torque_shaft")
 
@@ -151,6 +153,13 @@ def lure_loop(
 
 def delayed(law: DiscreteSystem, delay: int) -> DiscreteSystem:
     """The law whose torque_motor comes so many samples later."""
+    if delay > LONGEST_DELAY:
+        raise InvalidInput(
+            "certify: delay",
+            f"{delay} samples",
+            f"at most {LONGEST_DELAY}",
+            "Its unit is one sample of the law.",
+        )
     for i in range(delay):
         law = _followed_by(law, one_sample_delay("torque_motor", law.dt, f"torque_motor_{i + 1}"))
     return law

@@ -51,6 +51,20 @@ def spread_below_one(value: float) -> float:
     return value
 
 
+def acting(context: typer.Context, given: str, asked: bool, *options: str, without: bool = False) -> None:
+    """Refuse options that do nothing: they act only together with ``given`` (``without``: only where it is not)."""
+    idle = [
+        name
+        for name in options
+        if (source := context.get_parameter_source(name)) is not None and source.name == "COMMANDLINE"
+    ]
+    if idle and asked == without:
+        names = ", ".join("--" + name.replace("_", "-") for name in idle)
+        raise typer.BadParameter(
+            f"does nothing {'beside' if without else 'without'} {given}", param_hint=names
+        )
+
+
 ForceOption = Annotated[
     bool,
     typer.Option(

@@ -8,10 +8,11 @@ from typing import Annotated
 import typer
 
 from .messages import finished, interruptible, say
-from .options import ForceOption, finite_positive, percent_below_100
+from .options import ForceOption, acting, finite_positive, percent_below_100
 
 
 def certify(
+    context: typer.Context,
     drivetrain: Annotated[
         Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML of the main job.")
     ],
@@ -60,6 +61,10 @@ def certify(
     force: ForceOption = False,
 ) -> None:
     """Prove from which load speed on the loop is stable, with the whole gap, and write a certificate to check it."""
+    of_a_loop = ("law", "delay", "torque_load", "fastest", "box", "box_speed", "simulate")
+    acting(context, "--observer", bool(observer), *of_a_loop, without=True)
+    acting(context, "--box", box is not None, "box_speed")
+    acting(context, "--box", box is not None, "simulate", without=True)
     if observer:
         certify_an_observer(drivetrain, out, observer, force)
         return

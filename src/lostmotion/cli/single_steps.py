@@ -14,6 +14,7 @@ from .options import (
     METHODS,
     ForceOption,
     SeedOption,
+    acting,
     completing,
     finite_positive,
     known_method,
@@ -128,6 +129,7 @@ def excite(
 
 
 def simulate(
+    context: typer.Context,
     drivetrain: Annotated[
         Path, typer.Argument(help="drivetrain.toml, as a run writes it, or a TOML of the main job.")
     ],
@@ -155,6 +157,8 @@ def simulate(
     force: ForceOption = False,
 ) -> None:
     """Simulate a drivetrain exactly, from event to event; or many variants of it (an interrupted run continues)."""
+    acting(context, "--torque", torque is not None, "duration", "dt", without=True)
+    acting(context, "--variants", variants is not None, "spread")
     compile_kernels("simulation")
     if variants is not None:
         _simulate_variants(drivetrain, out, variants, spread, torque, duration, dt, seed, force)

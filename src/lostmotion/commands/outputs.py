@@ -41,6 +41,10 @@ def outputs(
     """
     if out.name in ("", ".."):
         raise InvalidInput(str(out), "a folder", "the name of the files to write", "Add a name.")
+    if os.path.exists(out) and not (os.path.isfile(out) or os.path.isdir(out)):  # noqa: PTH110, PTH112, PTH113
+        raise InvalidInput(
+            str(out), "a device or a pipe", "the name of the files to write", "Choose another name."
+        )
     files = tuple(Path(f"{stem(out)}{suffix}") for suffix in suffixes)
     check_writable(*files, sources=sources)
     with replacing(*files, force=force):

@@ -67,6 +67,8 @@ def torque_of(
     """
     if torque is not None:
         played = read_recording(torque)
+        if "torque_motor" not in played:
+            raise InvalidInput(str(torque), f"columns {list(played)}", "a column torque_motor, Nm", "Add it.")
         Cost(each.samples * len(played), each.memory, each.seconds).check(str(torque), announce)
         return played["torque_motor"], played.dt
     check_times(duration, dt)

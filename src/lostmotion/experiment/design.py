@@ -135,6 +135,7 @@ def design_excitation(
     limits = Limits(torque_limit, speed_limit, angle_limit)
     _check(nameplate, kind, limits, plants)
     _check_sampling(duration, dt, encoder_bits)
+    _check_motion(nameplate, limits, duration, dt, encoder_bits)
     if nameplate.damping == 0.0:
         nameplate = nameplate.with_parameters(
             damping=DAMPING_RATIO * nameplate.stiffness / (np.pi * nameplate.pole_frequency)
@@ -162,6 +163,22 @@ def design_excitation(
         not_excited=not_excited,
         problems=_problems(nameplate, scale, not_excited, found),
     )
+
+
+def _check_motion(
+    nameplate: Drivetrain, limits: Limits, duration: float, dt: float, encoder_bits: int
+) -> None:
+    """Whether the largest torque, all the time in one direction, shows in the encoder at all."""
+    fastest = limits.torque / nameplate.inertia_total * duration
+    smallest = 2.0 * np.pi / 2**encoder_bits / dt
+    if fastest < smallest:
+        raise InvalidInput(
+            "design_excitation.nameplate",
+            f"{nameplate.inertia_total:.3g} kg m² in all, which {limits.torque:g} Nm bring to {fastest:.2g} rad/s in "
+            f"{duration:g} s",
+            f"a drive that reaches {smallest:.2g} rad/s, one count of the encoder in a sample",
+            "Check the units of inertia (kg m²) and torque (Nm); else test longer.",
+        )
 
 
 def _check(nameplate: Drivetrain, kind: str, limits: Limits, plants: int) -> None:

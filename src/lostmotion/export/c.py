@@ -19,6 +19,7 @@ from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
 from ..io.storage.whole_files import make_folder, write_bytes
 from ..io.storage.written_files import replacing
+from ..plain_data import seed_of
 from ..systems import DiscreteSystem, Stepper
 from .compiler import C_FLAGS, NO_COMPILER, find_compiler, run
 from .facts import facts, spelling
@@ -115,7 +116,7 @@ def c(
         else ("law.c.jinja", _context(law, name, real))
     )
     context = made | facts(law, drivetrain)
-    inputs, outputs, faults = _vectors(law, vectors, seed)
+    inputs, outputs, faults = _vectors(law, vectors, seed_of("export.c: seed", seed))
     context["vector_inputs"] = [[_vector(v) for v in row] for row in inputs]
     context["vector_outputs"] = [[_vector(v) for v in row] for row in outputs]
     context["vector_faults"] = faults.tolist()

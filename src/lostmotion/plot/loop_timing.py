@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..argument_checks import checks_arguments
+from ..argument_checks import checks_arguments, not_negative
 from ..display.numbers import quantity
 from .style import ESTIMATED, SET_POINT, panels
 
@@ -47,6 +47,7 @@ def loop_timing(
     -------
     Figure
     """
+    not_negative("plot.loop_timing.period", period, positive=True)
     shown = {
         "round trip": np.asarray(round_trip, dtype=float),
         "wake-up after the tick": np.asarray(wake_up, dtype=float),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import InvalidInput
 from .style import ESTIMATED, MEASURED, axis_label, display_unit, panels, title_and_legend
 
 if TYPE_CHECKING:
@@ -44,6 +45,11 @@ def quantile_bands(
     color = ESTIMATED["color"]
     for axis, (signal, rows) in zip(grid, bands.items(), strict=True):
         factor, _ = display_unit(signal)
+        if np.shape(rows) != (5, len(np.asarray(time))):
+            raise InvalidInput(
+                "plot.quantile_bands", f"{signal} of shape {np.shape(rows)}", f"shape (5, {np.size(time)})",
+                "Take a row for each of five quantiles, as simulate_batch gives them.",
+            )  # fmt: skip
         lowest, low, middle, high, highest = factor * np.asarray(rows, dtype=float)
         axis.fill_between(
             time, lowest, highest, color=color, alpha=0.2, linewidth=0.0, label="90 % of the variants"

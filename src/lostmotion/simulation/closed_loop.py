@@ -60,7 +60,12 @@ def laws_in_loop(
         raise InvalidInput(
             "simulate", "no signal of known length", "a set-point or a torque", "Give speed_reference."
         )
-    check_lengths(given)
+    length = check_lengths(given)
+    if max(delays) >= length:
+        raise InvalidInput(
+            "simulate.delay", f"{max(delays)} samples", f"fewer than the {length} of the signals",
+            "Its unit is one sample of the plant.",
+        )  # fmt: skip
     _check_makers(laws, given, possible_inputs(drivetrain))
     made = [name for part in laws for name in part.outputs]
     names = plant_inputs(drivetrain, {**given, **dict.fromkeys(made)})

@@ -17,6 +17,8 @@ from ..plain_data import number, shown
 LARGEST = 1e30
 #: Longest sample, s (option: an undamped shaft of the paper's rig swings 10 000 times in it, which takes 0.1 s).
 LONGEST_SAMPLE = 100.0
+#: Shortest sample, s (chosen: a shaft of 1e12 Hz turns by a radian in it).
+SHORTEST_SAMPLE = 1e-13
 
 
 def possible_inputs(drivetrain: Drivetrain) -> tuple[str, ...]:
@@ -38,11 +40,11 @@ def last_set_point(state: Any) -> float:
 
 def check_sample_time(dt: float) -> None:
     """A positive number of seconds; over very long samples a plant swings a million times."""
-    if not 0.0 < number("simulate.dt", dt) <= LONGEST_SAMPLE:
+    if not SHORTEST_SAMPLE <= number("simulate.dt", dt) <= LONGEST_SAMPLE:
         raise InvalidInput(
             "simulate.dt",
             repr(dt),
-            f"a positive sample time in s, of at most {LONGEST_SAMPLE:g} s",
+            f"a positive sample time in s, of at most {LONGEST_SAMPLE:g} s and at least {SHORTEST_SAMPLE:g} s",
             "Give the sample time.",
         )
 

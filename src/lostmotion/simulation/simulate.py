@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..argument_checks import checks_arguments
 from ..drivetrain import Drivetrain
 from ..errors import InvalidInput
-from ..plain_data import whole
+from ..plain_data import seed_of
 from ..recording import Recording
 from ..systems import DiscreteSystem, Stepper
 from .inputs import (
@@ -94,7 +94,7 @@ def simulate(
     values = {name: check_signal(name, array) for name, array in given.items() if array is not None}
     check_sample_time(dt)
     check_state(state)
-    whole("simulate.seed", seed)
+    seed_of("simulate.seed", seed)
     moved = moved_end(drivetrain, dt, values)
     if moved is not None:
         for kind in ("speed", "angle"):
@@ -105,6 +105,11 @@ def simulate(
         from .closed_loop import simulate_law
 
         return simulate_law(drivetrain, law, dt, values, state, delay, sensors or {}, seed, energy, moved)
+    if sensors:
+        raise InvalidInput(
+            "simulate.sensors", f"{sorted(sensors)} and no law", "sensors of a law's inputs",
+            "Give the law, or leave the sensors out: without a law all signals are exact.",
+        )  # fmt: skip
     known = possible_inputs(drivetrain)
     if not values or set(values) - set(known):
         raise InvalidInput(

@@ -74,7 +74,10 @@ def _sources(
     """Signal name → (system, output number); finds every misuse of connect but the loop."""
     if not systems or not outputs:
         raise InvalidInput(
-            "connect", "nothing", "at least one system and one output", "Name the outputs of the law."
+            "connect",
+            f"{len(systems)} systems, {len(outputs)} outputs",
+            "at least one system and one output",
+            "Name the outputs of the law.",
         )
     times = sorted({s.dt for s in systems})
     if len(times) > 1:

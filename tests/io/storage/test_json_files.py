@@ -107,3 +107,18 @@ def test_a_name_that_is_no_text_is_written_and_read_again(tmp_path: Path) -> Non
     """As Python gives a file name whose bytes are not UTF-8."""
     save_json(tmp_path / "x.json", "thing", {"a\udce4.csv": "\udce4"})
     assert load_json(tmp_path / "x.json", "thing") == {"a\udce4.csv": "\udce4"}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "got"),
+    [
+        ("law.json", " \n", "an empty file"),
+        ("drivetrain.toml", 'kind = "drivetrain"', "a file with the ending '.toml' that is no JSON"),
+        ("law.json", "[1, 2]", "nothing that says its kind"),
+        ("law.json", "{", "broken JSON"),
+    ],
+)
+def test_another_file_is_told_from_a_broken_one(tmp_path: Path, name: str, text: str, got: str) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InvalidInput, match=f"got {got}"):
+        load_json(tmp_path / name, "law")

@@ -62,7 +62,9 @@ def test_in_the_gap_it_takes_the_motor_for_the_load():
     assert recording["speed_load"][-1] == 0.0
 
 
-@pytest.mark.parametrize("arguments", [{"bandwidth": 0.0}, {"bandwidth": float("inf")}, {"dt": -1.0}])
+@pytest.mark.parametrize(
+    "arguments", [{"bandwidth": 0.0}, {"bandwidth": float("inf")}, {"bandwidth": 1e9}, {"dt": -1.0}]
+)
 def test_misuse(arguments):
     with pytest.raises(InvalidInput):
         disturbance_observer(RIGID, **{"dt": DT, **arguments})

@@ -24,6 +24,15 @@ SCHEMA_VERSION = 2
 #: Versions that are still read (layout); what differs is brought up to date by the type that the content makes.
 READABLE = (1, SCHEMA_VERSION)
 
+#: Endings of files of other kinds that are named by mistake.
+_OTHERS = (".toml", ".csv", ".npz", ".mat", ".png", ".py", ".c", ".h")
+
+#: Where a file comes from, by its kind.
+_WRITTEN = {
+    "law": "Name the right file: a run writes one, law.json, into its output folder.",
+    "drivetrain": "Name the right file: a run writes one, drivetrain.toml, into its output folder.",
+}
+
 #: Memory that JSON takes once it is read, as a multiple of its text (calibrated on lists of floats: 5).
 _TAKES = 6.0
 
@@ -64,12 +73,19 @@ def read_json(path: str | Path, kind: str) -> Any:
 
 def parsed_json(raw: bytes | str, where: str, expected: str) -> Any:
     """JSON without doubled keys, NaN and infinity, which other readers take otherwise."""
+    if not raw.strip():
+        raise InvalidInput(where, "an empty file", expected, "Copy or write it again.")
     try:
         return json.loads(raw, object_pairs_hook=_once, parse_constant=_no_number)
     except RecursionError:
         got = "hundreds of brackets in each other"
     except ValueError as error:
         got = f"broken JSON: {error}"
+        ending = Path(where).suffix
+        if ending.lower() in _OTHERS:
+            raise InvalidInput(
+                where, f"a file with the ending {ending!r} that is no JSON", expected, "Name the right file."
+            ) from None
     raise InvalidInput(where, got, expected, "Write it again.")
 
 
@@ -89,7 +105,8 @@ def unwrapped(content: Any, kind: str, where: str) -> dict[str, Any]:
     """The content without kind and schema version, both checked."""
     found = content.get("kind") if isinstance(content, dict) else None
     if found != kind:
-        raise InvalidInput(where, f"kind {shown(found)}", f"kind {kind!r}", "Name the right file.")
+        got = "nothing that says its kind" if found is None else f"kind {shown(found)}"
+        raise InvalidInput(where, got, f"kind {kind!r}", _WRITTEN.get(kind, "Name the right file."))
     version = content.get("schema_version")
     if isinstance(version, bool) or version not in READABLE:
         raise InvalidInput(

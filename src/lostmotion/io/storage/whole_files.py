@@ -43,7 +43,8 @@ def read_bytes(path: str | Path, *, takes: float = 1.0) -> bytes:
     except InvalidInput:
         raise
     except FileNotFoundError:
-        raise InvalidInput(str(path), "no such file", "a readable file", _near(Path(path))) from None
+        got = "a link to a file that is not there" if Path(path).is_symlink() else "no such file"
+        raise InvalidInput(str(path), got, "a readable file", _near(Path(path))) from None
     except OSError as error:
         raise InvalidInput(
             str(path), str(error.strerror or error), "a readable file", "Check path and permissions."
@@ -71,10 +72,20 @@ def _no_file(path: str | Path, mode: int) -> InvalidInput:
     return InvalidInput(str(path), got, "a readable file", remedy)
 
 
+def _no_place(path: Path) -> InvalidInput:
+    """A folder, a device, a pipe: what takes its place would end it."""
+    kind = "a folder" if path.is_dir() else "a device or a pipe"
+    return InvalidInput(str(path), kind, "the name of a file", "Choose another name.")
+
+
 def _near(path: Path) -> str:
     """The remedy for a missing file: what of its kind lies in its folder."""
     try:
-        near = sorted(file.name for file in path.parent.iterdir() if file.suffix == path.suffix)
+        near = sorted(
+            file.name
+            for file in path.parent.iterdir()
+            if file.suffix == path.suffix and not file.name.startswith(".") and file.is_file()
+        )
     except OSError:
         near = []
     return f"In that folder: {short_list(near)}." if near else "Check the path."
@@ -106,6 +117,8 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     temporary = path.parent / f".lostmotion-{os.getpid()}-{secrets.token_hex(4)}.partial"
     try:
         try:
+            if path.exists() and not path.is_file():
+                raise _no_place(path)
             yield temporary
             temporary.replace(path)
         finally:

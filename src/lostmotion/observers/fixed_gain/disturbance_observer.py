@@ -73,11 +73,15 @@ def disturbance_observer(
     Proc. IEEE ICRA, 599–604.
     """
     drivetrain, dt = two_masses(drivetrain), sample_time(dt)
-    bandwidth = BANDWIDTH * scale_of(drivetrain).rate if bandwidth is None else bandwidth
+    own = BANDWIDTH * scale_of(drivetrain).rate
+    bandwidth = own if bandwidth is None else bandwidth
     bandwidth = number("disturbance_observer.bandwidth", bandwidth)
-    if not (math.isfinite(bandwidth) and bandwidth > 0.0):
+    if not (math.isfinite(bandwidth) and 0.0 < bandwidth <= max(1.0 / dt, own)):
         raise InvalidInput(
-            "disturbance_observer.bandwidth", repr(bandwidth), "a positive rate in 1/s", "Check the unit."
+            "disturbance_observer.bandwidth",
+            repr(bandwidth),
+            f"a positive rate up to {max(1.0 / dt, own):.3g} 1/s",
+            "Check the unit.",
         )
     inertia, lag = drivetrain.inertia_motor, drivetrain.lag
     decay = drivetrain.viscous_motor / inertia

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..rows import rows_of_one_length
 from ..style import SERIES, panels, title_and_legend
 from .bode import plain_ticks
 
@@ -40,6 +41,7 @@ def coherence(
     """
     figure, (axis,) = panels(axes, 1, size=(8.0, 3.8))
     for (label, (frequency, values)), style in zip(coherences.items(), SERIES, strict=False):
+        rows_of_one_length("coherence", frequency=frequency, coherence=values)
         axis.plot(np.asarray(frequency), np.asarray(values), label=label, **style)
     if by_chance is not None:
         axis.axhline(

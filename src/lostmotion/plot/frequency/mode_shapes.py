@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...errors import InvalidInput
 from ..style import ESTIMATED, panels
 
 if TYPE_CHECKING:
@@ -44,6 +45,11 @@ def mode_shapes(
     Figure
     """
     frequency, shapes = np.asarray(frequency, dtype=float), np.asarray(shapes, dtype=float)
+    if shapes.shape != (len(names), frequency.size):
+        raise InvalidInput(
+            "plot.mode_shapes", f"shapes {shapes.shape}", f"({len(names)}, {frequency.size}): a row for each name, a "
+            "column for each frequency", "Take both from one model.",
+        )  # fmt: skip
     count = min(count, frequency.size)
     figure, grid = panels(axes, count, size=(8.0, 1.0 + 1.75 * count), sharex=True)
     place = np.arange(len(names))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..rows import rows_of_one_length
 from ..style import ESTIMATED, MEASURED, SET_POINT, panels
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def backlash_locked(
     source : str
         What the angle is called in the legend: "simulated" if it is that, see ``source_of``.
     """
+    rows_of_one_length("backlash_locked", torque=torque, angle=angle, side=side)
     figure, (axis,) = panels(axes, 1, size=(8.0, 5.4))
     m, theta, flank = (np.asarray(a, dtype=float) for a in (torque, angle, side))
     axis.plot(m, 1e3 * theta, color="#bbbbbb", linewidth=0.8, label=source)

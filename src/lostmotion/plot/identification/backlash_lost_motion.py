@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..rows import rows_of_one_length
 from ..style import ESTIMATED, panels
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def backlash_lost_motion(
     torque, twist, fitted, direction : (n,) arrays
         Nm; rad; rad with NaN where there is no fit; ±1 or 0. Of a ``LostMotion``, these are its arrays.
     """
+    rows_of_one_length("backlash_lost_motion", torque=torque, twist=twist, fitted=fitted, direction=direction)
     figure, (axis,) = panels(axes, 1, size=(8.0, 5.4))
     m, d, f, way = (np.asarray(a, dtype=float) for a in (torque, twist, fitted, direction))
     for sign, colour, label in ((1.0, "#E69F00", "forwards"), (-1.0, "#009E73", "backwards")):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..rows import rows_of_one_length
 from ..style import ESTIMATED, panels, symlog
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def friction_curve(
     curve : callable
         Speeds (rad/s) → torques (Nm); of a ``FrictionLadder``, its method of that name.
     """
+    rows_of_one_length("friction_curve", speed=speed, torque=torque, margin=margin, steady=steady)
     figure, (axis,) = panels(axes, 1, size=(8.0, 5.0))
     w, m, e = (np.asarray(a, dtype=float) for a in (speed, torque, margin))
     used = np.asarray(steady, dtype=bool)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..rows import rows_of_one_length
 from ..style import ESTIMATED, MEASURED, axis_label, display_unit, panels, thin_min_max
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def friction_fit(
         What the signal is called in the legend: "simulated" if it is that, see ``source_of``.
     axes : sequence of two Axes, optional
     """
+    rows_of_one_length("friction_fit", time=time, torque=torque, measured=measured, fitted=fitted)
     figure, (above, below) = panels(axes, 2, size=(9.0, 5.6), sharex=True)
     torque, measured, fitted = (np.asarray(a, dtype=float) for a in (torque, measured, fitted))
     factor, _ = display_unit(signal)

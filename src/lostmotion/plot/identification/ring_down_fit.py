@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..rows import rows_of_one_length
 from ..style import ESTIMATED, MEASURED, axis_label, display_unit, panels
 
 if TYPE_CHECKING:
@@ -43,11 +44,12 @@ def ring_down_fit(
     Figure
     """
     count = len(windows)
-    columns = min(columns, count)
+    columns = max(min(columns, count), 1)
     size = (10.0, 1.2 + 2.4 * -(-count // columns))
     figure, grid = panels(axes, count, columns=columns, size=size)
     factor, _ = display_unit(signal)
     for axis, (time, measured, fitted) in zip(grid, windows, strict=True):
+        rows_of_one_length("ring_down_fit", time=time, measured=measured, fitted=fitted)
         axis.plot(time, factor * np.asarray(measured), label=source, **MEASURED)
         axis.plot(time, factor * np.asarray(fitted), label="fitted oscillation", **ESTIMATED)
         axis.set(xlabel="time (s)", ylabel=axis_label(signal))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..rows import rows_of_one_length
 from ..style import ESTIMATED, MEASURED, panels
 
 if TYPE_CHECKING:
@@ -50,6 +51,9 @@ def stiffness_fit(
     -------
     Figure
     """
+    rows_of_one_length(
+        "stiffness_fit", frequency=frequency, response=response, coherence=coherence, fitted=fitted, used=used
+    )
     hertz, measured = np.asarray(frequency, dtype=float), np.asarray(response, dtype=complex)
     use = np.ones(hertz.size, dtype=bool) if used is None else np.asarray(used, dtype=bool)
     figure, (size, phase, trust) = panels(axes, 3, size=(9.0, 7.2), sharex=True)

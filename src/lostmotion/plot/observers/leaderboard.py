@@ -35,6 +35,13 @@ def leaderboard(board: Mapping[str, Any], *, metric: str = "speed_load", axes: A
     -------
     Figure
     """
+    if not {"observers", "cases"} <= set(board):
+        raise InvalidInput(
+            "plot.leaderboard",
+            f"keys {sorted(board)}",
+            "those of a leaderboard",
+            "Take what leaderboard.json holds.",
+        )
     names = [row["name"] for row in board["observers"]]
     groups = {case["group"]: case.get("column", case["group"]) for case in board["cases"]}
     values = np.full((len(names), len(groups)), np.nan)

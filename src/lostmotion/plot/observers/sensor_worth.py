@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from ..rows import rows_of_one_length
 from ..style import SERIES, panels, title_and_legend
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ def sensor_worth(
     """
     figure, (axis,) = panels(axes, 1, size=(7.2, 4.4))
     for style, (name, rows) in zip(SERIES, ratios.items(), strict=False):
+        rows_of_one_length("sensor_worth", noise=noise, ratios=[row[0] for row in rows])
         axis.plot(noise, [row[0] for row in rows], label=name, **style)
         axis.fill_between(
             noise, [r[1] for r in rows], [r[2] for r in rows], color=style["color"], alpha=0.2, linewidth=0.0

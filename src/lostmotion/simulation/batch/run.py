@@ -229,13 +229,23 @@ def _gather(chunks: Sequence[Chunk], work: Work, size: int) -> BatchResult:
     def columns(rows: Sequence[Array], names: Sequence[str]) -> dict[str, Array]:
         return dict(zip(names, np.concatenate(rows, axis=1), strict=True))
 
+    peak = columns([chunk.peak for chunk in chunks], work.signals)
+    samples = columns([chunk.samples for chunk in chunks], work.quantiles)
+    unknown = [name for name, rows in (*peak.items(), *samples.items()) if np.all(np.isnan(rows[done]))]
+    if done.any() and unknown:
+        raise InvalidInput(
+            "simulate_batch.signals, quantiles",
+            str(unknown),
+            "signals that a variant has",
+            "Check the names.",
+        )
     return BatchResult(
         done=done,
         failures=failures,
         final_state=np.concatenate(final),
-        peak=columns([chunk.peak for chunk in chunks], work.signals),
+        peak=peak,
         rms=columns([chunk.rms for chunk in chunks], work.signals),
         events=columns([chunk.events for chunk in chunks], KINDS),
         quantile_time=work.time,
-        samples=columns([chunk.samples for chunk in chunks], work.quantiles),
+        samples=samples,
     )
