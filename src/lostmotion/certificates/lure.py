@@ -27,7 +27,7 @@ from .plant import plant_of
 from .rational import Matrix, identity, rational, zeros
 from .static_curves import StaticCurve, normalised
 
-#: Longest computing delay, samples (chosen: drives have one to three; a state is added for each).
+#: Longest computing delay, samples (option: drives have one to three; a state is added for each).
 LONGEST_DELAY = 100
 #: What a law may read of the plant, beside its reference.
 MEASURABLE = ("speed_motor", "speed_load", "twist", "torque_shaft")

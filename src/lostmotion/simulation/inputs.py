@@ -17,7 +17,7 @@ from ..plain_data import number, shown
 LARGEST = 1e30
 #: Longest sample, s (option: an undamped shaft of the paper's rig swings 10 000 times in it, which takes 0.1 s).
 LONGEST_SAMPLE = 100.0
-#: Shortest sample, s (chosen: a shaft of 1e12 Hz turns by a radian in it).
+#: Shortest sample, s (numerics: a shaft of 1e12 Hz turns by a radian in it).
 SHORTEST_SAMPLE = 1e-13
 
 
