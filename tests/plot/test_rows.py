@@ -25,6 +25,9 @@ FIGURES: dict[str, Callable[[], object]] = {
     "sensor_worth": lambda: plot.sensor_worth([1.0], {"a": []}, {}),
     "stiffness_fit": lambda: plot.stiffness_fit(LONG, SHORT, LONG),
     "leaderboard": lambda: plot.leaderboard({}),
+    "identified_parameters": lambda: plot.identified_parameters({"stiffness": 3.0}),
+    "no parameter": lambda: plot.identified_parameters({}),
+    "no response": lambda: plot.bode({}),
     "period": lambda: plot.loop_timing([1e-5] * 5, period=-1.0),
 }
 

@@ -67,9 +67,9 @@ def bode(
     from matplotlib.font_manager import FontProperties
 
     count = 3 if coherences else 2
+    _check_curves(responses)
     figure, grid = panels(axes, count, size=(8.0, 1.0 + 2.7 * count), sharex=True)
     upper, lower = grid[:2]
-    _check_curves(responses)
     phases = [_known_phase(*values) for values in responses.values()]
     top = min(_TOPS, key=lambda edge: sum(_jumps(_within(phase, edge)) for phase in phases))
     for (label, values), style in zip(responses.items(), SERIES, strict=False):
@@ -105,7 +105,11 @@ def _db(magnitude: Any) -> Any:
 
 
 def _check_curves(responses: Mapping[str, Curve]) -> None:
-    """Raises ``InvalidInput`` where one has not two or three rows of one length."""
+    """Raises ``InvalidInput`` where there is none, or one has not two or three rows of one length."""
+    if not responses:
+        raise InvalidInput(
+            "bode.responses", "none", "one response or more", "Give label: (frequency, response)."
+        )
     for label, values in responses.items():
         rows = values if isinstance(values, tuple | list) else ()
         if len(rows) not in (2, 3) or len({np.shape(row) for row in rows}) > 1:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ...errors import InvalidInput
+from ...plain_data import shown
 from ..style import ESTIMATED, TRUTH, panels, symlog
 
 if TYPE_CHECKING:
@@ -36,6 +38,11 @@ def identified_parameters(
     -------
     Figure
     """
+    if not parameters or not all(isinstance(entry, Mapping) for entry in parameters.values()):
+        raise InvalidInput(
+            "plot.identified_parameters", shown(parameters), "a table of values for each name",
+            "Give identification.table().",
+        )  # fmt: skip
     figure, (axis,) = panels(axes, 1, size=(8.5, 0.9 + 0.42 * max(len(parameters), 3)))
     for row, (name, entry) in enumerate(parameters.items()):
         value, low, high = entry.get("value"), entry.get("low"), entry.get("high")
