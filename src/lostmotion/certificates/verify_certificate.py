@@ -597,9 +597,14 @@ def normalised(points, left, right):
 class Form(dict):
     """A linear expression in named variables: {name: coefficient}."""
 
-    __add__ = lambda self, other: combined((1, 1), (self, other))  # noqa: E731
-    __sub__ = lambda self, other: combined((1, -1), (self, other))  # noqa: E731
-    __rmul__ = lambda self, factor: combined((factor,), (self,))  # noqa: E731
+    def __add__(self, other):
+        return combined((1, 1), (self, other))
+
+    def __sub__(self, other):
+        return combined((1, -1), (self, other))
+
+    def __rmul__(self, factor):
+        return combined((factor,), (self,))
 
     def at(self, by):
         """With variables replaced by forms."""
@@ -650,8 +655,7 @@ def positive_definite(quadratic, names):
     if any(d <= 0 for d in diagonal):
         return False
     scale = [Fraction(2) ** ((d.denominator.bit_length() - d.numerator.bit_length()) // 2) for d in diagonal]
-    whole_number = lambda i, j: round(matrix[i][j] * scale[i] * scale[j] * 2**BITS)  # noqa: E731
-    rows = [[whole_number(i, j) for j in range(size)] for i in range(size)]
+    rows = [[round(value * a * b * 2**BITS) for value, b in zip(row, scale)] for row, a in zip(matrix, scale)]
     for i, row in enumerate(rows):
         row[i] -= size
     last = 1
@@ -691,9 +695,15 @@ def read(path):
 
 def parsed(text):
     """JSON in exact fractions: the number that each decimal means as a float."""
-    refused = lambda word: demand(False, f"{word} is no number")  # noqa: E731
-    exact = lambda digits: Fraction(float(digits))  # noqa: E731
-    return json.loads(text, parse_float=exact, parse_int=Fraction, parse_constant=refused)
+    return json.loads(text, parse_float=exact, parse_int=Fraction, parse_constant=no_number)
+
+
+def exact(digits):
+    return Fraction(float(digits))
+
+
+def no_number(word):
+    raise NotProved(f"{word} is no number")
 
 
 def said(claim):
