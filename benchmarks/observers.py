@@ -1,9 +1,9 @@
-"""Observers on the virtual rig: the leaderboard, targets, torque sensor, entries of Q, covariances, faults.
+"""Observers on the virtual rig: torque sensor, entries of Q, covariances, faults.
 
-    python benchmarks/observers.py --seeds 20 --out leaderboard
+    python benchmarks/observers.py --seeds 20 --out figures
 
-Prints Markdown tables. With --out it keeps the leaderboard's files and the figures there, and continues from them if
-it was stopped. Parts can be chosen: --only leaderboard targets torque-sensor weights covariances.
+Prints Markdown tables; with --out a figure goes there. Parts can be chosen: --only torque-sensor weights covariances.
+The leaderboard: docs/make_observer_leaderboard.py.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ import numpy as np
 from shared import parser_of
 
 import lostmotion as lm
-from lostmotion.compare import CASES, CONTESTANTS, Leaderboard, compare_observers
+from lostmotion.compare import CASES, CONTESTANTS
 from lostmotion.compare.experiment import Experiment, experiment
 from lostmotion.compare.scores import score
 from lostmotion.compare.statistics import median
 from lostmotion.observers import covariances, kalman, shaft_torque
 from lostmotion.observers.analysis.covariances import SEARCHED
 
-PARTS = ("leaderboard", "targets", "torque-sensor", "weights", "covariances", "faults")
+PARTS = ("torque-sensor", "weights", "covariances", "faults")
 CASE = {case.name: case for case in CASES}
 DURATION = 3.0
 NOISE = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
@@ -251,59 +251,15 @@ def print_errors(results: list[dict[str, list[tuple[float, float, float]]]]) -> 
     print(table(head, rows))
 
 
-def print_targets(board: Leaderboard) -> None:
-    def at(name: str, case: str, metric: str) -> str:
-        found = board.median(name, case, metric)
-        scale = 1.0 if metric == "f1_gap" else 100.0
-        return (
-            "–"
-            if found is None
-            else f"{scale * found.value:.3g} ({scale * found.low:.3g} to {scale * found.high:.3g})"
-        )
-
-    rows = [
-        [
-            "Observer 1 after identification, load speed %",
-            "≤ 0.2",
-            at("Observer 1", "identified", "speed_load"),
-        ],
-        ["the same, shaft torque %", "≤ 1.5", at("Observer 1", "identified", "torque_shaft")],
-        ["the same, F1 of the gap", "≥ 0.9", at("Observer 1", "identified", "f1_gap")],
-    ]
-    best = max(board.entries, key=lambda n: (board.median(n, "identified", "f1_gap") or median([0.0])).value)
-    rows.append([f"best F1 after identification: {best}", "≥ 0.95", at(best, "identified", "f1_gap")])
-    off = [case.name for case in board.cases if case.factors]
-    for name in ("Observer 1", "load torque", "H∞, load torque", "Observer 2, load torque"):
-        for metric, words in (("speed_load", "load speed"), ("torque_shaft", "shaft torque")):
-            worst = max(off, key=lambda c: board.median(name, c, metric).value)  # type: ignore[union-attr]
-            rows.append(
-                [
-                    f"{name}, one parameter off by 20 %: worst {words} % ({worst})",
-                    "≤ 2.5",
-                    at(name, worst, metric),
-                ]
-            )
-    print(table(["20 rigs, median (95 %)", "target", "found"], rows))
-
-
 def main() -> None:
     parser = parser_of(__doc__)
     parser.add_argument("--seeds", type=int, default=20, help="rigs 1 to SEEDS")
-    parser.add_argument("--out", type=Path, help="folder for files and figures")
+    parser.add_argument("--out", type=Path, help="folder for the figure")
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
     arguments = parser.parse_args()
     seeds, out = arguments.seeds, arguments.out
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    if {"leaderboard", "targets"} & set(arguments.only):
-        whole = "leaderboard" in arguments.only
-        names = None if whole else [e.name for e in CONTESTANTS if e.kind == "fixed gain"]
-        folder = out if whole or out is None else out / "targets"
-        board = compare_observers(folder, seeds=seeds, duration=DURATION, observers=names)
-        if whole:
-            print(board.to_markdown())
-        if "targets" in arguments.only:
-            print_targets(board)
     if "torque-sensor" in arguments.only:
         print("\n### Torque sensor\n")
         print_torque_sensor(seeds, out)

@@ -9,10 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.compare import CASES, CONTESTANTS, compare_observers
-from lostmotion.compare.experiment import experiment
-from lostmotion.compare.scores import METRICS, score
+from lostmotion import rig
+from lostmotion.compare import CASES, CONTESTANTS, compare_observers, score_observers
+from lostmotion.compare.compare_observers import OBSERVERS
+from lostmotion.compare.contestants import Contestant
+from lostmotion.compare.experiment import APART, experiment
+from lostmotion.compare.scores import FAILED, METRICS, score
 from lostmotion.compare.statistics import median, overall, ratio, verdict
+from lostmotion.compare.zoo_drive import KINDS, zoo_drive
 from lostmotion.errors import InvalidInput
 from lostmotion.recording import Recording
 
@@ -92,6 +96,59 @@ def test_sticking_sticks():
     assert np.mean(data.truth["speed_load"] == 0.0) > 0.4
 
 
+#: Seeds whose drives of the zoo are not those of the leaderboard.
+OTHERS = (30, 31)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_on_any_drive_the_observers_are_given_its_equivalent_two_masses(kind):
+    data, drive = experiment(CASE[f"any drive, {kind}"], 30, 1.0), zoo_drive(30, APART, KINDS[kind])
+    assert data.drivetrain == drive.model and data.backlash == drive.model.backlash
+    assert data.recording.dt == pytest.approx(drive.dt) and data.sensing.dt == drive.dt
+    assert set(data.recording.names) == {"torque_motor", "speed_motor", "torque_shaft"}
+    assert np.max(np.abs(data.recording["torque_motor"])) <= rig.TORQUE_LIMIT
+    assert len(data.truth["gap"]) == len(data.recording) and np.ptp(data.truth["speed_load"]) > 5.0
+
+
+def test_observers_that_know_the_joint_follow_any_drive():
+    for seed in OTHERS:
+        data = experiment(CASE["any drive, two masses"], seed, 1.5)
+        entries = {entry.name: entry for entry in CONTESTANTS}
+        errors = {
+            n: score(entries[n].make(data.drivetrain, data.sensing), data)["speed_load"] for n in CHOSEN
+        }
+        assert errors["Observer 1"] < 0.01 and errors["Observer 1"] < 0.3 * errors["without backlash"]
+
+
+def test_the_delay_of_a_drive_is_part_of_the_models_lag(monkeypatch):
+    drive = next(b for b in map(rig.bench, range(100)) if b is not None and b.delay > 4)
+    found = []
+    for delay in (1, drive.delay):
+        monkeypatch.setattr(
+            "lostmotion.compare.experiment.zoo_drive", lambda *_, d=delay: replace(drive, delay=d)
+        )
+        found.append(experiment(CASE["any drive, two masses"], 1, 1.0))
+    np.testing.assert_array_equal(*(data.recording["torque_motor"] for data in found))
+    late = drive.delay - 1
+    prompt, delayed = (data.truth["speed_load"] for data in found)
+    np.testing.assert_allclose(delayed[late:], prompt[:-late], atol=1e-9)
+    assert drive.model.lag == pytest.approx(drive.rig.drivetrain.lag + late * drive.dt)
+
+
+@pytest.mark.parametrize("law", ["dead_zone", "viscoelastic"])
+def test_the_joint_is_open_where_it_transmits_nothing_but_damping(monkeypatch, law):
+    drive = rig.bench(3)
+    (shaft,) = drive.rig.drivetrain.shafts
+    chain = replace(drive.rig.drivetrain, shafts=(replace(shaft, contact=law),))
+    changed = replace(drive, rig=replace(drive.rig, drivetrain=chain))
+    monkeypatch.setattr("lostmotion.compare.experiment.zoo_drive", lambda *_: changed)
+    truth = experiment(CASE["any drive, two masses"], 1, 1.0).truth
+    is_open = truth["gap"] > 0.5
+    assert 0.05 < is_open.mean() < 0.5
+    signal = "twist_elastic" if law == "dead_zone" else "torque_shaft"
+    np.testing.assert_array_equal(is_open, truth[signal] == 0.0)
+
+
 # Scores.
 
 
@@ -136,6 +193,19 @@ def test_an_observer_that_fails_has_a_large_error(nominal, nothing):
     for metric in ("speed_load", "torque_shaft", "twist_elastic", "backlash_error"):
         assert 1e3 < found[metric] < np.inf
     assert found["f1_gap"] == 0.0 and found["impact_delay"] is None
+
+
+def test_an_observer_that_cannot_be_made_has_failed(monkeypatch):
+    def refuse(drivetrain, sensing):
+        raise InvalidInput("observer", "this drive", "another", "Take another.")
+
+    monkeypatch.setattr(
+        score_observers, "CONTESTANTS", (Contestant("refuses", "naive", refuse), CONTESTANTS[0])
+    )
+    case, seed, found = score_observers.score_observers(("nominal", 3, 1.0, ("refuses", "motor speed")))
+    assert (case, seed) == ("nominal", 3) and set(found) == {"refuses", "motor speed"}
+    assert found["refuses"]["speed_load"] >= FAILED > found["motor speed"]["speed_load"]
+    assert found["refuses"]["time_per_sample"] is None
 
 
 def test_nan_is_worse_than_zero(nominal):
@@ -241,6 +311,15 @@ def test_another_duration_leaves_the_scores_of_the_first(small):
     )  # fmt: skip
     assert len(calls) == 1
     assert {path: path.read_bytes() for path in scores} == scores
+
+
+def test_the_table_is_of_rigs_that_nothing_was_tuned_on(monkeypatch):
+    told = replace(OBSERVERS, work=lambda job: (job[0], job[1], {name: {} for name in job[3]}))
+    monkeypatch.setitem(compare_observers.__globals__, "OBSERVERS", told)
+    chosen = {"cases": ["nominal"], "observers": ["Observer 1"], "workers": 1}
+    assert compare_observers(**chosen).seeds == tuple(range(501, 521))
+    assert compare_observers(quick=True, **chosen).seeds == (501, 502)
+    assert compare_observers(seeds=(3, 7), **chosen).seeds == (3, 7)
 
 
 @pytest.mark.parametrize(

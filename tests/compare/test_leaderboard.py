@@ -112,6 +112,37 @@ def test_the_figure_marks_them_too(full):
     assert "†" not in plain.get_title(loc="left")
 
 
+def test_who_fails_on_a_drive_counts_as_failed_however_badly():
+    names, seeds = ("Observer 1", "fails"), (1, 2, 3, 4, 5, 6)
+    case = next(case for case in CASES if case.drive == "3 to 5 masses")
+
+    def made(worst):
+        errors = {"Observer 1": [0.01] * 6, "fails": [0.005] * 4 + worst}
+        return Leaderboard(
+            entries=dict.fromkeys(names, "fixed gain"), cases=(case,), seeds=seeds, settings={},
+            scores={case.name: {s: {n: {"speed_load": errors[n][s - 1]} for n in names} for s in seeds}},
+        )  # fmt: skip
+
+    one, two = made([0.3, 1e9]), made([7.0, 1e9])
+    assert one.overall("fails").value == pytest.approx((0.5**4 * 30.0 * 100.0) ** (1 / 6))
+    assert two.overall("fails").value == pytest.approx((0.5**4 * 100.0 * 100.0) ** (1 / 6))
+    assert zoo_rows(one.to_markdown()) == {"Observer 1": "1 (1)", "fails": "0.5 (1 failed)"}
+    assert zoo_rows(two.to_markdown())["fails"] == "0.5 (2 failed)"
+    assert zoo_rows(made([0.3, 0.02]).to_markdown())["fails"] == "0.5 (30)"
+    assert "on how" not in board(cases=CASES[:2]).to_markdown()
+
+
+def zoo_rows(markdown):
+    """Cells of the table that has drives of the zoo alone."""
+    rows = markdown.partition("Load speed on drives of the zoo")[2].splitlines()
+    found = [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in rows
+        if "(" in line and line[0] == "|"
+    ]
+    return {cells[0]: cells[1] for cells in found}
+
+
 def test_few_rigs_prove_nothing():
     few = board(rigs=4)
     assert few.wins("steady") is None
@@ -146,7 +177,8 @@ def test_csv_has_a_line_for_each_score(full):
 def test_tables_fit_on_a_screen():
     text = board(names=("Observer 1", "extended Kalman, both sensors")).to_markdown()
     assert max(map(len, text.splitlines())) <= 120
-    assert all(f"| {group} |" in text for group in {case.group for case in CASES})
+    assert all(f"| {group} |" in text for group in {case.group for case in CASES if case.drive == "rig"})
+    assert all(f"| {case.name} |" in text for case in CASES if case.drive != "rig")
 
 
 def test_one_case_of_several_is_called_by_its_own_name(full):

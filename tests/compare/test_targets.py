@@ -1,4 +1,4 @@
-"""What the observers promise on the virtual rig, on few rigs; benchmarks/observers.py has the figures for twenty."""
+"""What the observers promise on the virtual rig, on few rigs; docs/benchmarks/observers.md has the table of twenty."""
 
 from __future__ import annotations
 

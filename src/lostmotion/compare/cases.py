@@ -1,9 +1,11 @@
-"""The cases: what differs from the nominal experiment on the virtual rig."""
+"""The cases: what differs from the nominal experiment on the virtual rig; and the drives of the zoo."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+
+from .zoo_drive import KINDS
 
 #: Parameters that are given wrong to the observers, one at a time.
 PARAMETERS = (
@@ -16,6 +18,8 @@ PARAMETERS = (
     "viscous",
     "lag",
 )
+#: Group of the cases on drives of the zoo.
+ANY_DRIVE = "any drive"
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,9 @@ class Case:
         Cases of one group share a column of the figure.
     quick : bool
         Part of the short comparison.
+    drive : str
+        "rig": the virtual rig of a seed; or a kind of drive of the zoo, out of ``zoo_drive.KINDS``. On the zoo sample
+        time and encoder are the drive's own, and all numbers are in units of the virtual rig, see ``rig.bench``.
     parameters : {"equivalent", "identified"}
         What the observers are built on: the rig's equivalent two-mass parameters, or those identified from a
         recording of their own.
@@ -54,6 +61,7 @@ class Case:
     name: str
     group: str
     quick: bool = False
+    drive: str = "rig"
     parameters: str = "equivalent"
     factors: Mapping[str, float] = field(default_factory=dict)
     encoder_bits: int = 20
@@ -96,4 +104,5 @@ CASES: tuple[Case, ...] = (
     Case("sticking", "sticking", quick=True, work="sticking"),
     Case("wrong start", "wrong start", quick=True, wrong_start=True),
     Case("under control", "under control", quick=True, work="control"),
+    *(Case(f"{ANY_DRIVE}, {kind}", ANY_DRIVE, quick=kind == "3 to 5 masses", drive=kind) for kind in KINDS),
 )

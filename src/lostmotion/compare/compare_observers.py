@@ -16,6 +16,8 @@ from .contestants import CONTESTANTS, REFERENCE
 from .leaderboard import Leaderboard
 from .score_observers import score_observers
 
+#: First seed of the table, which nothing was tuned on: observers are tuned on rigs 1 to 40 (option).
+FIRST_SEED = 501
 #: Recordings of the full and of the quick comparison: seeds and length in s (option: the quick one takes about two
 #: minutes of processor time at its first use, most of it for compiling the observers).
 FULL, QUICK = (20, 3.0), (2, 1.5)
@@ -34,7 +36,7 @@ def compare_observers(
     force: bool = False,
     progress: Progress | None = None,
 ) -> Leaderboard:
-    """Compare all observers on the same recordings of the virtual rig.
+    """Compare all observers on the same recordings of the virtual rig and of drives of the zoo.
 
     Parameters
     ----------
@@ -45,7 +47,7 @@ def compare_observers(
     quick : bool
         Fewer cases, two seeds, shorter recordings.
     seeds : int or sequence of int, optional
-        Number of rigs (1, 2, …), or their seeds. Default 20, quick 2.
+        Number of rigs (501, 502, …), or their seeds; each has drives of the zoo of its own. Default 20, quick 2.
     cases, observers : sequence of str, optional
         Names out of ``CASES`` and ``CONTESTANTS``, in ASCII and small letters too ("inertia_load -20 %", "hinfinity");
         default all (quick: the quick cases). Observer 1 always takes part.
@@ -69,8 +71,8 @@ def compare_observers(
     """
     count, default = QUICK if quick else FULL
     return OBSERVERS.run(
-        out, quick=quick, seeds=OBSERVERS.seeds(count if seeds is None else seeds), cases=cases, entries=observers,
-        workers=workers, force=force, progress=progress,
+        out, quick=quick, seeds=OBSERVERS.seeds(count if seeds is None else seeds, FIRST_SEED), cases=cases,
+        entries=observers, workers=workers, force=force, progress=progress,
         duration=_duration(default if duration is None else duration),
     )  # fmt: skip
 

@@ -119,7 +119,7 @@ class Comparison(Generic[Table]):
                 self.draw(table.to_dict(), folder / "leaderboard.svg")
         return table
 
-    def seeds(self, given: int | Sequence[int], first: int = 1) -> tuple[int, ...]:
+    def seeds(self, given: int | Sequence[int], first: int) -> tuple[int, ...]:
         """Seeds of so many rigs, from the first on, or those given."""
         where = f"compare_{self.subject}.seeds"
         listed: Any = (

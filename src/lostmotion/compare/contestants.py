@@ -89,6 +89,8 @@ def _kalman(d: Drivetrain, s: Sensing, measured: tuple[str, ...] = ("speed_motor
     return observers.kalman(d, measured=measured, dt=s.dt, speed_from_counts=s.averaged, **options)
 
 
+#: Of either end (physics).
+NO_FRICTION = dict.fromkeys(("coulomb", "viscous", "coulomb_motor", "viscous_motor"), 0.0)
 #: Process covariance of "load torque, fast" (calibrated by search: the smallest worst error of load speed and shaft
 #: torque on rigs 1 to 3 with any one parameter off by 20 %).
 FAST = {"twist": 72.0, "speed_motor": 1e7, "speed_load": 42.0, "torque_load": 8.5}
@@ -124,9 +126,7 @@ REFERENCE = "Observer 1"
 CONTESTANTS: tuple[Contestant, ...] = (
     Contestant("motor speed", "naive", lambda d, s: MotorSpeed()),
     Contestant("without backlash", "naive", lambda d, s: _kalman(d.with_parameters(backlash=0.0), s)),
-    Contestant(
-        "without friction", "naive", lambda d, s: _kalman(d.with_parameters(coulomb=0.0, viscous=0.0), s)
-    ),
+    Contestant("without friction", "naive", lambda d, s: _kalman(d.with_parameters(**NO_FRICTION), s)),
     Contestant(REFERENCE, "fixed gain", _kalman),
     Contestant("Observer 2", "fixed gain", lambda d, s: _kalman(d, s, ("torque_shaft", "speed_motor"))),
     Contestant(

@@ -6,12 +6,14 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ..version import VERSION
 from .cases import CASES, Case
 from .contestants import REFERENCE
 from .score_table import ScoreTable, plain
-from .scores import METRICS
-from .statistics import FEWEST_SEEDS, Estimate, overall, ratio, verdict
+from .scores import FAILED, METRICS
+from .statistics import FEWEST_SEEDS, Estimate, log_ratio, overall, ratio, verdict
 
 #: Groups of cases in one table, so that it fits on a screen (option).
 SCREEN = 4
@@ -44,7 +46,8 @@ class Leaderboard(ScoreTable[Case]):
     def overall(self, observer: str, metric: str = RANKED_BY) -> Estimate | None:
         """Geometric mean of that ratio over the counted cases of each group, then over groups.
 
-        So a group of sixteen cases has the weight of one.
+        So a group of sixteen cases has the weight of one. An error from ``FAILED`` on counts as ``FAILED``: how badly
+        an observer fails does not decide.
         """
         table: dict[str, dict[str, dict[int, float]]] = {}
         for case in self.counted(observer):
@@ -52,7 +55,7 @@ class Leaderboard(ScoreTable[Case]):
             common = set(own) & set(reference)
             if common:
                 table.setdefault(case.group, {})[case.name] = {
-                    s: math.log(max(own[s], 1e-12) / max(reference[s], 1e-12)) for s in common
+                    s: log_ratio(min(own[s], FAILED), min(reference[s], FAILED)) for s in common
                 }
         return overall(table)
 
@@ -69,7 +72,7 @@ class Leaderboard(ScoreTable[Case]):
     def times_per_sample(self, observer: str) -> dict[float, float]:
         """Smallest processor time per sample over all runs (s), by sample time (s)."""
         times: dict[float, float] = {}
-        for case in self.cases:
+        for case in (c for c in self.cases if c.drive == "rig"):
             for spent in self.values(observer, case.name, "time_per_sample").values():
                 times[case.dt] = min(spent, times.get(case.dt, math.inf))
         return times
@@ -134,10 +137,12 @@ class Leaderboard(ScoreTable[Case]):
         }
 
     def to_markdown(self) -> str:
-        """Ranking, tables of the load speed by group of cases, and a table of the nominal case."""
-        return "\n\n".join([self._ranking_table(), self._group_tables(), self._nominal_table()]) + "\n"
+        """Ranking, tables of the load speed by group of cases and on any drive, and a table of the nominal case."""
+        parts = [self.ranking_table(), self._group_tables(), self.zoo_table(), self._nominal_table()]
+        return "\n\n".join(filter(None, parts)) + "\n"
 
-    def _ranking_table(self) -> str:
+    def ranking_table(self) -> str:
+        """Markdown."""
         lines = [
             "| observer | kind | torque sensor | error / Observer 1 (95 %) | wins – ties – losses | µs | µs at most |",
             "|---|---|---|---|---|---|---|",
@@ -171,8 +176,10 @@ class Leaderboard(ScoreTable[Case]):
         return cases[0] if len(cases) == 1 and several else group
 
     def _group_tables(self) -> str:
-        groups = self.groups()
+        groups = tuple(dict.fromkeys(case.group for case in self.cases if case.drive == "rig"))
         parts = [groups[i : i + SCREEN] for i in range(0, len(groups), SCREEN)]
+        if not groups:
+            return ""
         return "\n\n".join(
             ["Load speed, RMSE in % of range, worst case of each group:", *map(self._group_table, parts)]
         )
@@ -184,6 +191,29 @@ class Leaderboard(ScoreTable[Case]):
             cells = [_percent(self.worst_of_group(name, group, RANKED_BY)) for group in groups]
             lines.append(f"| {name} | " + " | ".join(cells) + " |")
         return "\n".join(lines)
+
+    def zoo_table(self) -> str:
+        """Drives of the zoo, Markdown, with the worst drive too, since no two are alike; empty without such cases."""
+        cases = [case.name for case in self.cases if case.drive != "rig"]
+        if not cases:
+            return ""
+        lines = [
+            "Load speed on drives of the zoo, RMSE in % of range: median, and in brackets the worst drive, or on how",
+            f"many the observer failed (it cannot be made, or has {100.0 * FAILED:.0f} % and more):",
+            "",
+            "| observer | " + " | ".join(cases) + " |",
+            "|---" * (len(cases) + 1) + "|",
+        ]
+        for name in self.ranking():
+            cells = [self._zoo_cell(name, case) for case in cases]
+            lines.append(f"| {name} | " + " | ".join(cells) + " |")
+        return "\n".join(lines)
+
+    def _zoo_cell(self, observer: str, case: str) -> str:
+        errors = list(self.values(observer, case, RANKED_BY).values())
+        failed = sum(error >= FAILED for error in errors)
+        worst = f"{failed} failed" if failed else _percent(max(errors, default=None))
+        return f"{_percent(float(np.median(errors)) if errors else None)} ({worst})"
 
     def _nominal_table(self) -> str:
         case = self.cases[0].name
@@ -216,4 +246,6 @@ def _micro(time: float | None) -> str:
 def _percent(value: float | None) -> str:
     if value is None:
         return "–"
+    if value >= FAILED:
+        return "failed"
     return f"{100.0 * value:.2g}" if value < 0.995 else f"{100.0 * value:.0f}"

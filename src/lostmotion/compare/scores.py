@@ -28,6 +28,8 @@ LAST_PART = 0.1
 
 #: Replaces estimates that are not finite or larger: a failed observer must not gain by it (option).
 LARGEST = 1e9
+#: An observer has failed from this error on, as a fraction of range (option: the middle of the range has half of it).
+FAILED = 1.0
 
 SIGNALS = ("speed_load", "torque_shaft", "twist_elastic")
 #: Every number of a score; None where an observer does not estimate it.
@@ -62,6 +64,11 @@ def score(observer: Runs, data: Experiment) -> Score:
         last = estimate["backlash_estimated"][-max(1, round(LAST_PART * len(recording))) :]
         result["backlash_error"] = abs(float(np.mean(_bounded(last))) / data.backlash - 1.0)
     return result
+
+
+def refused() -> Score:
+    """Score of an observer that cannot be made for this drive and sample time: it has failed."""
+    return {**dict.fromkeys(METRICS), **dict.fromkeys(SIGNALS, LARGEST)}
 
 
 def _bounded(estimate: Array) -> Array:

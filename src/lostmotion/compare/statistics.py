@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -47,10 +48,15 @@ def _resampled(values: Sequence[float], statistic: Callable[..., Any]) -> Estima
     return Estimate(float(statistic(array)), float(low), float(high))
 
 
+def log_ratio(own: float, reference: float) -> float:
+    """Logarithm of the ratio of two errors."""
+    return math.log(max(own, 1e-12) / max(reference, 1e-12))
+
+
 def ratio(own: Mapping[int, float], reference: Mapping[int, float]) -> Estimate | None:
     """Median over the common seeds of own error / reference error; None without a common seed."""
     seeds = sorted(set(own) & set(reference))
-    logs = [float(np.log(max(own[s], 1e-12) / max(reference[s], 1e-12))) for s in seeds]
+    logs = [log_ratio(own[s], reference[s]) for s in seeds]
     if not logs:
         return None
     found = median(logs)

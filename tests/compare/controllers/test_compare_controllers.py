@@ -13,10 +13,11 @@ from lostmotion.compare import compare_controllers
 from lostmotion.compare.controllers import CASES, CONTESTANTS, ControlTable
 from lostmotion.compare.controllers.cases import WORKS
 from lostmotion.compare.controllers.compare_controllers import CONTROLLERS
-from lostmotion.compare.controllers.experiment import designed, experiment, run, zoo_drive
+from lostmotion.compare.controllers.experiment import APART, designed, experiment, run
 from lostmotion.compare.controllers.score_controllers import score_controllers
 from lostmotion.compare.controllers.scores import score
 from lostmotion.compare.controllers.work import work
+from lostmotion.compare.zoo_drive import zoo_drive
 from lostmotion.errors import InvalidInput
 from lostmotion.plot.controllers.leaderboard import controller_leaderboard
 from lostmotion.rig import SETS, TORQUE_LIMIT
@@ -65,7 +66,7 @@ def test_a_drive_of_the_zoo_has_its_own_sample_time_delay_and_model():
     first, second = (experiment(CASE["zoo, step"], seed) for seed in (1, 2))
     assert first.plant.drivetrain != second.plant.drivetrain
     for data, seed in ((first, 1), (second, 2)):
-        bench = zoo_drive(seed)
+        bench = zoo_drive(seed, APART)
         assert data.setting.model == bench.model and data.setting.dt == bench.dt and data.delay == bench.delay
         assert data.setting.dt / data.dt == pytest.approx(round(data.setting.dt / data.dt))
         assert data.plant.drivetrain.actuator.torque_limit == pytest.approx(TORQUE_LIMIT)
@@ -73,19 +74,6 @@ def test_a_drive_of_the_zoo_has_its_own_sample_time_delay_and_model():
     wrong = experiment(CASE["zoo, known backlash +20 %"], 1)
     assert wrong.setting.model.backlash == pytest.approx(1.2 * first.setting.model.backlash)
     assert wrong.plant.drivetrain == first.plant.drivetrain
-
-
-def test_a_seed_looks_at_its_own_drives_of_the_zoo_alone(monkeypatch):
-    looked_at = []
-    monkeypatch.setattr("lostmotion.rig.bench", looked_at.append)
-    own = []
-    for seed in (1, 2, 212):  # the drives of the third go over the end of the set
-        looked_at.clear()
-        with pytest.raises(InvalidInput, match="none of whose 47 drives"):
-            zoo_drive.__wrapped__(seed)
-        own.append(set(looked_at))
-    assert all(len(drives) == 47 and drives <= set(SETS["test"]) for drives in own)
-    assert SETS["test"][0] in own[2] and SETS["test"][-1] in own[2] and not own[0] & own[1]
 
 
 def test_the_delay_of_a_drive_of_the_zoo_acts():

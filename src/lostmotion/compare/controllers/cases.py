@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ..cases import PARAMETERS
 
-#: The drive: the virtual rig of a seed, or a drive of the zoo (``experiment.zoo_drive``).
+#: The drive: the virtual rig of a seed, or a drive of the zoo (``compare.zoo_drive``).
 DRIVES = ("rig", "zoo")
 #: What the drive is asked to do, see ``work``.
 WORKS = ("step", "pulse", "load step", "creep", "rest", "tip-in", "tip-out")

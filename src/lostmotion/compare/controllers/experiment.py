@@ -13,11 +13,11 @@ import numpy as np
 from ... import rig
 from ...curves import PiecewiseLinear, dead_zone, saturation
 from ...drivetrain import Drivetrain
-from ...errors import InvalidInput
 from ...recording import Recording
 from ...simulation import Sensor
 from ...systems import DiscreteSystem
 from ..experiment import LEVELS, identified
+from ..zoo_drive import zoo_drive
 from .cases import Case
 from .contestants import Contestant, Law, Setting
 from .work import Work, work
@@ -26,7 +26,7 @@ from .work import Work, work
 FINEST = 1e-4
 #: Speed over which the true friction turns, rad/s (option: small against every speed of the experiments).
 TURN = 0.01
-#: Test drives of the zoo for each seed: one of five can be met (numerics).
+#: Test drives of the zoo for each seed: one of five has one gap and little delay (numerics).
 APART = 47
 #: What the drive reports: the torque set-point that acts in this sample.
 ACTING = {"torque_motor_acting": Sensor("torque_motor")}
@@ -75,34 +75,12 @@ def _on_the_rig(case: Case, seed: int) -> Experiment:
 
 
 def _on_the_zoo(case: Case, seed: int) -> Experiment:
-    bench = zoo_drive(seed)
+    bench = zoo_drive(seed, APART)
     plant = replace(bench.rig, sensors={**bench.rig.sensors, **ACTING})
     dt = bench.dt / math.ceil(bench.dt / FINEST)
     asked = work(case.work, dt, plant.drivetrain.inertia_total)
     setting = Setting(_misled(bench.model, case), bench.dt, rig.TORQUE_LIMIT)
     return Experiment(plant, setting, asked, case.true_states, dt, bench.delay)
-
-
-@functools.lru_cache(maxsize=64)
-def zoo_drive(seed: int) -> rig.Bench:
-    """The first drive that a law can meet, out of the test seeds of this seed's own.
-
-    Seeds that are less than 200 apart have none in common.
-
-    Raises
-    ------
-    InvalidInput
-        If no law can meet any of them.
-    """
-    drives = rig.SETS["test"]
-    own = (drives[(APART * seed + further) % len(drives)] for further in range(APART))
-    for bench in map(rig.bench, own):
-        if bench is not None:
-            return bench
-    raise InvalidInput(
-        "zoo_drive.seed", f"{seed}, none of whose {APART} drives suits a law", "one with one gap and little delay",
-        "Take another seed.",
-    )  # fmt: skip
 
 
 def _misled(model: Drivetrain, case: Case) -> Drivetrain:
