@@ -392,5 +392,31 @@ def test_too_few_plateaus_give_no_number() -> None:
     assert "2 steady plateaus" in found.problems[-1].got
     with pytest.raises(InvalidInput, match="no friction"):
         found.friction()
-    with pytest.raises(InvalidInput, match="speed_reference"):
-        friction_ladder(ladder([1.0, 2.0], 4).only("speed_motor", "torque_motor"))
+
+
+def test_plateaus_are_found_from_the_motion_alone() -> None:
+    """Levels behind ramps, with noise and a standstill; ramps and slow waves are no plateaus."""
+    speeds = [2.0, 4.0, 8.0, 16.0, 0.0, -3.0, -9.0, -15.0]
+    levels = np.repeat(speeds, 1500)
+    ramps = np.convolve(np.r_[np.zeros(600), levels], np.full(601, 1.0 / 601.0), "valid")
+    noise = np.random.default_rng(5).standard_normal((2, ramps.size))
+    torque = INERTIA * np.gradient(ramps, DT) + COULOMB * np.sign(ramps) + VISCOUS * ramps
+    time = DT * np.arange(ramps.size)
+    signals = {"speed_motor": ramps + 0.05 * noise[0], "torque_motor": torque + 0.05 * noise[1]}
+    found = friction_ladder(Recording(time, signals), stribeck=False)
+    assert found.speed == pytest.approx([w for w in speeds if w], rel=0.01)
+    for name, truth in (("coulomb", COULOMB), ("viscous", VISCOUS), ("offset", 0.0)):
+        low, high = found.intervals[name]
+        assert low <= truth <= high, name
+    for wave in (0.1 * time, 5.0 + 4.0 * np.sin(2.0 * np.pi * time / 3.0)):
+        assert friction_ladder(Recording(time, signals | {"speed_motor": wave})).speed.size == 0
+
+
+def test_without_stribeck_two_plateaus_less_are_needed() -> None:
+    recording = ladder([4.0, 8.0, 16.0, 32.0], 2)
+    found = friction_ladder(recording, stribeck=False)
+    assert found.values["coulomb"] == pytest.approx(2.0, abs=0.05)
+    assert found.values["stribeck"] is None
+    slow = friction_ladder(ladder(SPEEDS, 1), stribeck=False)
+    assert slow.values["stribeck"] is None and slow.values["coulomb"] is not None
+    assert slow.values["coulomb"] > 2.05  # a straight line through what rises towards rest
