@@ -154,6 +154,7 @@ def _prediction_fits(found: Identification) -> dict[str, Any]:
             "iterations": prediction.iterations,
         }
     }
+    fits["model"] = found.remarks()
     if prediction.joint_piece is not None:
         share, compliance = prediction.joint_piece
         fits["intermediate inertia on the shaft"] = {

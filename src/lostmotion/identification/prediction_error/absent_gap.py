@@ -1,0 +1,63 @@
+"""Whether a drivetrain may have no gap at all, and up to which size a gap would not show: "no backlash above ... rad"."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..statistics.block_covariance import BLOCKS, Blocks, covariance
+from .gain_schedule import Stage
+from .innovations import NAMES, Bandwidth, Predictor
+
+Array = NDArray[np.float64]
+
+PLACE = NAMES.index("backlash")
+#: First gap whose effect is looked at, over the wind-up at the torque's deviation, and rounds in which it becomes the
+#: bound itself (numerics: a small gap acts in proportion to its size).
+FIRST, ROUNDS = 0.01, 2
+
+
+def without_gap(theta: Array) -> Array:
+    """The parameter vector with a backlash of zero."""
+    theta = theta.copy()
+    theta[PLACE] = -np.inf
+    return theta
+
+
+def gap_bound(predictor: Predictor, stage: Stage) -> float | None:
+    """Largest gap (rad) that the recording leaves possible with 95 %, one-sided, for a fit without one.
+
+    A small gap shifts the innovations in proportion to its size. What of this shift no other parameter can make up for
+    is compared with the innovations; its covariance is that of the blocks. The larger of the bounds under the
+    fit's gain and a three times higher one counts. None where a gap as large as the wind-up would not show either: a
+    shaft that is never unloaded tells nothing.
+    """
+    drivetrain = predictor.drivetrain(stage.fit.theta)
+    torque, stiffness = predictor.torque, drivetrain.stiffness
+    gap = FIRST * float(np.std(torque)) / stiffness
+    higher = Bandwidth(3.0 * stage.bandwidth.motor, 3.0 * stage.bandwidth.load)
+    for _ in range(ROUNDS):
+        gap = max(_bound(predictor, stage, bandwidth, gap) for bandwidth in (stage.bandwidth, higher))
+        if not gap * stiffness < float(np.max(np.abs(torque))):
+            return None
+    return gap
+
+
+def effect_of_gap(predictor: Predictor, stage: Stage, bandwidth: Bandwidth, gap: float) -> Array:
+    """(n,) change of the innovations by a gap of this size, rad."""
+    theta = stage.fit.theta.copy()
+    theta[PLACE] = np.log(gap)
+    return predictor.residual(theta, bandwidth) - predictor.residual(stage.fit.theta, bandwidth)
+
+
+def _bound(predictor: Predictor, stage: Stage, bandwidth: Bandwidth, gap: float) -> float:
+    """The bound, rad, by the effect of a gap of this size."""
+    from scipy.stats import t
+
+    residual = predictor.residual(stage.fit.theta, bandwidth)
+    jacobian = predictor.jacobian(stage.fit.theta, bandwidth, stage.free, residual)
+    effect = effect_of_gap(predictor, stage, bandwidth, gap)
+    blocks = Blocks.of(np.vstack([jacobian, effect]), residual)
+    deviation = float(np.sqrt(covariance(blocks.influences)[-1, -1]))
+    factor = float(t.ppf(0.95, BLOCKS - 1))
+    return gap * (max(float(blocks.step[-1]), 0.0) + factor * deviation)
