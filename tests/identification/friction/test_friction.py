@@ -14,6 +14,7 @@ from lostmotion.errors import InvalidInput
 from lostmotion.identification import (
     FrictionFit,
     breakaway,
+    evaluate,
     friction_ladder,
     output_error_fit,
     rigid_drive,
@@ -219,6 +220,24 @@ def test_refined_values_are_those_that_made_the_motion() -> None:
     assert refined.values["inertia"] == pytest.approx(INERTIA, rel=1e-4)
     assert refined.values["coulomb_plus"] == pytest.approx(2.4, rel=1e-4)
     assert np.abs(run["angle_motor"] - recording["angle_motor"]).max() < 1e-4
+
+
+@pytest.mark.parametrize("asymmetric", [False, True])
+def test_a_fit_is_tried_on_another_recording(asymmetric: bool) -> None:
+    """The relative error on its own recording is the fit's; on another it is as large; with a wrong mass it is not."""
+    time = DT * np.arange(10_000)
+    drive = made(coulomb=(2.2, 1.8) if asymmetric else (2.0, 2.0))
+    motions = [turned(drive, 14.0 * np.sin(w * time), seed, speed_noise=0.0) for w, seed in ((6.0, 1), (9.0, 2))]
+    found = rigid_drive(motions[0], asymmetric=asymmetric)
+    own, other = (evaluate(found, motion) for motion in motions)
+    assert own.relative_error == pytest.approx(found.relative_error, rel=1e-9)
+    assert own.fitted == pytest.approx(found.fitted)
+    assert other.values == found.values
+    assert other.relative_error < 1.5 * found.relative_error
+    heavy = drive_of({**{n: v for n, v in found.values.items() if v is not None}, "inertia": 1.2 * INERTIA})
+    assert evaluate(heavy, motions[1]).relative_error > 2.0 * other.relative_error
+    with pytest.raises(InvalidInput, match="no inertia"):
+        evaluate(drive_of({"coulomb": 1.0}), motions[0])
 
 
 def test_short_motions_are_refused() -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...drivetrain import Drivetrain
 from ..statistics.block_covariance import Blocks, covariance, excess, growth, shift, student_factor
 from ..statistics.levenberg_marquardt import Fit, sum_of_squares
-from .absent_gap import PLACE, effect_of_gap, gap_bound, without_gap
+from .absent_gap import JOINED, PLACE, effect_of_gap, gap_bound, without_gap
 from .bootstrap import Replica, replicas
 from .gain_schedule import Box, Stage, fit
 from .innovations import NAMES, Bandwidth, Predictor, to_theta
@@ -24,10 +24,6 @@ Array = NDArray[np.float64]
 #: A parameter is not excited if its 95 % interval reaches further than this factor either way (option). A
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
-
-#: Intervals are wider by this where rows had to be joined: the shift by the counts is so large that it is not known
-#: well (calibrated on exact recordings of two masses with 12 and 13 bit, seeds 204 to 209, to contain the truth).
-JOINED = 1.5
 
 #: Innovations of more than this share of the speed's deviation may hide an eigenmode: one at so many times the
 #: torsional frequency is then allowed for (calibrated on the virtual rigs 1 to 12 with 16 bit, where that at seven
