@@ -283,7 +283,7 @@ def repeated(period=2.0, periods=8, noise=1.0, seed=1):
 def test_periods_are_averaged_without_bias():
     """Noise in the input biases H1 at every length; averages over periods have none, and no leakage either."""
     found = frequency_response(repeated(), output="speed_motor", period=2.0)
-    assert found.segments == 7 and found.method == "periods" 
+    assert found.segments == 7 and found.method == "periods"
     assert np.mean(found.band(3.0, 280.0)) > 0.99  # what is not excited is left out
     error = (found.response - truth(found))[found.band(3.0, 280.0)]
     inside = np.mean(np.abs([error.real, error.imag]) < found.margin[found.band(3.0, 280.0)])
@@ -293,7 +293,9 @@ def test_periods_are_averaged_without_bias():
         for how in ({"period": 2.0}, {"segment": 2.0})
     )
     averaged, leaked = (np.median(np.abs(one.response / truth(one) - 1.0)) for one in (exact, windowed))
-    assert averaged < 1e-3 and leaked > 5e-3  # the rest: images of the held torque, which ``truth`` has in part
+    assert (
+        averaged < 1e-3 and leaked > 5e-3
+    )  # the rest: images of the held torque, which ``truth`` has in part
 
 
 def test_a_period_that_does_not_repeat_is_refused():

@@ -227,7 +227,9 @@ def test_a_fit_is_tried_on_another_recording(asymmetric: bool) -> None:
     """The relative error on its own recording is the fit's; on another it is as large; with a wrong mass it is not."""
     time = DT * np.arange(10_000)
     drive = made(coulomb=(2.2, 1.8) if asymmetric else (2.0, 2.0))
-    motions = [turned(drive, 14.0 * np.sin(w * time), seed, speed_noise=0.0) for w, seed in ((6.0, 1), (9.0, 2))]
+    motions = [
+        turned(drive, 14.0 * np.sin(w * time), seed, speed_noise=0.0) for w, seed in ((6.0, 1), (9.0, 2))
+    ]
     found = rigid_drive(motions[0], asymmetric=asymmetric)
     own, other = (evaluate(found, motion) for motion in motions)
     assert own.relative_error == pytest.approx(found.relative_error, rel=1e-9)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from ...errors import InvalidInput
 from .spectra import Complexes, Floats
 
-#: A period may miss a whole number of samples by this part of a sample, over the whole recording (numerics: a line in the
-#: middle of the band then turns by a twentieth of a period).
+#: A period may miss a whole number of samples by this part of a sample, over the whole recording (numerics: a line in
+#: the middle of the band then turns by a fortieth of a period).
 PHASE = 0.1
 #: Lines below this part of the strongest one's amplitude, or so many standard deviations of their own mean, are not
 #: excited (numerics: far above rounding, below what any multisine or PRBS has within its band; by chance one line in

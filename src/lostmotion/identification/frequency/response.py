@@ -179,7 +179,10 @@ def frequency_response(
     dt = recording.dt
     if period is not None and (segment is not None or reference is not None):
         raise InvalidInput(
-            "frequency_response", "a period beside a segment or a reference", "one of them", "Leave the others out."
+            "frequency_response",
+            "a period beside a segment or a reference",
+            "one of them",
+            "Leave the others out.",
         )
     if method not in ("H1", "H2", "Hv"):
         raise InvalidInput("frequency_response: method", repr(method), "'H1', 'H2' or 'Hv'", "Choose one.")

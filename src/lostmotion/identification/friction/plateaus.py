@@ -45,7 +45,9 @@ def of_motion(recording: Recording, speed: str) -> list[tuple[float, float]]:
     total = np.concatenate([[0.0], np.cumsum(w)])
     mean: Floats = (total[width:] - total[:-width]) / width
     before, after = mean[:-width], mean[width:]
-    quiet = np.concatenate([[False], np.abs(after - before) < QUIET * np.abs(0.5 * (before + after)), [False]])
+    quiet = np.concatenate(
+        [[False], np.abs(after - before) < QUIET * np.abs(0.5 * (before + after)), [False]]
+    )
     edges = np.flatnonzero(np.diff(quiet.astype(int)))
     # Row k of the means' comparison lies between rows k and k + 2·width of the recording.
     return [

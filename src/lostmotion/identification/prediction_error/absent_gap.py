@@ -1,18 +1,20 @@
-"""Whether a drivetrain may have no gap at all, and up to which size a gap would not show: "no backlash above ... rad"."""
+"""A drivetrain without a gap, and up to which size one would not show: "no backlash above … rad"."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..statistics.block_covariance import Blocks, covariance, student_factor
-from .gain_schedule import Stage
+from .gain_schedule import Box, Stage, fit
 from .innovations import NAMES, Bandwidth, Predictor
 
 Array = NDArray[np.float64]
 
 PLACE = NAMES.index("backlash")
-#: What a gap is told from.
+#: Without these nothing is known of a gap.
 NEEDED = ("inertia_motor", "inertia_load", "stiffness")
 #: The bound is wider by this where rows had to be joined: the shift by the counts is so large that it is not known
 #: well (calibrated on exact recordings of two masses with 12 and 13 bit, seeds 204 to 209, to contain the truth).
@@ -27,6 +29,16 @@ def without_gap(theta: Array) -> Array:
     theta = theta.copy()
     theta[PLACE] = -np.inf
     return theta
+
+
+def better_without(predictor: Predictor, stage: Stage, box: Box) -> Stage:
+    """The stage, or if its gap is small and the recording is predicted better without one, that without."""
+    drivetrain = predictor.drivetrain(stage.fit.theta)
+    if drivetrain.backlash * drivetrain.stiffness > float(np.std(predictor.torque)):
+        return stage
+    free = [i for i in stage.free if i != PLACE]
+    found = fit(predictor, without_gap(stage.fit.theta), free, box, stage.bandwidth)
+    return replace(stage, fit=found, free=free) if found.cost < stage.fit.cost else stage
 
 
 def gap_bound(predictor: Predictor, stage: Stage) -> float | None:

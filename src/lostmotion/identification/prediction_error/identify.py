@@ -15,6 +15,7 @@ from ...recording import Recording
 from ..statistics.estimates import Source
 from . import initial_values, warnings
 from . import problems as problem
+from .absent_gap import better_without
 from .channel_innovations import ChannelPredictor
 from .contact_switching.agreement import confirmed
 from .contact_switching.likelihood import Candidate
@@ -155,8 +156,9 @@ def identify(
     found = None
     if joint_piece and not wide:
         upper = descent(predictor, theta, free, box, say, fit, gains=2)
-        # The search takes longer than all the rest: only where innovations ask for it.
-        if higher_mode(predictor, upper[-1]) is not None:
+        # The search takes longer than all the rest: only where innovations ask for it, and not for a gap that is not
+        # there.
+        if higher_mode(predictor, better_without(predictor, upper[-1], box)) is not None:
             found = with_joint_piece(predictor, upper, box)
         theta = upper[0].fit.theta
     predictor, stage = found or (predictor, descent(predictor, theta, free, box, _from(0.5, say))[-1])
@@ -172,9 +174,7 @@ def identify(
     judged = second_estimator and not wide
     if judged:
         say(0.9, "comparing with the contact-switching filter")
-        predictor, stage, values, doubts = confirmed(
-            predictor, stage, values, start, fixed, compared
-        )
+        predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed, compared)
     structure = structure_of(predictor, stage, compared, judged, load_torque)
     result = _result(pieces, predictor, stage, values, start, fixed, total, structure)
     if not result.names and warnings.is_too_coarse(result.prediction):

@@ -30,7 +30,7 @@ def structure_of(
     Parameters
     ----------
     compared : sequence of Candidate
-        First that whose values are told, or whose values agree with them; empty where the fit stood at first sight.
+        First that whose values are reported, or agree with them; empty where the fit stood at first sight.
     judged : bool
         Whether the second estimator judged the fit.
     load_torque : bool
@@ -45,7 +45,7 @@ def structure_of(
 
 
 def _of_fit(predictor: Predictor, stage: Stage, load_torque: bool) -> Parts:
-    """The observer of constant gain has friction at the load, and at the motor what the nameplate says."""
+    """The observer of constant gain has friction at the load, and that of the motor as the nameplate gives it."""
     drivetrain = predictor.drivetrain(stage.fit.theta)
     gap = "no gap"
     if drivetrain.backlash > 0.0:

@@ -82,7 +82,8 @@ def ring_down(
     """Fit one damped oscillation to what follows the steps of a signal.
 
     Steps are where the mean changes most; where there is none, the recording may begin inside the decay, and its
-    first row counts as one. Steps of similar size share one frequency f and one damping ratio D, each with its own offset, amplitude and phase::
+    first row counts as one. Steps of similar size share one frequency f and one damping ratio D, each with its own
+    offset, amplitude and phase::
 
         y = c0 + exp(−D·w·t)·(c1 cos(w√(1 − D²)·t) + c2 sin(w√(1 − D²)·t)),     w = 2π·f
 

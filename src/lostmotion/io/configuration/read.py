@@ -19,6 +19,7 @@ from ..recordings.plausibility import check_law, check_nameplate
 from ..recordings.read import read_recording
 from ..storage.toml_files import read_toml
 from ..tables.channels import Channel
+from .methods import METHODS, options
 
 _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
 _ADDRESS = re.compile(r"\w{2,}://", re.ASCII)
@@ -34,13 +35,15 @@ class RecordingSource:
     ----------
     file : Path
         Absolute, or relative to the working folder as the TOML's own path is.
-    use : {"identify", "validate"}
+    use : {"identify", "validate"}, or a test out of ``METHODS``
     time : mapping, str, int or None
         A column, or ``{"sample_time": seconds}``.
     channels : mapping of signal → Channel
     window : (start, stop), s, optional
     resample : float (s), bool or None
     speed_from_counts : bool or None
+    options : mapping
+        Arguments of the test, SI.
     """
 
     file: Path
@@ -50,6 +53,7 @@ class RecordingSource:
     window: tuple[float, float] | None = None
     resample: float | bool | None = None
     speed_from_counts: bool | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     def read(self) -> Recording:
         """The recording in SI; raises ``InputProblems`` with all its errors."""
@@ -65,10 +69,12 @@ class RecordingSource:
 
 @dataclass(frozen=True)
 class IdentifySettings:
-    """``[identify]``: parameters that keep their nameplate value; whether an unknown torque acts on the load."""
+    """``[identify]``: parameters that keep their nameplate value; whether an unknown torque acts on the load; further
+    signals that are used."""
 
     fixed: tuple[str, ...] = ()
     load_torque: bool = False
+    measured: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -144,7 +150,8 @@ def configuration_in(content: dict[str, Any], text: str, path: Path) -> Configur
     for i, source in enumerate(sources):
         try:
             file = file_of(path, source["file"], _place(path, ("recording", i, "file"), lines))
-            recordings.append(RecordingSource(**{**source, "file": file}))
+            given = options(source["use"], source["options"])
+            recordings.append(RecordingSource(**{**source, "file": file, "options": given}))
         except InvalidInput as error:
             problems.append(error.problem)
     if problems:
@@ -161,7 +168,7 @@ def configuration_in(content: dict[str, Any], text: str, path: Path) -> Configur
 
 @checks_arguments
 def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]:
-    """All recordings of a configuration with their use (``identify`` or ``validate``), in its order.
+    """All recordings of a configuration with their use (``identify``, ``validate`` or a test), in its order.
 
     Raises
     ------
@@ -198,7 +205,7 @@ def _with_problems(recording: Recording, *further: Problem) -> Recording:
 def _not_used(source: RecordingSource, sources: Sequence[RecordingSource]) -> list[Problem]:
     """Warnings that a recording is not the first of its use, or is the one that was identified from."""
     found, where = [], str(source.file)
-    if next(one for one in sources if one.use == source.use) is not source:
+    if source.use not in METHODS and next(one for one in sources if one.use == source.use) is not source:
         remedy = "Only the first is used: join the recordings, or run again with another one first."
         got, expected = f"a further recording to {source.use}", f"one recording to {source.use}"
         found.append(Problem.warning(where, got, expected, remedy))
