@@ -202,7 +202,10 @@ def picture(scores: Scores, path: Path) -> None:
             axis.grid(True, which="major", color="#dddddd", linewidth=0.6)
             axis.set_axisbelow(True)
         _coverage(above, values[usable], holds[usable])
-        for hold, colour, text in ((True, "tab:blue", "interval holds"), (False, "tab:red", "interval misses")):
+        for hold, colour, text in (
+            (True, "tab:blue", "interval holds"),
+            (False, "tab:red", "interval misses"),
+        ):
             kept = usable & (holds == hold) & np.isfinite(errors)
             below.plot(
                 values[kept], np.clip(errors[kept], SMALLEST, LARGEST), ".", color=colour, markersize=4,

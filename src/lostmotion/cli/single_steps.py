@@ -84,7 +84,7 @@ def frf(
             file, out, seed, signal_in, signal_out, known_method(method), reference, (low, high), force
         )
     fit = result["two_mass_fit"]
-    if fit is not None:
+    if fit is not None and fit["values"]["pole"] is not None:
         say(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
         say("  If the gap opens during the test, both are too low: see docs/frequency-response.md.")
     finished(result["problems"], out, ".json", ".png")

@@ -11,6 +11,7 @@ from .. import rig
 from ..controllers import pi
 from ..errors import Problem
 from ..io import Configuration, check_recording, load_recordings
+from ..io.recordings.checks import IDENTIFIABLE_ROWS, IDENTIFIABLE_TIME
 from ..recording import Recording
 from .speed_step import PAPER_STEP
 
@@ -125,7 +126,7 @@ def from_recording(recording: Recording, seed: int) -> Material:
 def from_configuration(configuration: Configuration, seed: int | None = None, split: bool = True) -> Material:
     """The user's recordings; raises ``InputProblems`` with all errors of all files.
 
-    With one recording only, its last part is kept for the validation if `split`.
+    With one recording only, its last part is kept for the validation if `split`, and if enough is left.
     """
     loaded = load_recordings(configuration)
     law = configuration.law
@@ -136,7 +137,7 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
     problems = [p for _, recording in loaded for p in recording.meta.get("problems", ())]
     first = {use: next((r for u, r in loaded if u == use), None) for use in ("identify", "validate")}
     identify, validate = first["identify"], first["validate"]
-    if split and identify is not None and validate is None:
+    if split and identify is not None and validate is None and _long_enough(identify):
         cut = identify.time[-1] - VALIDATION_PART * (identify.time[-1] - identify.time[0])
         identify, validate = identify.window(stop=cut), identify.window(start=cut)
     return Material(
@@ -152,6 +153,13 @@ def from_configuration(configuration: Configuration, seed: int | None = None, sp
         problems=tuple(problems),
         inputs=_hashes(configuration),
     )
+
+
+def _long_enough(recording: Recording) -> bool:
+    """Whether what is left without the last part is enough to identify from."""
+    left = 1.0 - VALIDATION_PART
+    rows, time = len(recording), recording.time[-1] - recording.time[0]
+    return bool(left * rows >= IDENTIFIABLE_ROWS + 1 and left * time >= IDENTIFIABLE_TIME)
 
 
 def _hashes(configuration: Configuration) -> dict[str, str]:

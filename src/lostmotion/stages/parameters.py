@@ -85,6 +85,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
     if recording is None:
         return _finished(material.nameplate, table, skipped="no recording with use = 'identify'")
     reason = _reason_against(recording, material.nameplate)
+    refusal: tuple[Problem, ...] = ()
     if not reason:
         try:
             found = identify(
@@ -96,9 +97,10 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
                 progress=progress,
             )
         except InvalidInput as error:
-            reason = str(error)
+            reason, refusal = str(error), (replace(error.problem, severity="warning"),)
     if reason:
-        return _of_the_shaft(material, recording, table, reason)
+        made = _of_the_shaft(material, recording, table, reason)
+        return replace(made, problems=(*refusal, *made.problems))
     made = _finished(
         material.nameplate,
         table | found.table(),

@@ -305,3 +305,16 @@ def test_a_period_that_does_not_repeat_is_refused():
         frequency_response(repeated(), period=6.0)
     with pytest.raises(InvalidInput, match="beside a segment"):
         frequency_response(repeated(), period=2.0, segment=1.0)
+
+
+def test_a_rigid_drive_has_no_stiffness():
+    """Nothing of a mode outside the band is identified: it was a stiffness of 2e-12 Nm/rad ± 0.01 %."""
+    rigid = lm.Drivetrain(inertias=(0.1292,), frictions=(lm.Friction(viscous=0.0175),))
+    torque = lm.signals.noise(1.0, 200.0, 5.0, 20.0, 1e-3, seed=1)
+    run = lm.simulate(rigid, torque_motor=torque, dt=1e-3)
+    response = frequency_response(run, output="speed_motor", segment=2.0)
+    found = two_mass_fit(response, band=(2.0, 180.0))
+    assert {found.values[name] for name in ("stiffness", "inertia_load", "damping", "zero", "pole")} == {None}
+    low, high = found.intervals["inertia_total"]
+    assert low <= 0.1292 <= high
+    assert any("not identified" in problem.remedy for problem in found.problems)

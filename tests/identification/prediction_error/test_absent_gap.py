@@ -36,7 +36,9 @@ def test_a_gap_on_the_nameplate_that_is_not_there_costs_nothing(nameplate: float
     assert found.values["backlash"] is None and found.drivetrain.backlash == 0.0
     low, high = found.intervals["backlash"]
     assert low == 0.0 and 0.0 < high < COUNT
-    assert [p.got for p in found.problems if p.where == "backlash"] == [f"no backlash above {high:.2g} rad (95 %)"]
+    assert [p.got for p in found.problems if p.where == "backlash"] == [
+        f"no backlash above {high:.2g} rad (95 %)"
+    ]
     assert found.structure.parts == ("two masses", "no gap", "friction at the load")
     assert "no gap" in found.summary()
 

@@ -15,7 +15,13 @@ from lostmotion.identification.prediction_error.result import Structure
 from lostmotion.identification.prediction_error.structure import parts_of
 
 PLANT = lm.Drivetrain.two_mass(
-    inertia_motor=0.02, inertia_load=0.1, stiffness=6000.0, damping=0.4, backlash=0.012, coulomb=2.0, viscous=0.02
+    inertia_motor=0.02,
+    inertia_load=0.1,
+    stiffness=6000.0,
+    damping=0.4,
+    backlash=0.012,
+    coulomb=2.0,
+    viscous=0.02,
 )
 
 
@@ -38,7 +44,10 @@ def test_parts_of_a_model(flt: ContactFilter):
     assert "friction that differs by direction" in parts_of(candidate(flt, asymmetry=0.3))
     assert "friction that differs by direction" not in parts_of(candidate(flt, asymmetry_motor=0.3))
     assert "a constant load torque" in parts_of(candidate(flt, load_torque=-1.0))
-    assert parts_of(candidate(flt, share=0.1, compliance=0.3))[0] == "three masses, 10 % of the motor's on the shaft"
+    assert (
+        parts_of(candidate(flt, share=0.1, compliance=0.3))[0]
+        == "three masses, 10 % of the motor's on the shaft"
+    )
     rigid = parts_of(candidate(flt, "rigid", backlash=0.0, coulomb_motor=1.0, coulomb=0.0))
     assert rigid == ("one rigid mass", "friction at the motor")
     other = replace(candidate(flt), flt=replace(flt, law="dead_zone", ramp=True))
