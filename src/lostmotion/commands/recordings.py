@@ -89,4 +89,4 @@ def read_drive(path: Path) -> DriveFile:
 
 def recordings_of(configuration: Configuration | None) -> tuple[Path, ...]:
     """The files of the recordings that a TOML names; none without one."""
-    return () if configuration is None else tuple(Path(one.file) for one in configuration.recordings)
+    return () if configuration is None else tuple(f for one in configuration.recordings for f in one.files)

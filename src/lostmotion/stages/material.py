@@ -166,7 +166,7 @@ def _hashes(configuration: Configuration) -> dict[str, str]:
     """SHA-256 of the TOML and of every recording, by its path relative to the TOML."""
     home = configuration.path.parent
     files = {configuration.path.name: configuration.path}
-    for source in configuration.recordings:
-        inside = source.file.is_relative_to(home)
-        files[source.file.relative_to(home).as_posix() if inside else str(source.file)] = source.file
+    for file in (file for source in configuration.recordings for file in source.files):
+        inside = file.is_relative_to(home)
+        files[file.relative_to(home).as_posix() if inside else str(file)] = file
     return {name: hashlib.sha256(file.read_bytes()).hexdigest() for name, file in files.items()}

@@ -48,6 +48,20 @@ class NameplateModel(_Model):
     lag: Annotated[float | None, value.parameter("lag", "first-order lag behind the set-point")] = None
 
 
+class FurtherModel(_Model):
+    """A further file of a recording, with a clock of its own."""
+
+    file: Annotated[str, Field(strict=True, min_length=1, description="relative to the TOML, or absolute")]
+    time: Annotated[Any, value.TIME, Field(description="as in the recording")] = None
+    channels: Annotated[dict[str, Channel], value.CHANNELS, Field(description="as in the recording")] = {}
+    by: Annotated[
+        str | None, Field(strict=True, description="signal that both files have, by which they are aligned")
+    ] = None
+    delay: Annotated[
+        float | None, value.DELAY, Field(description="by how much this file's clock is ahead, s")
+    ] = None
+
+
 class RecordingModel(_Model):
     """One recording: where it lies, what it is for, which column is what."""
 
@@ -81,6 +95,11 @@ class RecordingModel(_Model):
     speed_from_counts: Annotated[
         bool | None, Field(strict=True, description="whether the motor speed is a mean over the last sample")
     ] = None
+
+    further: Annotated[
+        tuple[FurtherModel, ...],
+        Field(description="further files with more signals, on the raster of this one"),
+    ] = ()
 
     @model_validator(mode="after")
     def _known_options(self) -> RecordingModel:

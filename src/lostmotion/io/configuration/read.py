@@ -14,6 +14,7 @@ from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
+from ..recordings.alignment import aligned
 from ..recordings.checks import check_identifiable
 from ..recordings.plausibility import check_law, check_nameplate
 from ..recordings.read import read_recording
@@ -25,6 +26,17 @@ _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
 _ADDRESS = re.compile(r"\w{2,}://", re.ASCII)
 _TABLE = re.compile(r"\s*\[(\[?)\s*([\w.\-\"]+)\s*\]")
 _KEY = re.compile(r"\s*([\w.\-\"]+)\s*=")
+
+
+@dataclass(frozen=True)
+class FurtherSource:
+    """A further file of a recording: the arguments of ``read_recording`` and ``aligned``."""
+
+    file: Path
+    time: Any = None
+    channels: Mapping[str, Channel] = field(default_factory=dict)
+    by: str | None = None
+    delay: float | None = None
 
 
 @dataclass(frozen=True)
@@ -44,6 +56,8 @@ class RecordingSource:
     speed_from_counts : bool or None
     options : mapping
         Arguments of the test, SI.
+    further : tuple of FurtherSource
+        Files with more signals.
     """
 
     file: Path
@@ -54,10 +68,16 @@ class RecordingSource:
     resample: float | bool | None = None
     speed_from_counts: bool | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
+    further: tuple[FurtherSource, ...] = ()
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All files of the recording."""
+        return (self.file, *(one.file for one in self.further))
 
     def read(self) -> Recording:
         """The recording in SI; raises ``InputProblems`` with all its errors."""
-        return read_recording(
+        recording = read_recording(
             self.file,
             time=self.time,
             channels=self.channels or None,
@@ -65,6 +85,13 @@ class RecordingSource:
             resample=self.resample,
             speed_from_counts=self.speed_from_counts,
         )
+        for one in self.further:
+            other = read_recording(one.file, time=one.time, channels=one.channels or None)
+            try:
+                recording = aligned(recording, other, by=one.by, delay=one.delay)
+            except InvalidInput as error:
+                raise InputProblems([replace(error.problem, where=str(one.file))]) from None
+        return recording
 
 
 @dataclass(frozen=True)
@@ -151,7 +178,15 @@ def configuration_in(content: dict[str, Any], text: str, path: Path) -> Configur
         try:
             file = file_of(path, source["file"], _place(path, ("recording", i, "file"), lines))
             given = options(source["use"], source["options"])
-            recordings.append(RecordingSource(**{**source, "file": file, "options": given}))
+            further = tuple(
+                FurtherSource(
+                    file_of(path, one.file, _place(path, ("recording", i, "further", j, "file"), lines)),
+                    one.time, one.channels, one.by, one.delay,
+                )
+                for j, one in enumerate(source["further"])
+            )  # fmt: skip
+            made = {**source, "file": file, "options": given, "further": further}
+            recordings.append(RecordingSource(**made))
         except InvalidInput as error:
             problems.append(error.problem)
     if problems:
@@ -274,7 +309,7 @@ def _lines_of_keys(text: str) -> dict[tuple[str | int, ...], int]:
     for number, line in enumerate(text.splitlines(), 1):
         if match := _TABLE.match(line):
             names = match[2].replace('"', "").split(".")
-            if match[1]:
+            if match[1] and len(names) == 1:
                 counts[names[0]] = counts.get(names[0], -1) + 1
             table = (names[0], counts[names[0]], *names[1:]) if names[0] in counts else tuple(names)
         elif match := _KEY.match(line):
