@@ -49,7 +49,18 @@ def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(searc
 
 
 def test_a_place_is_believed_where_other_starts_lead_there(search: Search, best: Candidate):
-    estimate = told(best, [best], search.box, ())
+    estimate = told(best, [best], np.zeros(len(TOLD)), search.box, ())
     again = [replace(best, start=name) for name in ("grid 1", "grid 2")]
-    assert search._found_again(estimate, best, [best, *again])
-    assert not search._found_again(estimate, best, [best, best, best])
+    confirmed = search._found_again(estimate, best, [best, *again])
+    assert confirmed is not None and confirmed.half == pytest.approx(estimate.half)
+    assert search._found_again(estimate, best, [best, best, best]) is None
+
+
+def test_a_backlash_that_other_starts_do_not_find_is_not_told(search: Search, best: Candidate):
+    estimate = told(best, [best], np.zeros(len(TOLD)), search.box, ())
+    theta = best.theta.copy()
+    theta[INDEX["backlash"]] += 0.5
+    elsewhere = [replace(best, start=name, theta=theta) for name in ("grid 1", "grid 2")]
+    confirmed = search._found_again(estimate, best, [best, *elsewhere])
+    assert confirmed is not None
+    assert {name for name, half in zip(TOLD, confirmed.half, strict=True) if np.isinf(half)} == {"backlash"}

@@ -10,12 +10,16 @@ import pytest
 from lostmotion.identification.prediction_error.contact_switching.estimate import (
     COHERENT,
     CORE,
+    DISAGREEMENT,
     TOLD,
     distance,
     told,
 )
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+
+#: All fits of the model agree.
+NOTHING = np.zeros(len(TOLD))
 
 
 @pytest.fixture
@@ -44,13 +48,13 @@ def test_a_value_that_only_one_has_is_infinitely_far(best: Candidate):
 
 
 def test_the_truth_is_told_with_narrow_intervals(best: Candidate):
-    found = told(best, [best], box(best), ())
+    found = told(best, [best], NOTHING, box(best), ())
     assert np.all(found.half[CORE] < 0.1)
 
 
 def test_what_is_left_unexplained_widens_all(best: Candidate):
-    plain, cost = told(best, [best], box(best), ()), 0.5
-    poor = told(replace(best, cost=cost), [best], box(best), ())
+    plain, cost = told(best, [best], NOTHING, box(best), ()), 0.5
+    poor = told(replace(best, cost=cost), [best], NOTHING, box(best), ())
     growth = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * cost)))
     before = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost))))
     assert poor.half[:3] / plain.half[:3] == pytest.approx(growth / before)
@@ -59,19 +63,34 @@ def test_what_is_left_unexplained_widens_all(best: Candidate):
 def test_what_predicts_as_well_belongs_to_the_interval(best: Candidate):
     theta = best.theta.copy()
     theta[INDEX["stiffness"]] += 0.3
-    found = told(best, [best, replace(best, theta=theta)], box(best), ())
+    found = told(best, [best, replace(best, theta=theta)], NOTHING, box(best), ())
     assert found.half[TOLD.index("stiffness")] >= 0.3
+
+
+def test_what_other_fits_disagree_about_belongs_to_the_interval(best: Candidate):
+    apart = np.where(np.array(TOLD) == "stiffness", 0.1, 0.0)
+    plain = told(best, [best], NOTHING, box(best), ())
+    found = told(best, [best], apart, box(best), ())
+    expected = np.hypot(plain.half, DISAGREEMENT * apart)
+    assert found.half == pytest.approx(expected)
+
+
+def test_a_torque_from_row_to_row_leaves_half_a_row_of_lag_open(best: Candidate):
+    ramp = told(replace(best, flt=replace(best.flt, ramp=True)), [best], NOTHING, box(best), ())
+    dt, lag = best.flt.dt, np.exp(ramp.theta[-1]) - best.flt.dt
+    assert np.exp(ramp.theta[-1] - ramp.half[-1]) - dt < lag - 0.5 * dt
+    assert told(best, [best], NOTHING, box(best), ()).half[-1] < 0.5 * ramp.half[-1]
 
 
 def test_what_is_fixed_or_at_a_bound_is_not_told(best: Candidate):
     bounds = box(best)
     bounds.upper[INDEX["inertia_motor"]] = best.theta[INDEX["inertia_motor"]]
-    found = told(best, [best], bounds, ("coulomb",))
+    found = told(best, [best], NOTHING, bounds, ("coulomb",))
     assert np.isinf(found.half[[TOLD.index("coulomb"), TOLD.index("inertia_motor")]]).all()
 
 
 def test_a_third_inertia_leaves_damping_and_lag_open(best: Candidate):
     theta = best.theta.copy()
     theta[[INDEX["share"], INDEX["compliance"]]] = np.log([0.2, 0.1])
-    found = told(replace(best, theta=theta), [best], box(best), ())
+    found = told(replace(best, theta=theta), [best], NOTHING, box(best), ())
     assert found.half[TOLD.index("damping")] >= 0.5

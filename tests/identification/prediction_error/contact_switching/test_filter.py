@@ -32,6 +32,29 @@ def test_wrong_parameters_cost_more(flt: ContactFilter, values: dict[str, float]
         assert flt.run(flt.theta(values | {name: factor * values[name]})).cost > own + 1e-3
 
 
+def test_a_total_inertia_beyond_that_of_the_slow_motion_costs_more(
+    flt: ContactFilter, values: dict[str, float]
+):
+    theta, free = flt.theta(values), [INDEX["inertia_motor"], INDEX["stiffness"], INDEX["inertia_load"]]
+    own, total = flt.run(theta, free), values["inertia_motor"] + values["inertia_load"]
+    within = replace(flt, inertia=(1.05 * total, 0.1)).run(theta, free)
+    assert within.cost == own.cost and within.weighted.size == flt.rows
+    # Two half widths away: one beyond.
+    beyond = replace(flt, inertia=(np.exp(-0.2) * total, 0.1))
+    run = beyond.run(theta, free)
+    assert run.cost - own.cost == pytest.approx(0.5 * np.log(2.0))
+    step = 1e-6
+    for place, slope in zip(free, run.jacobian[:, -1], strict=True):
+        moved = theta.copy()
+        moved[place] += step
+        weights = [
+            one.weighted[-1] / np.sqrt(np.mean(one.weighted[:-1] ** 2)) for one in (beyond.run(moved), run)
+        ]
+        assert (weights[0] - weights[1]) / step == pytest.approx(
+            slope / np.sqrt(np.mean(run.weighted[:-1] ** 2)), rel=1e-3, abs=1e-4
+        )
+
+
 def test_costs_under_different_noise_levels_compare(flt: ContactFilter, values: dict[str, float]):
     """A filter that counts on ten times the noise predicts no better: its cost says so, by a likelihood."""
     theta = flt.theta(values)

@@ -65,10 +65,12 @@ def confirmed(
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
     # Where the recording is explained, whatever predicts alike may be right as well.
     others = [*better, *(one for one in rivals if explained and alike(one, best))]
-    if (better or not stage.free) and (found := search.estimate(rivals)) is not None:
+    excess = 0.0 if explained else fit.excess(flt)
+    doubtful = bool(better) or not stage.free or excess > UNEXPLAINED or fit.contradicted_by(others)
+    if doubtful and (found := search.estimate(rivals)) is not None:
         compared.insert(0, found.best)
         return fit.replaced_by(found)
-    if not explained and (excess := fit.excess(flt)) > UNEXPLAINED:
+    if excess > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
     if not stage.free:
         return fit.stays()

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
 from . import grid
-from .estimate import CORE, Estimate, distance, told
+from .estimate import BACKLASH, CORE, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
+from .refits import disagreement
+from .slow_motion import SlowMotion
 from .starts import free_places, rigid_start, starts, with_values
 
 Array = NDArray[np.float64]
@@ -95,6 +97,8 @@ class Search:
         fixed: Collection[str],
         piece: tuple[float, float] | None,
     ) -> Search:
+        slow = SlowMotion.of(flt, start)
+        flt = replace(flt, inertia=(slow.inertia, slow.half))
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
         rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
@@ -181,25 +185,41 @@ class Search:
         if not np.isfinite(others[0].cost):
             return None
         finished = _finished(others, self.flt.liveliest(ROWS), self.piece, self.box)
-        estimate = told(finished[0], [*plausible(finished), *others], self.box, self.fixed)
-        return estimate if self._found_again(estimate, others[0], found) else None
+        best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
+        apart = disagreement(best, under_laws, self.box)
+        estimate = told(best, [*plausible(finished), *others], apart, self.box, self.fixed)
+        return self._found_again(estimate, others[0], found)
 
-    def _found_again(self, estimate: Estimate, best: Candidate, found: Sequence[Candidate]) -> bool:
-        """Whether so many other starts lead to the estimate; half way from the nameplate is one more."""
+    def _found_again(
+        self, estimate: Estimate, best: Candidate, found: Sequence[Candidate]
+    ) -> Estimate | None:
+        """The estimate where so many other starts lead there; half way from the nameplate is one more.
+
+        They have to agree on inertias and stiffness; on the backlash as well for that to be told.
+        """
         core = [i for i in CORE if np.isfinite(estimate.half[i])]
-
-        def same(one: Candidate) -> bool:
-            away = distance(one, estimate.best)
-            return bool(np.all(away[core] < np.maximum(AGAIN, estimate.half[core])))
-
         if not core:
-            return False
-        others = {one.start for one in found if one.start != best.start and same(one)}
-        if len(others) == OTHERS - 1:
+            return None
+
+        def same(one: Candidate, places: Sequence[int]) -> bool:
+            return bool(np.all(distance(one, best)[places] < AGAIN))
+
+        def starts(places: Sequence[int]) -> set[str]:
+            return {one.start for one in found if one.start != best.start and same(one, places)}
+
+        shaft = [i for i in core if i != BACKLASH] or core
+        others, all_of_it = starts(shaft), starts(core)
+        if len(all_of_it) == OTHERS - 1:
             theta = 0.5 * (self.begun["nameplate"] + best.theta)
             again = descend("half way", best.over(self.part), theta, best.free, self.box)
-            return same(polish(again, again.flt, self.box))
-        return len(others) >= OTHERS
+            again = polish(again, again.flt, self.box)
+            others |= {again.start} if same(again, shaft) else set()
+            all_of_it |= {again.start} if same(again, core) else set()
+        if len(others) < OTHERS:
+            return None
+        half = estimate.half.copy()
+        half[BACKLASH] = half[BACKLASH] if len(all_of_it) >= OTHERS else np.inf
+        return replace(estimate, half=half)
 
 
 def _finished(

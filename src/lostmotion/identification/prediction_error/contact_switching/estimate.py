@@ -19,12 +19,13 @@ from .starts import lag, told_vector
 
 Array = NDArray[np.float64]
 
-#: What the model leaves unexplained is no noise: it may push a value one way in all rows. Part of it that does so
-#: (calibrated on development drives 0 to 139 and calibration drives 10050 to 10103, 2026-11-22, see
-#: docs/benchmarks/zoo.md: 95 % of 121 errors need 0.026 at most; twice that leaves room for drives unlike them).
-COHERENT = 0.05
+#: What the model leaves unexplained is no noise: it may push a value one way in all rows. Part of it that does so, and
+#: by how much a value is wrong of which other fits of the same recording differ (calibrated on development drives 140
+#: to 270, 2026-11-23, see docs/benchmarks/zoo.md).
+COHERENT, DISAGREEMENT = 0.02, 2.0
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
+BACKLASH = TOLD.index("backlash")
 #: A value is told if a cost this factor away would be clearly higher (numerics, as ``identifiability.NOT_EXCITED``).
 NOT_EXCITED = 3.0
 
@@ -46,26 +47,39 @@ def distance(one: Candidate, other: Candidate) -> Array:
         return np.where(a == b, 0.0, np.abs(a - b))
 
 
-def told(best: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]) -> Estimate:
-    """Values of the best candidate; half widths from the sandwich covariance, and where plausible ones disagree."""
-    run = best.flt.run(best.theta, best.free)
+def scatter(candidate: Candidate) -> tuple[Array, Array]:
+    """Covariance (8, 8) of the told parameters by chance, and their standard errors (8,); infinite: not excited."""
+    run = candidate.flt.run(candidate.theta, candidate.free)
     if not np.all(np.isfinite(run.jacobian)):  # numbers that grow without bound tell nothing
-        nothing = np.full(len(TOLD), np.inf)
-        return Estimate(told_vector(best), nothing, np.zeros((len(TOLD), len(TOLD))), best)
-    gather = _gather(best)
+        return np.zeros((len(TOLD), len(TOLD))), np.full(len(TOLD), np.inf)
+    gather = _gather(candidate)
     white = inverse_hessian(run.jacobian) * np.mean(run.weighted**2)
     coloured = sandwich(run.jacobian, run.weighted)
     with np.errstate(invalid="ignore"):  # an infinite variance: not excited
-        covariance = (
-            gather @ np.where(np.diag(coloured).sum() > np.diag(white).sum(), coloured, white) @ gather.T
-        )
-        spread = np.maximum(np.diag(gather @ white @ gather.T), np.diag(gather @ coloured @ gather.T))
+        larger = coloured if np.diag(coloured).sum() > np.diag(white).sum() else white
+        variances = [np.diag(gather @ each @ gather.T) for each in (white, coloured)]
+        return gather @ larger @ gather.T, np.sqrt(np.maximum(*variances))
+
+
+def told(
+    best: Candidate, others: Sequence[Candidate], disagreement: Array, box: Box, fixed: Collection[str]
+) -> Estimate:
+    """Values of the best candidate; half widths from its standard errors and from where others disagree.
+
+    ``others`` predict as well, so that any of them may be right; ``disagreement`` (8,) is that of other fits of the
+    same model, see ``refits``.
+    """
+    covariance, error = scatter(best)
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
+    if (
+        best.flt.ramp
+    ):  # a smooth torque that is held acts as one that goes straight from row to row half a row later
+        apart[-1] = max(apart[-1], np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt)))
     # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
     unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
-    half = np.hypot(student_factor(1) * np.sqrt(spread), apart) * np.hypot(1.0, COHERENT * unexplained)
-    half = np.hypot(half, _allowance(best))
+    half = np.hypot(student_factor(1) * error, apart) * np.hypot(1.0, COHERENT * unexplained)
+    half = np.hypot(np.hypot(half, DISAGREEMENT * disagreement), _allowance(best))
     for i, name in enumerate(TOLD):
         place = INDEX[name]
         held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9

@@ -80,6 +80,8 @@ class ContactFilter:
     law : str
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
+    inertia : (float, float)
+        Total inertia (kg m²) that the slow motion tells, and the half width of its logarithm; infinite: any.
     """
 
     torque: Array
@@ -92,6 +94,7 @@ class ContactFilter:
     bounds: tuple[int, ...]
     law: str = "viscoelastic"
     ramp: bool = False
+    inertia: tuple[float, float] = (1.0, np.inf)
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -169,9 +172,30 @@ class ContactFilter:
             weighted = residuals[:, 0] * scale
             size = np.mean(weighted**2)
             rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variances[:, 0]))
-            rows += np.log(self.level / self.floor)
+            beyond, slope = self._beyond_slow_motion(q[INDEX["inertia_motor"]], q[INDEX["inertia_load"]])
+            rows += np.log(self.level / self.floor) + 0.5 * np.log1p(beyond**2)
         cost = float(np.mean(rows))
-        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian[:, :, 0] * scale, rows)
+        jacobian = jacobian[:, :, 0] * scale
+        if beyond:
+            weight = np.sqrt(n * size)
+            weighted = np.append(weighted, weight * beyond)
+            last = weight * np.array([slope.get(NAMES[place], 0.0) for place in free])
+            jacobian = np.column_stack([jacobian, last])
+        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian, rows)
+
+    def _beyond_slow_motion(self, motor: float, load: float) -> tuple[float, dict[str, float]]:
+        """How far the total inertia is beyond what the slow motion tells, in half widths, and its derivatives.
+
+        An unknown load torque may stand for inertia in one-step predictions; in the slow motion it does not. One
+        half width beyond weighs as much as all innovations together.
+        """
+        total, half = motor + load, self.inertia[1]
+        with np.errstate(all="ignore"):
+            away = float(np.log(total / self.inertia[0]))
+        if not abs(away) > half:
+            return 0.0, {}
+        slope = {"inertia_motor": motor / total / half, "inertia_load": load / total / half}
+        return (away - np.copysign(half, away)) / half, slope
 
     @property
     def speed_deviation(self) -> float:

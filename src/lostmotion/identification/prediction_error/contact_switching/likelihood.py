@@ -108,6 +108,7 @@ def _best_step(
     best: tuple[Array, float, float] | None = None
     for leverage in order:
         weight = _weights(run.jacobian, leverage)
+        weight[flt.rows :] = 1.0  # what the slow motion tells is no row of an impact
         hessian, gradient = normal_equations(run.jacobian * np.sqrt(weight), run.weighted * np.sqrt(weight))
         for attempt in range(TRIES):
             trial = theta.copy()

@@ -62,6 +62,11 @@ class Fit:
         """Which of the identified values are inertias, stiffness and backlash."""
         return np.isin(self.stage.free, CORE)
 
+    def contradicted_by(self, found: Sequence[Candidate]) -> bool:
+        """Whether inertias, stiffness or backlash of candidates are too far away for one interval."""
+        shift = self.shift(found)
+        return bool(np.any(np.hypot(self.told.half, shift)[(shift > 0.0) & self.core] > APART))
+
     def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
         """With intervals that contain the candidates' values as well; nothing if they are too far apart.
 
@@ -73,7 +78,7 @@ class Fit:
         wider = shift > 0.0
         if not np.any(wider):
             return self.stays()
-        if np.any(half[wider & self.core] > APART):
+        if self.contradicted_by(found):
             return self.nothing(problem.contradicted())
         lost = (half > np.log(NOT_EXCITED)) | (~self.core & (not explained))
         names = [NAMES[i] for i, doubtful in zip(self.stage.free, wider | lost, strict=True) if doubtful]

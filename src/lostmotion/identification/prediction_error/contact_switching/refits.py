@@ -1,0 +1,43 @@
+"""Whether a fit comes out again: from other rows, with more noise, and under another law of the contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...statistics.block_covariance import student_factor
+from .estimate import distance, scatter
+from .likelihood import Box, Candidate, polish, side_by_side
+
+Array = NDArray[np.float64]
+
+#: Noise level over the sensor's: the filter follows the measured speed less, and foretells it over a longer time.
+#: (Numerics: the next level that a descent comes through is five times higher.)
+MORE_NOISE = 3.0
+
+
+def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> Array:
+    """(8,) largest distance of other fits from the best, in the logarithm.
+
+    Where the model is right, each half of the rows tells the same but for chance, and so does a filter that counts on
+    more noise. Where it is not, the values make up for what it lacks, and by how much depends on the rows and on how
+    far ahead the filter looks. A law of the contact is known no better than the recording is explained.
+    """
+    half = best.flt.rows // 2
+    parts = [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
+    parts.append(replace(best.flt, level=MORE_NOISE * best.flt.level))
+    *halves, noisy = side_by_side(lambda flt: polish(best, flt, box), parts)
+    shifts = [distance(noisy, best), *(_beyond_chance(one, best) for one in halves)]
+    unexplained = max(best.cost, 0.0)
+    shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]
+    return np.asarray(np.max(shifts, axis=0))
+
+
+def _beyond_chance(part: Candidate, best: Candidate) -> Array:
+    """(8,) distance of a fit of some rows from that of all, less what their noise makes of it."""
+    away, chance = distance(part, best), student_factor(1) * scatter(part)[1]
+    with np.errstate(invalid="ignore"):
+        return np.where(away > chance, np.sqrt(away**2 - chance**2), 0.0)

@@ -1,0 +1,43 @@
+"""Other fits of the same model: they agree where it is right, and show where it is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lostmotion.identification.prediction_error.contact_switching.estimate import CORE, TOLD
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.refits import disagreement
+
+
+def fitted(flt: ContactFilter, values: dict[str, float]) -> tuple[Candidate, Box]:
+    theta = flt.theta(values)
+    box = Box.around(flt, theta, 10.0)
+    return polish(Candidate("truth", theta, 0.0, flt, sorted(INDEX[name] for name in TOLD)), flt, box), box
+
+
+def test_where_the_model_is_right_the_other_fits_agree(flt: ContactFilter, values: dict[str, float]):
+    best, box = fitted(flt.liveliest(4000), values)
+    assert np.max(disagreement(best, [], box)[CORE]) < 0.01
+
+
+def test_a_torque_that_is_wrong_in_one_half_shows(flt: ContactFilter, values: dict[str, float]):
+    part = flt.liveliest(4000)
+    factor = np.where(np.arange(part.rows) < part.rows // 2, 1.2, 1.0)
+    best, box = fitted(replace(part, torque=factor * part.torque), values)
+    apart = disagreement(best, [], box)
+    assert apart[TOLD.index("stiffness")] > 0.03
+
+
+def test_a_law_counts_as_far_as_the_recording_is_not_explained(flt: ContactFilter, values: dict[str, float]):
+    best, box = fitted(flt.liveliest(4000), values)
+    best = replace(best, cost=0.5)
+    theta = best.theta.copy()
+    theta[INDEX["backlash"]] += 0.2
+    near, far = (replace(best, theta=theta, cost=cost) for cost in (0.9, 1.1))
+    place = TOLD.index("backlash")
+    assert disagreement(best, [near], box)[place] == pytest.approx(0.2)
+    assert disagreement(best, [far], box)[place] < 0.01
