@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from ...drivetrain import Drivetrain
 from ..statistics.block_covariance import Blocks, covariance, excess, growth, shift, student_factor
 from ..statistics.levenberg_marquardt import Fit, sum_of_squares
-from .absent_gap import JOINED, PLACE, effect_of_gap, gap_bound, without_gap
 from .bootstrap import Replica, replicas
 from .gain_schedule import Box, Stage, fit
+from .gap.absent_gap import JOINED, PLACE, effect_of_gap, gap_bound, without_gap
 from .innovations import NAMES, Bandwidth, Predictor, to_theta
 from .model_error import model_allowance, unmodelled_mode
 from .warnings import too_coarse

@@ -15,18 +15,18 @@ from ...recording import Recording
 from ..statistics.estimates import Source
 from . import initial_values, warnings
 from . import problems as problem
-from .absent_gap import better_without
 from .channel_innovations import ChannelPredictor
 from .contact_switching.agreement import confirmed
 from .contact_switching.likelihood import Candidate
+from .contact_switching.structure import structure_of
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descent, fit
+from .gap.absent_gap import better_without
 from .identifiability import Told, higher_mode, told
 from .innovations import NAMES, Predictor, from_theta
 from .intermediate_inertia import with_joint_piece
 from .noise_levels import refine
 from .result import Identification, Prediction, Structure
 from .segments import Pieces, join
-from .structure import structure_of
 
 Array = NDArray[np.float64]
 

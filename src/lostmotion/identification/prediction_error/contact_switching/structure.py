@@ -6,17 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .contact_switching.filter import NAMES
-from .contact_switching.likelihood import Candidate
-from .contact_switching.likelihood_ratio import alike
-from .gain_schedule import Stage
-from .innovations import NAMES as TOLD
-from .innovations import Predictor
-from .result import Structure
+from ..gain_schedule import Stage
+from ..innovations import NAMES as TOLD
+from ..innovations import Predictor
+from ..result import Structure
+from .filter import NAMES
+from .likelihood import Candidate
+from .likelihood_ratio import alike
 
 #: Shares of all Coulomb friction below which one end has none, and below which it is the same in both directions; of
 #: the torque's deviation from which a load torque counts; of the wind-up at that deviation from which a gap does
-#: (option: what nobody would name).
+#: (option: too little to be named).
 ONE_END, SYMMETRIC, LOAD, GAP = 0.05, 0.05, 0.02, 0.01
 
 Parts = tuple[str, ...]

@@ -10,9 +10,9 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
+from lostmotion.identification.prediction_error.contact_switching.structure import parts_of
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.identification.prediction_error.result import Structure
-from lostmotion.identification.prediction_error.structure import parts_of
 
 PLANT = lm.Drivetrain.two_mass(
     inertia_motor=0.02,

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..statistics.block_covariance import Blocks, covariance, student_factor
-from .gain_schedule import Box, Stage, fit
-from .innovations import NAMES, Bandwidth, Predictor
+from ...statistics.block_covariance import Blocks, covariance, student_factor
+from ..gain_schedule import Box, Stage, fit
+from ..innovations import NAMES, Bandwidth, Predictor
 
 Array = NDArray[np.float64]
 
