@@ -153,6 +153,17 @@ def test_drives_of_the_zoo_that_were_wrong(seed: int):
     assert gross(found, dict(drive.truth.parameters)) == {}
 
 
+def test_what_comes_out_again_is_told_though_the_torque_is_noisy():
+    """Innovations of 1.3 times the sensor's noise, from a measured torque: nothing was identified, and all was right."""
+    drive = lm.rig.drive(148)
+    found = lm.identify(drive.recording, start=drive.nameplate)
+    for name in ("inertia_motor", "inertia_load", "stiffness"):
+        low, high = found.intervals[name]
+        true, value = drive.truth.parameters[name], found.values[name]
+        assert true is not None and value == pytest.approx(true, rel=0.01), name
+        assert low <= true <= high and high / low < 1.1, name
+
+
 def test_the_fit_alone_can_be_had():
     plant = TABLE_I.with_parameters(inertia_load=0.0182)
     found = lm.identify(recorded(plant), start=plant, second_estimator=False)
