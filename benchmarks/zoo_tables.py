@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binom
+from scipy.stats import beta, binom
 
 #: Dimensions that are cut in quartiles, and those that are kinds.
 NUMBERS = (
@@ -17,8 +17,16 @@ NUMBERS = (
     "bits", "speed_noise", "duration", "rows", "nameplate_pole",
 )  # fmt: skip
 KINDS = ("masses", "gaps", "law", "friction_at", "excitation", "load_torque", "closed_loop", "torque")
-#: Dimensions of the picture, and whether their axis is logarithmic.
-PICTURE = {"ratio": True, "pole_dt": True, "gap": True, "friction": True, "bits": False}
+#: Dimensions of the picture: what they mean with their unit, and whether the axis is logarithmic.
+PICTURE = {
+    "ratio": ("load inertia / motor inertia", True),
+    "pole_dt": ("torsional pole · sample time", True),
+    "gap": ("backlash / wind-up at rated torque", True),
+    "friction": ("Coulomb friction / rated torque", True),
+    "bits": ("resolution of the encoder, bit", False),
+}
+#: Groups of equal size of a dimension in the picture; errors outside these limits, in %, are drawn at them.
+GROUPS, SMALLEST, LARGEST = 6, 1e-3, 1e3
 #: A drive counts for rates and errors if its Cramér–Rao half width is no more than this; for 3 % targets, the second.
 COUNTS, COUNTS_FINE = 0.10, 0.03
 #: Grossly wrong: outside the interval, and off by more than this many half widths or this share.
@@ -177,37 +185,57 @@ def _table(title: str | None, groups: dict[str, list[Row]], cells: int) -> list[
 
 
 def picture(scores: Scores, path: Path) -> None:
-    """Coverage (above) and errors (below) over the dimensions of ``PICTURE``."""
+    """Coverage (above) and errors (below) over the dimensions of ``PICTURE``, of all that is identified."""
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(2, len(PICTURE), figsize=(16, 6), sharey="row", sharex="col")
-    for (name, logarithmic), (above, below) in zip(PICTURE.items(), axes.T, strict=True):
+    figure, axes = plt.subplots(2, len(PICTURE), figsize=(15, 6.4), sharey="row", sharex="col")
+    holds = np.array([row.holds for row in scores.identified], dtype=bool)
+    errors = 100.0 * np.array([row.error for row in scores.identified], dtype=float)
+    for (name, (label, logarithmic)), (above, below) in zip(PICTURE.items(), axes.T, strict=True):
         values = np.array(
             [scores.entries[row.drive]["dimensions"][name] for row in scores.identified], dtype=float
         )
-        _coverage(above, values, np.array([row.holds for row in scores.identified]))
-        for hold, colour in ((True, "tab:blue"), (False, "tab:red")):
-            rows = [i for i, row in enumerate(scores.identified) if row.holds == hold]
-            errors = [100.0 * max(scores.identified[i].error, 1e-6) for i in rows]
+        # A drive without a gap, friction or an encoder has no place on these axes.
+        usable = np.isfinite(values) & (values > 0.0)
+        for axis in (above, below):
+            axis.set_xscale("log" if logarithmic else "linear")
+            axis.grid(True, which="major", color="#dddddd", linewidth=0.6)
+            axis.set_axisbelow(True)
+        _coverage(above, values[usable], holds[usable])
+        for hold, colour, text in (
+            (True, "tab:blue", "interval holds"),
+            (False, "tab:red", "interval misses"),
+        ):
+            kept = usable & (holds == hold) & np.isfinite(errors)
             below.plot(
-                values[rows], errors, ".", color=colour, markersize=3, label="holds" if hold else "misses"
-            )
+                values[kept], np.clip(errors[kept], SMALLEST, LARGEST), ".", color=colour, markersize=4,
+                label=f"{text} ({np.sum(holds == hold)})",
+            )  # fmt: skip
         below.set_yscale("log")
-        below.set_xlabel(name)
-        if logarithmic:
-            below.set_xscale("log")
-    axes[0, 0].set_ylabel("coverage, %")
-    axes[1, 0].set_ylabel("error, %")
-    axes[1, 0].legend()
-    figure.tight_layout()
-    figure.savefig(path, dpi=120)
+        below.set_ylim(0.7 * SMALLEST, 1.4 * LARGEST)
+        below.set_xlabel(label)
+    axes[0, 0].set_ylabel("coverage of the 95 % intervals, %")
+    axes[1, 0].set_ylabel("error of what is identified, %")
+    handles = [*axes[0, 0].get_legend_handles_labels()[0], *axes[1, 0].get_legend_handles_labels()[0]]
+    labels = [*axes[0, 0].get_legend_handles_labels()[1], *axes[1, 0].get_legend_handles_labels()[1]]
+    figure.legend(handles, labels, loc="upper center", ncols=len(handles), frameon=False)
+    figure.tight_layout(rect=(0.0, 0.0, 1.0, 0.94))
+    figure.savefig(path, dpi=110)
 
 
 def _coverage(axis: Any, values: NDArray[np.float64], holds: NDArray[np.bool_]) -> None:
-    """Share that holds in six groups of equal size."""
-    order = np.argsort(values)
-    for part in np.array_split(order[values[order] > 0.0], 6):
-        if part.size:
-            axis.plot([values[part[0]], values[part[-1]]], [100.0 * np.mean(holds[part])] * 2, "k-")
-    axis.axhline(95.0, color="tab:green", linewidth=0.8)
-    axis.set_ylim(0.0, 102.0)
+    """Share that holds in groups of equal size, each with its own 95 % interval (Clopper and Pearson)."""
+    order = np.argsort(values, kind="stable")
+    labels = {"label": f"share in groups of equal size, with 95 % interval; {values.size} values"}
+    for part in np.array_split(order, min(GROUPS, max(values.size, 1))):
+        if not part.size:
+            continue
+        count, kept = part.size, int(np.sum(holds[part]))
+        low = beta.ppf(0.025, kept, count - kept + 1) if kept else 0.0
+        high = beta.ppf(0.975, kept + 1, count - kept) if kept < count else 1.0
+        span = [values[part[0]], values[part[-1]]]
+        axis.fill_between(span, 100.0 * low, 100.0 * high, color="tab:blue", alpha=0.15, linewidth=0.0)
+        axis.plot(span, [100.0 * kept / count] * 2, color="black", **labels)
+        labels = {}
+    axis.axhline(95.0, color="tab:green", linewidth=1.0, label="95 %")
+    axis.set_ylim(0.0, 103.0)

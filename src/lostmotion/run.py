@@ -19,6 +19,7 @@ from .stages.figures import figures, stability_figure
 from .stages.material import Material, from_configuration, from_rig
 from .stages.parameters import Found, find_parameters
 from .stages.proof import prover
+from .stages.single_tests import single_tests
 from .stages.validation import Validation, validate
 
 
@@ -74,6 +75,7 @@ def run(
             material, truth = _read(configuration, seed)
         with _stage("identify", timing, progress):
             found = find_parameters(material, lambda fraction, text: progress("identify", fraction, text))
+            found = found.with_tests(single_tests(material))
         with _stage("design", timing, progress):
             laws = design(material, found)
         proof.begin(laws, found.drivetrain, folder)

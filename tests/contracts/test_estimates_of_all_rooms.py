@@ -127,7 +127,8 @@ def check_short(found: Estimates) -> None:
     lines = repr(found).splitlines()
     assert len(lines) <= 6 and max(map(len, lines)) <= 100 and "array" not in repr(found)
     assert all(name in repr(found) for name in found.values)
-    assert len(found.summary().splitlines()) == 1 + len(found.values) + len(found.problems)
+    beside = len(found.problems) + len(found.remarks())
+    assert len(found.summary().splitlines()) == 1 + len(found.values) + beside
 
 
 @pytest.mark.parametrize("case", CASES)

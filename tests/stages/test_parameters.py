@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.io import read_configuration
 from lostmotion.stages.design import design
-from lostmotion.stages.material import Material, Settings, from_rig
+from lostmotion.stages.material import Material, Settings, from_configuration, from_rig
 from lostmotion.stages.parameters import find_parameters
 
 
@@ -88,3 +90,17 @@ def test_a_recording_that_cannot_be_identified_skips_the_stage(material: Materia
         assert found.identification is None
         assert found.skipped
         assert found.table["inertia_motor"]["source"] == "nameplate"
+        first = found.problems[0]  # beside "0 identified" stands no "0 problems"
+        assert first.severity == "warning" and first.got in found.skipped
+
+
+@pytest.mark.parametrize(("rows", "kept"), [(1200, 1200), (2500, 1750)])
+def test_a_short_recording_is_not_cut_below_what_identifies(tmp_path: Path, rows: int, kept: int) -> None:
+    time = 1e-3 * np.arange(rows)
+    columns = np.column_stack([time, np.sin(20.0 * time), np.cos(20.0 * time)])
+    header = "time,torque_motor,speed_motor"
+    np.savetxt(tmp_path / "short.csv", columns, delimiter=",", header=header, comments="")
+    (tmp_path / "rig.toml").write_text('[[recording]]\nfile = "short.csv"\n', encoding="utf-8")
+    made = from_configuration(read_configuration(tmp_path / "rig.toml"))
+    assert made.identify is not None and abs(len(made.identify) - kept) <= 1
+    assert (made.validate is None) == (kept == rows)

@@ -10,6 +10,11 @@ import typer
 
 #: Values of ``frf --method`` and ``excite --kind``; those of ``rig.excitation.KINDS``, which is slow to load.
 METHODS = ("H1", "H2", "Hv")
+#: Values of ``identify --method``: ``io.configuration.methods.METHODS``, which takes longer to import.
+TESTS = (
+    "torque_step", "rigid_drive", "friction_ladder", "breakaway", "locked_backlash", "lost_motion", "shaft_stiffness",
+    "ring_down",
+)  # fmt: skip
 KINDS = ("levels", "step", "chirp", "multisine", "prbs", "noise")
 #: Values of ``loop --code``.
 CODES = ("c", "python")
@@ -77,6 +82,12 @@ SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed; default: the 
 def known_method(name: str) -> Any:
     if name not in METHODS:
         raise typer.BadParameter(f"{name!r} is none of {', '.join(METHODS)}", param_hint="--method")
+    return name
+
+
+def known_test(name: str | None) -> str | None:
+    if name is not None and name not in TESTS:
+        raise typer.BadParameter(f"{name!r} is none of {', '.join(TESTS)}", param_hint="--method")
     return name
 
 

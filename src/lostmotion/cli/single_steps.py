@@ -12,12 +12,14 @@ from .messages import announce, finished, interruptible, say
 from .options import (
     KINDS,
     METHODS,
+    TESTS,
     ForceOption,
     SeedOption,
     acting,
     completing,
     finite_positive,
     known_method,
+    known_test,
     positive,
     signals,
     spread_below_one,
@@ -31,17 +33,26 @@ def identify(
     out: Annotated[Path, typer.Option(help="Name of the files to write, .json and .png.")] = Path(
         "identified"
     ),
+    method: Annotated[
+        str | None,
+        typer.Option(help="One test alone: " + ", ".join(TESTS), autocompletion=completing(TESTS)),
+    ] = None,
     seed: SeedOption = None,
     force: ForceOption = False,
 ) -> None:
-    """Identify the drivetrain, and nothing more."""
+    """Identify the drivetrain, or what one test tells, and nothing more; with --method, FILE may be an .npz."""
     from ..commands.identify import identify_file
     from ..terminal import StageLines, parameters
 
     compile_kernels("simulation", "identification")
     with interruptible(), StageLines() as lines:
         result = identify_file(
-            file, out, seed, lambda fraction, text: lines("identify", fraction, text), force
+            file,
+            out,
+            seed,
+            lambda fraction, text: lines("identify", fraction, text),
+            force,
+            known_test(method),
         )
     parameters(result["parameters"])
     finished(result["problems"], out, ".json", ".png")
@@ -73,7 +84,7 @@ def frf(
             file, out, seed, signal_in, signal_out, known_method(method), reference, (low, high), force
         )
     fit = result["two_mass_fit"]
-    if fit is not None:
+    if fit is not None and fit["values"]["pole"] is not None:
         say(f"  zero {fit['values']['zero']:.2f} Hz, pole {fit['values']['pole']:.2f} Hz")
         say("  If the gap opens during the test, both are too low: see docs/frequency-response.md.")
     finished(result["problems"], out, ".json", ".png")

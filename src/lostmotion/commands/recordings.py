@@ -12,7 +12,7 @@ from ..io.configuration.read import configuration_in
 from ..io.storage.drivetrain_files import EXPECTED, drivetrain_in
 from ..io.storage.toml_files import read_toml
 from ..recording import Recording
-from ..stages.material import Material, from_configuration, from_rig
+from ..stages.material import Material, from_configuration, from_recording, from_rig
 from ..stages.parameters import two_mass
 
 
@@ -29,7 +29,9 @@ class RecordingFile:
         return (() if self.path is None else (self.path,)) + recordings_of(self.configuration)
 
     def material(self, seed: int | None) -> Material:
-        """The TOML's recordings, whole, or those of the virtual rig with this seed."""
+        """The TOML's recordings, whole, a saved one, or those of the virtual rig with this seed."""
+        if self.configuration is None and self.path is not None:
+            return from_recording(read_recording(self.path), 1 if seed is None else seed)
         if self.configuration is None:
             return from_rig(1 if seed is None else seed)[0]
         return from_configuration(self.configuration, seed, split=False)
@@ -87,4 +89,4 @@ def read_drive(path: Path) -> DriveFile:
 
 def recordings_of(configuration: Configuration | None) -> tuple[Path, ...]:
     """The files of the recordings that a TOML names; none without one."""
-    return () if configuration is None else tuple(Path(one.file) for one in configuration.recordings)
+    return () if configuration is None else tuple(f for one in configuration.recordings for f in one.files)

@@ -11,6 +11,7 @@ from .frequency.two_mass_fit import TwoMassFit, two_mass_fit
 from .frequency.two_mass_response import two_mass_response
 from .friction.breakaway import Breakaway, breakaway
 from .friction.constant_speeds import FrictionLadder, friction_ladder
+from .friction.evaluation import evaluate
 from .friction.inverse_dynamics import output_error_fit, rigid_drive, simulate_rigid_drive
 from .friction.result import FrictionFit
 from .friction.torque_step import torque_step
@@ -42,6 +43,7 @@ __all__ = [
     "backlash_excited",
     "breakaway",
     "compare_contacts",
+    "evaluate",
     "frequency_analysis",
     "frequency_response",
     "friction_ladder",

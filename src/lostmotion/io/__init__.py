@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         template,
     )
     from .configuration.schema import configuration_schema
+    from .recordings.alignment import aligned
     from .recordings.checks import check_recording
     from .recordings.read import READERS, read_recording
     from .storage.drivetrain_files import load_drivetrain, save_drivetrain
@@ -37,6 +38,7 @@ _HOME = {
     "Column": "tables.columns",
     "Configuration": "configuration.read",
     "RecordingSource": "configuration.read",
+    "aligned": "recordings.alignment",
     "check_recording": "recordings.checks",
     "configuration_schema": "configuration.schema",
     "find_problems": "configuration.problems",
@@ -65,6 +67,7 @@ __all__ = [
     "Column",
     "Configuration",
     "RecordingSource",
+    "aligned",
     "check_recording",
     "configuration_schema",
     "find_problems",

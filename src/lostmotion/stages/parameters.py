@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from ..identification import (
 from ..io.recordings.torque_and_speed import inertia_shown
 from ..recording import Recording
 from .material import Material
+from .single_tests import SingleTest
 
 #: Without these nothing can be designed; friction and lag may be zero.
 NEEDED = ("inertia_motor", "inertia_load", "stiffness")
@@ -71,6 +72,11 @@ class Found:
         """95 % intervals by parameter, SI."""
         return {n: (e["low"], e["high"]) for n, e in self.table.items() if e["low"] is not None}
 
+    def with_tests(self, tests: Sequence[SingleTest]) -> Found:
+        """With what tests of one thing found, among the fits."""
+        fits = {**self.fits, **{test.title: test.fit() for test in tests}}
+        return replace(self, fits=fits, problems=(*self.problems, *(p for t in tests for p in t.problems)))
+
 
 def find_parameters(material: Material, progress: Callable[[float, str], None] | None = None) -> Found:
     """By prediction error where there is a motor torque, else from the shaft torque where there is one."""
@@ -79,6 +85,7 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
     if recording is None:
         return _finished(material.nameplate, table, skipped="no recording with use = 'identify'")
     reason = _reason_against(recording, material.nameplate)
+    refusal: tuple[Problem, ...] = ()
     if not reason:
         try:
             found = identify(
@@ -86,12 +93,14 @@ def find_parameters(material: Material, progress: Callable[[float, str], None] |
                 start=two_mass(material.nameplate),
                 fixed=material.settings.fixed,
                 load_torque=material.settings.load_torque,
+                measured=("speed_motor", *material.settings.measured),
                 progress=progress,
             )
         except InvalidInput as error:
-            reason = str(error)
+            reason, refusal = str(error), (replace(error.problem, severity="warning"),)
     if reason:
-        return _of_the_shaft(material, recording, table, reason)
+        made = _of_the_shaft(material, recording, table, reason)
+        return replace(made, problems=(*refusal, *made.problems))
     made = _finished(
         material.nameplate,
         table | found.table(),
@@ -154,6 +163,7 @@ def _prediction_fits(found: Identification) -> dict[str, Any]:
             "iterations": prediction.iterations,
         }
     }
+    fits["model"] = found.remarks()
     if prediction.joint_piece is not None:
         share, compliance = prediction.joint_piece
         fits["intermediate inertia on the shaft"] = {

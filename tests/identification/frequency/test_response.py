@@ -265,3 +265,56 @@ def test_what_a_response_does_not_tell_must_be_given():
         two_mass_fit(frequency_response(recording(duration=5.0), output="torque_shaft"))
     with pytest.raises(InvalidInput, match="torque_motor"):
         two_mass_fit(frequency_response(recording(duration=5.0), "speed_load", "speed_motor"))
+
+
+def repeated(period=2.0, periods=8, noise=1.0, seed=1):
+    """Table I's linear drivetrain under a multisine that repeats, with noise in torque and speed."""
+    dt = 1e-3
+    torque = np.tile(lm.signals.multisine(3.0, 280.0, 5.0, period, dt, seed=seed), periods)
+    run = lm.simulate(PLANT, dt=dt, torque_motor=torque)
+    rng = np.random.default_rng(seed)
+    measured = {
+        name: run[name] + noise * NOISE[name.split("_")[0]] * rng.standard_normal(len(run))
+        for name in ("torque_motor", "speed_motor")
+    }
+    return run.with_signals("measured", **measured)
+
+
+def test_periods_are_averaged_without_bias():
+    """Noise in the input biases H1 at every length; averages over periods have none, and no leakage either."""
+    found = frequency_response(repeated(), output="speed_motor", period=2.0)
+    assert found.segments == 7 and found.method == "periods"
+    assert np.mean(found.band(3.0, 280.0)) > 0.99  # what is not excited is left out
+    error = (found.response - truth(found))[found.band(3.0, 280.0)]
+    inside = np.mean(np.abs([error.real, error.imag]) < found.margin[found.band(3.0, 280.0)])
+    assert 0.9 < inside < 0.99
+    exact, windowed = (
+        frequency_response(repeated(noise=0.0), output="speed_motor", band=(3.0, 120.0), **how)
+        for how in ({"period": 2.0}, {"segment": 2.0})
+    )
+    averaged, leaked = (np.median(np.abs(one.response / truth(one) - 1.0)) for one in (exact, windowed))
+    assert (
+        averaged < 1e-3 and leaked > 5e-3
+    )  # the rest: images of the held torque, which ``truth`` has in part
+
+
+def test_a_period_that_does_not_repeat_is_refused():
+    with pytest.raises(InvalidInput, match="whole number of samples"):
+        frequency_response(repeated(), period=2.0004)
+    with pytest.raises(InvalidInput, match="three periods"):
+        frequency_response(repeated(), period=6.0)
+    with pytest.raises(InvalidInput, match="beside a segment"):
+        frequency_response(repeated(), period=2.0, segment=1.0)
+
+
+def test_a_rigid_drive_has_no_stiffness():
+    """Nothing of a mode outside the band is identified: it was a stiffness of 2e-12 Nm/rad ± 0.01 %."""
+    rigid = lm.Drivetrain(inertias=(0.1292,), frictions=(lm.Friction(viscous=0.0175),))
+    torque = lm.signals.noise(1.0, 200.0, 5.0, 20.0, 1e-3, seed=1)
+    run = lm.simulate(rigid, torque_motor=torque, dt=1e-3)
+    response = frequency_response(run, output="speed_motor", segment=2.0)
+    found = two_mass_fit(response, band=(2.0, 180.0))
+    assert {found.values[name] for name in ("stiffness", "inertia_load", "damping", "zero", "pole")} == {None}
+    low, high = found.intervals["inertia_total"]
+    assert low <= 0.1292 <= high
+    assert any("not identified" in problem.remedy for problem in found.problems)

@@ -14,6 +14,7 @@ from lostmotion.errors import InvalidInput
 from lostmotion.identification import (
     FrictionFit,
     breakaway,
+    evaluate,
     friction_ladder,
     output_error_fit,
     rigid_drive,
@@ -221,6 +222,26 @@ def test_refined_values_are_those_that_made_the_motion() -> None:
     assert np.abs(run["angle_motor"] - recording["angle_motor"]).max() < 1e-4
 
 
+@pytest.mark.parametrize("asymmetric", [False, True])
+def test_a_fit_is_tried_on_another_recording(asymmetric: bool) -> None:
+    """The relative error on its own recording is the fit's; on another it is as large; with a wrong mass it is not."""
+    time = DT * np.arange(10_000)
+    drive = made(coulomb=(2.2, 1.8) if asymmetric else (2.0, 2.0))
+    motions = [
+        turned(drive, 14.0 * np.sin(w * time), seed, speed_noise=0.0) for w, seed in ((6.0, 1), (9.0, 2))
+    ]
+    found = rigid_drive(motions[0], asymmetric=asymmetric)
+    own, other = (evaluate(found, motion) for motion in motions)
+    assert own.relative_error == pytest.approx(found.relative_error, rel=1e-9)
+    assert own.fitted == pytest.approx(found.fitted)
+    assert other.values == found.values
+    assert other.relative_error < 1.5 * found.relative_error
+    heavy = drive_of({**{n: v for n, v in found.values.items() if v is not None}, "inertia": 1.2 * INERTIA})
+    assert evaluate(heavy, motions[1]).relative_error > 2.0 * other.relative_error
+    with pytest.raises(InvalidInput, match="no inertia"):
+        evaluate(drive_of({"coulomb": 1.0}), motions[0])
+
+
 def test_short_motions_are_refused() -> None:
     with pytest.raises(InvalidInput, match="at least 400"):
         rigid_drive(wander(made(), 1, 0.0).window(0.0, 0.3))
@@ -392,5 +413,31 @@ def test_too_few_plateaus_give_no_number() -> None:
     assert "2 steady plateaus" in found.problems[-1].got
     with pytest.raises(InvalidInput, match="no friction"):
         found.friction()
-    with pytest.raises(InvalidInput, match="speed_reference"):
-        friction_ladder(ladder([1.0, 2.0], 4).only("speed_motor", "torque_motor"))
+
+
+def test_plateaus_are_found_from_the_motion_alone() -> None:
+    """Levels behind ramps, with noise and a standstill; ramps and slow waves are no plateaus."""
+    speeds = [2.0, 4.0, 8.0, 16.0, 0.0, -3.0, -9.0, -15.0]
+    levels = np.repeat(speeds, 1500)
+    ramps = np.convolve(np.r_[np.zeros(600), levels], np.full(601, 1.0 / 601.0), "valid")
+    noise = np.random.default_rng(5).standard_normal((2, ramps.size))
+    torque = INERTIA * np.gradient(ramps, DT) + COULOMB * np.sign(ramps) + VISCOUS * ramps
+    time = DT * np.arange(ramps.size)
+    signals = {"speed_motor": ramps + 0.05 * noise[0], "torque_motor": torque + 0.05 * noise[1]}
+    found = friction_ladder(Recording(time, signals), stribeck=False)
+    assert found.speed == pytest.approx([w for w in speeds if w], rel=0.01)
+    for name, truth in (("coulomb", COULOMB), ("viscous", VISCOUS), ("offset", 0.0)):
+        low, high = found.intervals[name]
+        assert low <= truth <= high, name
+    for wave in (0.1 * time, 5.0 + 4.0 * np.sin(2.0 * np.pi * time / 3.0)):
+        assert friction_ladder(Recording(time, signals | {"speed_motor": wave})).speed.size == 0
+
+
+def test_without_stribeck_two_plateaus_less_are_needed() -> None:
+    recording = ladder([4.0, 8.0, 16.0, 32.0], 2)
+    found = friction_ladder(recording, stribeck=False)
+    assert found.values["coulomb"] == pytest.approx(2.0, abs=0.05)
+    assert found.values["stribeck"] is None
+    slow = friction_ladder(ladder(SPEEDS, 1), stribeck=False)
+    assert slow.values["stribeck"] is None and slow.values["coulomb"] is not None
+    assert slow.values["coulomb"] > 2.05  # a straight line through what rises towards rest

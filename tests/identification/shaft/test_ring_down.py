@@ -55,6 +55,17 @@ def test_clean_ring_down_is_exact() -> None:
     assert set(found.sources.values()) == {"identified"}
 
 
+@pytest.mark.parametrize("begin", [0.1, 0.2])
+def test_a_recording_may_begin_inside_the_decay(begin: float) -> None:
+    recording = ringing(1, noise=0.02, steps=((4.0, 1.0),)).window(4.2 + begin)
+    found = ring_down(recording)
+    assert found.steps == (recording.time[0],)
+    for name, truth in (("frequency", 28.0), ("damping_ratio", 0.04)):
+        low, high = found.intervals[name]
+        assert low <= truth <= high, name
+        assert high - low < {"frequency": 0.05, "damping_ratio": 0.8}[name] * truth
+
+
 def test_finds_the_steps_and_gives_windows_for_plots() -> None:
     found = ring_down(ringing(2, noise=0.05, steps=((4.0, 1.0), (8.0, -0.8), (10.0, 0.1))))
     assert found.steps == pytest.approx((4.0, 8.0), abs=0.25)  # the third is too small beside them

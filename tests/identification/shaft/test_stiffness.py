@@ -116,6 +116,14 @@ def test_wrong_sign_is_a_problem_and_no_negative_stiffness() -> None:
     assert [p.got for p in found.problems] == ["torque and twist of opposite sign"]
 
 
+def test_a_wholly_negative_inertia_is_no_value() -> None:
+    """A torque whose filter leads: the stiffness seems to rise with frequency."""
+    found = shaft_stiffness(shaft(6, inertia=-1e-3))
+    assert found.values["inertia_between"] is None and "inertia_between" not in found.intervals
+    assert [p.got.split(",")[0] for p in found.problems] == ["a stiffness that rises with frequency"]
+    assert found.values["stiffness"] is not None
+
+
 def test_unrelated_torque_gives_no_number() -> None:
     recording = shaft(7)
     noise = 10.0 + 0.1 * np.random.default_rng(7).standard_normal(len(recording))

@@ -29,6 +29,8 @@ def outside_the_band(name: str, frequency: float, low: float, high: float) -> Pr
     """A zero or pole, Hz."""
     expected = f"a {name} between {low:.4g} and {high:.4g} Hz"
     remedy = "Widen the band or excite more there: inertias and stiffness depend on it."
+    if name == "pole":
+        remedy += " They are not identified; a rigid drive has none."
     return Problem.warning(f"two_mass_fit: {name}", f"{frequency:.4g} Hz, outside the band", expected, remedy)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...argument_checks import checks_arguments
 from ...errors import InvalidInput, Problem
 from ...recording import Recording, unit_of
+from . import periodic
 from . import problems as problem
 from .estimators import Method, direct, independent_averages, joint
 from .hold_and_averaging import Sampling, sampling
@@ -133,6 +134,7 @@ def frequency_response(
     band: tuple[float, float] | None = None,
     reference: str | None = None,
     input_held: bool | None = None,
+    period: float | None = None,
 ) -> FrequencyResponse:
     """Output over input, by Welch's method with Hann's window, half overlap, and no straight line in a segment.
 
@@ -162,16 +164,30 @@ def frequency_response(
     input_held : bool, optional
         Whether the input is held over each sample. Default: motor and load torque and set-points are.
 
+    period : float, optional, s
+        Of an excitation that repeats, such as a PRBS or a multisine: the periods are averaged, without window, without
+        leakage, and without the first, in which the drive settles. Noise then biases neither the gain in open loop nor,
+        if the reference is what repeats, that in closed loop. Lines that are not excited are left out. It replaces
+        ``method``, ``segment`` and ``reference``.
+
     Raises
     ------
     InvalidInput
-        Missing or non-finite signals, a wrong method, segments that do not fit twice.
+        Missing or non-finite signals, a wrong method, segments that do not fit twice, a period that is no whole number
+        of samples or does not fit three times.
     """
     dt = recording.dt
+    if period is not None and (segment is not None or reference is not None):
+        raise InvalidInput(
+            "frequency_response",
+            "a period beside a segment or a reference",
+            "one of them",
+            "Leave the others out.",
+        )
     if method not in ("H1", "H2", "Hv"):
         raise InvalidInput("frequency_response: method", repr(method), "'H1', 'H2' or 'Hv'", "Choose one.")
     wanted = SEGMENT_SHARE * len(recording) * dt if segment is None else segment
-    length = round(wanted / dt)
+    length = round(wanted / dt) if period is None else periodic.rows(period, dt, len(recording))
     how = sampling(recording, input, output, input_held)
     x, y = _signal(recording, input), _signal(recording, how.source)
     if length < 8 or len(recording) < 2 * length:
@@ -192,9 +208,14 @@ def frequency_response(
             "Widen it.",
         )
     frequency = frequency[keep]
-    a, b = (segment_spectra(signal, length)[:, keep] for signal in (x, y))
-    averages = independent_averages(len(a))
-    if reference is None:
+    spectra = segment_spectra if period is None else periodic.spectra
+    a, b = (spectra(signal, length)[:, keep] for signal in (x, y))
+    averages = independent_averages(len(a)) if period is None else float(len(a))
+    if period is not None:
+        excited = periodic.excited(a)
+        a, b, frequency = a[:, excited], b[:, excited], frequency[excited]
+        response, coherence, variance = joint(a, b, np.broadcast_to(a.mean(axis=0), a.shape), averages)
+    elif reference is None:
         response, coherence, variance = direct(a, b, method, averages)
     else:
         r = segment_spectra(_signal(recording, reference), length)[:, keep]
@@ -208,7 +229,7 @@ def frequency_response(
         input=input,
         output=output,
         unit=_unit(output, input),
-        method=method if reference is None else "joint",
+        method="periods" if period is not None else method if reference is None else "joint",
         frequency=frequency,
         response=np.asarray(response * factor, dtype=complex),
         coherence=coherence,
@@ -218,7 +239,7 @@ def frequency_response(
         segments=len(a),
         resolution=1.0 / (length * dt),
         sampling=how,
-        problems=tuple(_problems(recording, reference, len(a), length * dt)),
+        problems=tuple(_problems(recording, reference if period is None else "", len(a), length * dt)),
     )
 
 

@@ -38,6 +38,10 @@ KEPT = {
 }
 
 
+#: What only the torsional mode shows.
+OF_THE_MODE = ("inertia_motor", "inertia_load", "stiffness", "damping", "zero", "pole")
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class TwoMassFit(Estimates):
     """A linear two-mass drivetrain fitted to a frequency response.
@@ -152,15 +156,18 @@ def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual
         viscous=max(values["viscous"], 0.0),
         lag=max(values["delay"], 0.0),
     )
+    findings = _findings(problem, values)
+    # What hangs on a mode that the band does not contain is not identified, however narrow a local fit makes it.
+    lost = OF_THE_MODE if not problem.frequency[0] < values["pole"] < problem.frequency[-1] else ()
     return TwoMassFit(
         drivetrain=drivetrain,
-        values=values,
-        intervals=intervals,
+        values={n: None if n in lost and n not in sources else v for n, v in values.items()},
+        intervals={n: interval for n, interval in intervals.items() if n not in lost},
         sources=sources,
         frequency=problem.frequency,
         fitted=problem.model(theta),
         residual=residual,
-        problems=tuple(_findings(problem, values)),
+        problems=tuple(findings),
     )
 
 

@@ -15,12 +15,9 @@ from ...errors import InvalidInput
 from ...recording import Recording
 from ..statistics.estimates import Estimates, Interval
 from . import problems as problem
+from .plateaus import PARTS, SETTLING, SHORTEST, of_motion, of_reference
 from .result import Floats, torque_to_use
 
-#: First part of each plateau that is left out (option).
-SETTLING = 0.4
-#: Parts of a plateau whose scatter gives its margin (numerics: Student's factor is 2.4, hardly above that of many).
-PARTS = 8
 #: A plateau counts as steady while its speed scatters by less than this part of its mean (calibrated on plateaus of
 #: which the slowest slip and stick, seeds 1 to 4: half and double leave out the same ones; benchmarks/calibrations.py):
 #: else it slips and sticks.
@@ -93,10 +90,12 @@ def friction_ladder(
     plateaus: Sequence[tuple[float, float]] | None = None,
     inertia: float = 0.0,
     asymmetric: bool = False,
+    stribeck: bool = True,
 ) -> FrictionLadder:
     """Mean torque over mean speed of each plateau of a speed-controlled run, and the curve through them.
 
-    Plateaus are where the reference stands still, or the windows given. Their first 40 % are left out. Of a plateau
+    Plateaus are where the reference stands still; without a reference, where the speed does; or the windows given.
+    Their first 40 % are left out. Of a plateau
     whose speed scatters by 30 % (slip and stick) the mean means nothing: it is shown and not used. The curve is
     fitted with each plateau's own weight; its intervals follow from the scatter about it where that is larger;
     that of the rise at rest, which is extrapolated from the slowest plateau, contains both shapes.
@@ -107,16 +106,23 @@ def friction_ladder(
     speed, torque, reference : str
         Signals; the torque's default is the measured one where there is one.
     plateaus : sequence of (start, stop), s, optional
-        Instead of the reference's.
+        Instead of those that are found.
     inertia : float, kg m2
         If given, what is left of acceleration is taken off the torque.
     asymmetric : bool
         Levels and slopes for each direction, with one Stribeck shape.
+    stribeck : bool
+        Whether a rise towards rest is looked for. Without it two plateaus less are needed.
 
     Source: Armstrong-Hélouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083, section 3 (the curve).
     """
     used, problems = torque_to_use(recording, torque)
-    windows = _windows(recording, reference) if plateaus is None else list(plateaus)
+    if plateaus is not None:
+        windows = list(plateaus)
+    elif reference in recording:
+        windows = of_reference(recording, reference)
+    else:
+        windows = of_motion(recording, speed)
     not_negative("friction_ladder.inertia", inertia)
     rows = [_plateau(recording.window(a, b), speed, used, inertia) for a, b in windows]
     found = np.array(rows).reshape(-1, 4)
@@ -124,33 +130,15 @@ def friction_ladder(
     steady = found[:, 3] < STEADY
     if not steady.all():
         problems += (problem.unsteady_plateaus(w[~steady].tolist()),)
-    values, intervals, exponent = _fit(w[steady], m[steady], margin[steady], asymmetric)
+    values, intervals, exponent = _fit(w[steady], m[steady], margin[steady], asymmetric, stribeck)
     if not values:
-        problems += (problem.too_few_plateaus(int(steady.sum())),)
+        problems += (problem.too_few_plateaus(int(steady.sum()), stribeck),)
         values = {"coulomb": None, "viscous": None}
     values |= {n: None for n in ("stribeck", "stribeck_speed") if n not in values}
     return FrictionLadder(
         values=values, intervals=intervals, problems=problems, exponent=exponent,
         speed=w, torque=m, margin=margin, steady=steady,
     )  # fmt: skip
-
-
-def _windows(recording: Recording, reference: str) -> list[tuple[float, float]]:
-    """Where the reference stands still at a speed other than 0, for at least 20 samples."""
-    if reference not in recording:
-        raise InvalidInput(
-            "friction_ladder",
-            f"no {reference}",
-            "the speed's set-point, or plateaus",
-            "Give plateaus=[(start, stop), …] in s.",
-        )
-    r, t = recording[reference], recording.time
-    edges = [0, *(np.flatnonzero(np.diff(r) != 0.0) + 1).tolist(), r.size]
-    return [
-        (float(t[a]), float(t[b - 1]))
-        for a, b in zip(edges, edges[1:], strict=False)
-        if b - a >= 5 * PARTS and r[a] != 0.0
-    ]
 
 
 def _plateau(part: Recording, speed: str, torque: str, inertia: float) -> tuple[float, float, float, float]:
@@ -161,7 +149,7 @@ def _plateau(part: Recording, speed: str, torque: str, inertia: float) -> tuple[
     w, m = part[speed][skip:], part[torque][skip:]
     if w.size <= 2 * PARTS:
         raise InvalidInput(
-            "friction_ladder", f"a plateau of {len(part)} samples", f"{5 * PARTS} or more", "Hold it longer."
+            "friction_ladder", f"a plateau of {len(part)} samples", f"{SHORTEST} or more", "Hold it longer."
         )
     length = (w.size - 1) // PARTS
     # One sample more of the speed: a torque acts from its row to the next.
@@ -186,7 +174,7 @@ def _model(w: Floats, values: Mapping[str, float], exponent: float) -> Floats:
 
 
 def _fit(
-    w: Floats, m: Floats, margin: Floats, asymmetric: bool
+    w: Floats, m: Floats, margin: Floats, asymmetric: bool, stribeck: bool
 ) -> tuple[dict[str, float | None], dict[str, Interval], float]:
     """The better of the two Stribeck shapes, or none of them where the rise may as well be zero."""
     names: tuple[str, ...] = ("coulomb", "viscous")
@@ -198,7 +186,7 @@ def _fit(
     plain = _one_fit(w, m, margin, names, 1.0)
     shaped = [
         (fit, e)
-        for e in EXPONENTS
+        for e in (EXPONENTS if stribeck else ())
         if (fit := _one_fit(w, m, margin, (*names, "stribeck", "stribeck_speed"), e))
     ]
     fits = [

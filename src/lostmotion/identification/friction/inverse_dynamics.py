@@ -66,27 +66,12 @@ def rigid_drive(
     """
     inertia = checked_inertia(inertia, "rigid_drive")
     used, problems = torque_to_use(recording, torque)
-    not_negative("rigid_drive.decimation", decimation, positive=True)
-    if len(recording) < 40 * decimation:
-        raise InvalidInput(
-            "rigid_drive",
-            f"{len(recording)} samples",
-            f"at least {40 * decimation}",
-            "Record longer, or lower the decimation.",
-        )
-    dt = recording.dt
-    speed = np.gradient(recording[angle], dt)
-    acceleration = np.gradient(speed, dt)
-    sign = _sign(recording[angle], dt)
-    names, columns = _columns(acceleration, speed, sign, asymmetric)
-    y = _decimated(recording[used], decimation)
-    x = np.stack([_decimated(column, decimation) for column in columns])
+    names, x, y, time = regressors(recording, angle, used, asymmetric, decimation)
     known = 0.0 * y
     if inertia is not None:
         names, x, known = names[1:], x[1:], inertia * x[0]
     fit = linear_fit(x, y - known)
     values, intervals, sources, more = reported(names, fit.values, fit.margins, inertia, "rigid_drive")
-    time = recording.time[::decimation][EDGE:-EDGE]
     return FrictionFit(
         values=values,
         intervals=intervals,
@@ -99,6 +84,25 @@ def rigid_drive(
         fitted=fit.fitted + known,
         relative_error=float(np.linalg.norm(fit.residual) / np.linalg.norm(y)),
     )
+
+
+def regressors(
+    recording: Recording, angle: str, torque: str, asymmetric: bool, decimation: int
+) -> tuple[tuple[str, ...], Floats, Floats, Floats]:
+    """Names (p), columns (p, m), torque (m,) and time (m,) of the inverse dynamics, filtered and decimated."""
+    not_negative("rigid_drive.decimation", decimation, positive=True)
+    if len(recording) < 40 * decimation:
+        raise InvalidInput(
+            "rigid_drive",
+            f"{len(recording)} samples",
+            f"at least {40 * decimation}",
+            "Record longer, or lower the decimation.",
+        )
+    dt = recording.dt
+    speed = np.gradient(recording[angle], dt)
+    names, columns = _columns(np.gradient(speed, dt), speed, _sign(recording[angle], dt), asymmetric)
+    x = np.stack([_decimated(column, decimation) for column in columns])
+    return names, x, _decimated(recording[torque], decimation), recording.time[::decimation][EDGE:-EDGE]
 
 
 def _sign(angle: Floats, dt: float) -> Floats:

@@ -58,8 +58,10 @@ def unsteady_plateaus(speeds: Sequence[float]) -> Problem:
     return Problem.warning("friction_ladder", got, "plateaus at constant speed", remedy)
 
 
-def too_few_plateaus(count: int) -> Problem:
+def too_few_plateaus(count: int, stribeck: bool) -> Problem:
     expected = "more plateaus than parameters: six or more, with two below and two above the Stribeck speed"
+    if not stribeck:
+        expected = "more plateaus than parameters: four or more"
     return Problem.warning("friction_ladder", f"{count} steady plateaus", expected, "Record more speeds.")
 
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from ...drivetrain import Drivetrain
 from ..statistics.block_covariance import Blocks, covariance, excess, growth, shift, student_factor
-from ..statistics.levenberg_marquardt import sum_of_squares
+from ..statistics.levenberg_marquardt import Fit, sum_of_squares
 from .bootstrap import Replica, replicas
 from .gain_schedule import Box, Stage, fit
+from .gap.absent_gap import JOINED, PLACE, effect_of_gap, gap_bound, without_gap
 from .innovations import NAMES, Bandwidth, Predictor, to_theta
 from .model_error import model_allowance, unmodelled_mode
 from .warnings import too_coarse
@@ -23,10 +24,6 @@ Array = NDArray[np.float64]
 #: A parameter is not excited if its 95 % interval reaches further than this factor either way (option). A
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
-
-#: Intervals are wider by this where rows had to be joined: the shift by the counts is so large that it is not known
-#: well (calibrated on exact recordings of two masses with 12 and 13 bit, seeds 204 to 209, to contain the truth).
-JOINED = 1.5
 
 #: Innovations of more than this share of the speed's deviation may hide an eigenmode: one at so many times the
 #: torsional frequency is then allowed for (calibrated on the virtual rigs 1 to 12 with 16 bit, where that at seven
@@ -71,11 +68,15 @@ class _Views(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """Parameter vector (8,), and for the free ones covariance (m, m) and half widths (m,), all in the logarithms."""
+    """Parameter vector (8,), and for the free ones covariance (m, m) and half widths (m,), all in the logarithms.
+
+    And the bound of a gap that the drivetrain may do without, rad, if there is one.
+    """
 
     theta: Array
     covariance: Array
     half: Array
+    gap_bound: float | None = None
 
 
 def half_widths(predictor: Predictor, stage: Stage, others: Sequence[Replica] = ()) -> tuple[Array, Array]:
@@ -165,7 +166,7 @@ def told(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, total:
         others = replicas(predictor, stage, box) if stage.free else []
         covariance, half = half_widths(predictor, stage, others)
         if not np.any(half > np.log(NOT_EXCITED)):
-            return stage, Told(without_shift(stage, others), covariance, half)
+            return stage, Told(without_shift(stage, others), covariance, half, _gap_bound(predictor, stage))
         stage = _put_back(predictor, stage, start, box, NAMES[stage.free[int(np.argmax(half))]])
 
 
@@ -181,13 +182,42 @@ def _nothing(predictor: Predictor, stage: Stage, start: Drivetrain) -> Stage:
 def _put_back(predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, name: str) -> Stage:
     dropped = NAMES.index(name)
     theta, free = stage.fit.theta.copy(), [i for i in stage.free if i != dropped]
-    theta[dropped] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[dropped]
-    found = fit(predictor, theta, free, box, stage.bandwidth)
-    done = stage.iterations + found.iterations
+    absent = _without_gap(predictor, stage, start, box, free) if name == "backlash" else None
     unknown = stage.unknown.copy()
-    if getattr(start, name) == 0.0:
-        unknown[free] = np.hypot(unknown[free], found.theta[free] - stage.fit.theta[free])
+    if absent is not None:
+        found, moved = absent
+        unknown[free] = np.hypot(unknown[free], moved)
+    else:
+        theta[dropped] = to_theta([getattr(start, n) for n in NAMES], predictor.dt)[dropped]
+        found = fit(predictor, theta, free, box, stage.bandwidth)
+        if getattr(start, name) == 0.0:
+            unknown[free] = np.hypot(unknown[free], found.theta[free] - stage.fit.theta[free])
+    done = stage.iterations + found.iterations
     return Stage(found, stage.bandwidth, free, done, (*stage.unexcited, dropped), unknown)
+
+
+def _without_gap(
+    predictor: Predictor, stage: Stage, start: Drivetrain, box: Box, free: list[int]
+) -> tuple[Fit, Array] | None:
+    """The fit without a gap, and how far the largest gap that would not show moves it.
+
+    None if a gap predicts better, or if that of the nameplate would not show either.
+    """
+    found = fit(predictor, without_gap(stage.fit.theta), free, box, stage.bandwidth)
+    if growth(found.residual, stage.fit.residual)[1] > SURE:
+        return None
+    bare = replace(stage, fit=found, free=free)
+    bound = gap_bound(predictor, bare)
+    if bound is None or 0.0 < start.backlash < bound:
+        return None
+    jacobian = predictor.jacobian(found.theta, stage.bandwidth, free, found.residual)
+    return found, shift(jacobian, effect_of_gap(predictor, bare, stage.bandwidth, bound))
+
+
+def _gap_bound(predictor: Predictor, stage: Stage) -> float | None:
+    """Of a gap that is not in the model although it was free."""
+    absent = PLACE in stage.unexcited and not np.isfinite(stage.fit.theta[PLACE])
+    return gap_bound(predictor, stage) if absent and stage.free else None
 
 
 def _unexcited(predictor: Predictor, stage: Stage, box: Box) -> str | None:

@@ -17,12 +17,15 @@ from . import initial_values, warnings
 from . import problems as problem
 from .channel_innovations import ChannelPredictor
 from .contact_switching.agreement import confirmed
+from .contact_switching.likelihood import Candidate
+from .contact_switching.structure import structure_of
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descent, fit
+from .gap.absent_gap import better_without
 from .identifiability import Told, higher_mode, told
 from .innovations import NAMES, Predictor, from_theta
 from .intermediate_inertia import with_joint_piece
 from .noise_levels import refine
-from .result import Identification, Prediction
+from .result import Identification, Prediction, Structure
 from .segments import Pieces, join
 
 Array = NDArray[np.float64]
@@ -153,8 +156,9 @@ def identify(
     found = None
     if joint_piece and not wide:
         upper = descent(predictor, theta, free, box, say, fit, gains=2)
-        # The search takes longer than all the rest: only where innovations ask for it.
-        if higher_mode(predictor, upper[-1]) is not None:
+        # The search takes longer than all the rest: only where innovations ask for it, and not for a gap that is not
+        # there.
+        if higher_mode(predictor, better_without(predictor, upper[-1], box)) is not None:
             found = with_joint_piece(predictor, upper, box)
         theta = upper[0].fit.theta
     predictor, stage = found or (predictor, descent(predictor, theta, free, box, _from(0.5, say))[-1])
@@ -166,10 +170,13 @@ def identify(
     say(0.8, "computing the intervals")
     stage, values = told(predictor, stage, start, box, total)
     doubts: list[Problem] = []
-    if second_estimator and not wide:
+    compared: list[Candidate] = []
+    judged = second_estimator and not wide
+    if judged:
         say(0.9, "comparing with the contact-switching filter")
-        predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed)
-    result = _result(pieces, predictor, stage, values, start, fixed, total)
+        predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed, compared)
+    structure = structure_of(predictor, stage, compared, judged, load_torque)
+    result = _result(pieces, predictor, stage, values, start, fixed, total, structure)
     if not result.names and warnings.is_too_coarse(result.prediction):
         doubts = []  # one reason why nothing is identified is enough: no model explains what is lost in the counts
     result = replace(result, problems=(*result.problems, *doubts, *ambiguous, *coarse))
@@ -259,6 +266,7 @@ def _result(
     start: Drivetrain,
     fixed: Collection[str],
     total: float,
+    structure: Structure,
 ) -> Identification:
     residual, names = stage.fit.residual, tuple(NAMES[i] for i in stage.free)
     theta = values.theta
@@ -283,10 +291,11 @@ def _result(
         name: "identified" if name in names else "nameplate" if name in fixed else "not excited"
         for name in NAMES
     }
+    bounds = {} if values.gap_bound is None else {"backlash": (0.0, values.gap_bound)}
     return Identification(
         drivetrain=drivetrain,
         values={n: None if sources[n] == "not excited" else float(getattr(drivetrain, n)) for n in NAMES},
-        intervals={NAMES[i]: (float(low[i]), float(high[i])) for i in stage.free},
+        intervals={NAMES[i]: (float(low[i]), float(high[i])) for i in stage.free} | bounds,
         sources=sources,
         problems=(
             *pieces.problems(),
@@ -300,9 +309,11 @@ def _result(
                 prediction,
                 stage.fit.converged,
                 pieces.dt,
+                values.gap_bound,
             ),
         ),
         prediction=prediction,
+        structure=structure,
         names=names,
         covariance=values.covariance,
         speed_from_counts=predictor.speed_from_counts,

@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 #: Factors on the nameplate that the first search tries (numerics: a factor of two either way, in steps of √2).
 FACTORS = (0.5, 0.71, 1.0, 1.41, 2.0)
 
+#: And on that of the backlash besides (numerics: next to none, for a nameplate with a gap that is not there).
+NEXT_TO_NONE = 0.06
+
 #: Factors on torque / stiffness that it tries for a backlash without a nameplate (numerics).
 BACKLASH_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0)
 
@@ -114,7 +117,7 @@ def search(
     factors = {
         "inertia_motor": FACTORS,
         "stiffness": FACTORS,
-        "backlash": FACTORS if start.backlash > 0.0 else BACKLASH_FACTORS,
+        "backlash": (*FACTORS, NEXT_TO_NONE) if start.backlash > 0.0 else BACKLASH_FACTORS,
     }
     if not 0.3 < total / start.inertia_total < 3.0:
         total = start.inertia_total

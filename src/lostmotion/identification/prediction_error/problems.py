@@ -165,6 +165,13 @@ def not_excited(name: str, nameplate: float) -> Problem:
     return Problem.warning(name, "a recording that does not tell it", "excitation", remedy)
 
 
+def no_gap(bound: float, nameplate: float) -> Problem:
+    """Largest gap that may be there, and that of the nameplate, rad."""
+    expected = f"the nameplate's {nameplate:.3g} rad" if nameplate else "a gap, or none"
+    remedy = "The drivetrain has no gap, and the law none to cross. If there is one, record more reversals."
+    return Problem.warning("backlash", f"no backlash above {bound:.2g} rad (95 %)", expected, remedy)
+
+
 def far_from_nameplate(name: str, found: float, nameplate: float, factor: float) -> Problem:
     unit = PARAMETER_UNITS[name]
     expected = f"within a factor of {factor} of the nameplate's {nameplate:.4g} {unit}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +53,38 @@ class Prediction:
         return float(np.std(self.speed_motor + self.residual))
 
 
+@dataclass(frozen=True)
+class Structure:
+    """What the model of an identification consists of, and what else would predict the recording as well.
+
+    Parameters
+    ----------
+    parts : tuple of str
+        Such as "two masses", "a gap", "friction at the load"; empty where nothing is identified.
+    others : tuple of tuple of str
+        Other structures that predict about as well, each with all its parts.
+    compared : bool
+        Whether the second estimator compared structures at all.
+    """
+
+    parts: tuple[str, ...]
+    others: tuple[tuple[str, ...], ...] = ()
+    compared: bool = False
+
+    def texts(self) -> dict[str, str]:
+        """What was taken and what else would fit, each by its title."""
+        others = "nothing else that was tried" if self.compared else "not compared"
+        if self.others:
+            others = "; ".join(dict.fromkeys(self._changed(parts) for parts in self.others))
+        return {"structure": ", ".join(self.parts) or "none", "would predict as well": others}
+
+    def _changed(self, parts: tuple[str, ...]) -> str:
+        """Another structure: what it has that the own has not, and what it lacks; all of it where there is no own."""
+        more = [part for part in parts if part not in self.parts]
+        less = [f"without {part}" for part in self.parts if part.startswith("a ") and part not in parts]
+        return ", ".join([*more, *less])
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Identification(Estimates):
     """An identified two-mass drivetrain and how well it is known.
@@ -63,6 +96,8 @@ class Identification(Estimates):
     drivetrain : Drivetrain
         With the contact law that was asked for. What was not identified has its nameplate value here.
     prediction : Prediction
+    structure : Structure
+        What the model consists of, and what else would predict as well.
     names : tuple of str
         Identified parameters in the order of ``covariance``.
     covariance : (m, m) array
@@ -74,6 +109,14 @@ class Identification(Estimates):
 
     drivetrain: Drivetrain
     prediction: Prediction
+    structure: Structure
     names: tuple[str, ...] = ()
     covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
     speed_from_counts: bool = False
+
+    def remarks(self) -> dict[str, str]:
+        """Structure of the model, and what else would fit."""
+        return self.structure.texts()
+
+    def as_dict(self) -> dict[str, Any]:
+        return super().as_dict() | {"structure": self.remarks()}

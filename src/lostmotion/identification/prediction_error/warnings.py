@@ -160,8 +160,11 @@ def warnings(
     prediction: Prediction,
     converged: bool,
     dt: float,
+    gap_bound: float | None = None,
 ) -> tuple[Problem, ...]:
     """Warnings about the result, each with a remedy; ``total`` is the inertia seen at low frequency, kg m2.
+
+    ``gap_bound``: the largest gap that may be there, rad, where there is none in the model.
 
     First what may be wrong with all of it, then what single parameters lack.
     """
@@ -174,7 +177,9 @@ def warnings(
         if _is_far(name, start, found)
     ]
     problems += [
-        problem.not_excited(name, getattr(start, name))
+        problem.no_gap(gap_bound, start.backlash)
+        if name == "backlash" and gap_bound is not None
+        else problem.not_excited(name, getattr(start, name))
         for name, source in sources.items()
         if source == "not excited"
     ]

@@ -28,6 +28,16 @@ def may_be_zero(torque: str, stiffness: Interval) -> Problem:
     return Problem.warning(f"shaft_stiffness: {torque}", got, "an interval of positive stiffness", remedy)
 
 
+def negative_inertia(torque: str, inertia: Interval) -> Problem:
+    got = f"a stiffness that rises with frequency, as by an inertia of {inertia[0]:.2g} … {inertia[1]:.2g} kg m2"
+    remedy = (
+        "The torque is no torque of the shaft between the speeds, or filtered otherwise: check the channels."
+    )
+    return Problem.warning(
+        f"shaft_stiffness: {torque}", got, "an inertia between the sensors, or none", remedy
+    )
+
+
 def wrong_sign(torque: str) -> Problem:
     got = "torque and twist of opposite sign"
     expected = "a positive torque that drives end b"

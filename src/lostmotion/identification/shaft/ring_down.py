@@ -33,6 +33,8 @@ STEP_FRACTION = 0.5
 WINDOWS = ((0.5, 10.0), (0.5, 6.0), (0.5, 14.0), (1.0, 10.0), (1.0, 14.0), (1.5, 10.0))
 #: Largest damping ratio: above, there is hardly a second period to measure (numerics: each is 14 % of the one before).
 MAX_DAMPING_RATIO = 0.3
+#: Without a step the recording may begin inside a decay: of that the fit explains at least this part (option: half).
+BEGUN = 0.5
 #: Surrogates of the residual for the interval (numerics: their scatter is then known within 11 %).
 SURROGATES = 40
 #: A window cut short by the next step or the end counts from this many periods on (option).
@@ -79,8 +81,9 @@ def ring_down(
 ) -> RingDown:
     """Fit one damped oscillation to what follows the steps of a signal.
 
-    Steps are where the mean changes most; steps of similar size share one frequency f and one damping
-    ratio D, each with its own offset, amplitude and phase::
+    Steps are where the mean changes most; where there is none, the recording may begin inside the decay, and its
+    first row counts as one. Steps of similar size share one frequency f and one damping ratio D, each with its own
+    offset, amplitude and phase::
 
         y = c0 + exp(−D·w·t)·(c1 cos(w√(1 − D²)·t) + c2 sin(w√(1 − D²)·t)),     w = 2π·f
 
@@ -114,15 +117,17 @@ def ring_down(
             "Choose a band below half the sample rate.",
         )
     steps = _steps(values, max(round(STEP_WINDOW / dt), 2))
+    least = 0.0 if steps else BEGUN
+    steps = steps or [0]
     times = tuple(float(recording.time[i]) for i in steps)
-    if not steps:
-        return _nothing(signal, times, seed, "no step that stands out")
     fit = _search_and_fit(values, steps, dt, band)
     if fit is None:
         return _nothing(signal, times, seed, "no ring-down of four periods or more")
     found, rows, models = fit
     segments = [values[r] for r in rows]
     explained = _explained(segments, models)
+    if explained < least:
+        return _nothing(signal, (), seed, "no step that stands out", explained)
     decays = 0.0 < found[1] < MAX_DAMPING_RATIO and explained > 0.0
     if not (decays and band[0] < found[0] < band[1]):
         best = f"{found[0]:.3g} Hz, damping ratio {found[1]:.2g}, {100 * explained:.0f} % of the variance"

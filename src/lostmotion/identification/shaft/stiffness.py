@@ -149,6 +149,9 @@ def shaft_stiffness(
             problems.append(problem.may_be_zero(torque, intervals["stiffness"]))
             values, intervals = {}, {}
         else:
+            if intervals["inertia_between"][1] < 0.0:
+                problems.append(problem.negative_inertia(torque, intervals.pop("inertia_between")))
+                del values["inertia_between"]
             _take_known_delay(values, intervals, torque_delay)
     known = {} if torque_delay is None else {"torque_delay": torque_delay}
     found = {name: values.get(name) for name in VALUES} | known

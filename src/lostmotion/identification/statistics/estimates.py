@@ -107,13 +107,19 @@ class Estimates:
     def summary(self) -> str:
         """A line for each value with unit, 95 % interval and source, and all problems: for a person to read."""
         problems = (f"  {problem.severity}: {problem}" for problem in self.problems)
-        return "\n".join([self._title(), parameters.text(self.table()), *problems])
+        remarks = (f"  {title}: {text}" for title, text in self.remarks().items())
+        return "\n".join([self._title(), parameters.text(self.table()), *remarks, *problems])
+
+    def remarks(self) -> dict[str, str]:
+        """What else a person should know about the result, by title."""
+        return {}
 
     def __repr__(self) -> str:
         return f"{self._title()}\n{tables.listing(parameters.short(self.table()))}"
 
     def _repr_html_(self) -> str:
-        remarks = (f"{problem.severity}: {problem}" for problem in self.problems)
+        remarks = [f"{title}: {text}" for title, text in self.remarks().items()]
+        remarks += [f"{problem.severity}: {problem}" for problem in self.problems]
         return tables.html(self._title(), parameters.HEADER, parameters.rows(self.table()), remarks)
 
     def _title(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
@@ -12,6 +12,7 @@ from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ..spelling import suggestion
 from ..tables.channels import Channel
+from . import methods
 from . import values as value
 
 Place = Callable[[tuple[str | int, ...]], str]
@@ -47,14 +48,32 @@ class NameplateModel(_Model):
     lag: Annotated[float | None, value.parameter("lag", "first-order lag behind the set-point")] = None
 
 
+class FurtherModel(_Model):
+    """A further file of a recording, with a clock of its own."""
+
+    file: Annotated[str, Field(strict=True, min_length=1, description="relative to the TOML, or absolute")]
+    time: Annotated[Any, value.TIME, Field(description="as in the recording")] = None
+    channels: Annotated[dict[str, Channel], value.CHANNELS, Field(description="as in the recording")] = {}
+    by: Annotated[
+        str | None, Field(strict=True, description="signal that both files have, by which they are aligned")
+    ] = None
+    delay: Annotated[
+        float | None, value.DELAY, Field(description="by how much this file's clock is ahead, s")
+    ] = None
+
+
 class RecordingModel(_Model):
     """One recording: where it lies, what it is for, which column is what."""
 
     file: Annotated[str, Field(strict=True, min_length=1, description="relative to the TOML, or absolute")]
     use: Annotated[
-        Literal["identify", "validate"],
-        Field(description="to find the parameters, or to judge the observers"),
+        str,
+        value.Key(methods.use, {"enum": list(methods.USES)}),
+        Field(description="to find the parameters, to judge the observers, or the test that was recorded"),
     ] = "identify"
+    options: Annotated[
+        dict[str, Any], Field(description="of the test: arguments of the function that has its name")
+    ] = {}
     time: Annotated[
         Any, value.TIME, Field(description='column of the time, or { sample_time = "0.1 ms" }')
     ] = None
@@ -77,6 +96,16 @@ class RecordingModel(_Model):
         bool | None, Field(strict=True, description="whether the motor speed is a mean over the last sample")
     ] = None
 
+    further: Annotated[
+        tuple[FurtherModel, ...],
+        Field(description="further files with more signals, on the raster of this one"),
+    ] = ()
+
+    @model_validator(mode="after")
+    def _known_options(self) -> RecordingModel:
+        methods.options(self.use, self.options)
+        return self
+
 
 class IdentifyModel(_Model):
     """How to identify."""
@@ -89,6 +118,11 @@ class IdentifyModel(_Model):
     load_torque: Annotated[
         bool, Field(strict=True, description="whether an unknown, slowly changing torque acts on the load")
     ] = False
+    measured: Annotated[
+        tuple[str, ...],
+        value.Key(methods.measured, {"type": "array", "items": {"enum": list(methods.MEASURED)}}),
+        Field(description="signals beside the motor speed that are used"),
+    ] = ()
 
 
 class LawModel(_Model):

@@ -40,7 +40,7 @@ def find_problems(path: str | Path) -> tuple[Problem, ...]:
 def _purpose(configuration: Configuration, recordings: Sequence[Recording]) -> list[Problem]:
     """The warnings that a run of this TOML would identify nothing."""
     where, found = str(configuration.path), []
-    if not any(source.use == "identify" for source in configuration.recordings):
+    if all(source.use == "validate" for source in configuration.recordings):
         found.append(
             Problem(
                 "warning",

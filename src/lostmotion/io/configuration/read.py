@@ -14,16 +14,29 @@ from ...argument_checks import checks_arguments
 from ...errors import InputProblems, InvalidInput, Problem
 from ...plain_data import shown
 from ...recording import Recording
+from ..recordings.alignment import aligned
 from ..recordings.checks import check_identifiable
 from ..recordings.plausibility import check_law, check_nameplate
 from ..recordings.read import read_recording
 from ..storage.toml_files import read_toml
 from ..tables.channels import Channel
+from .methods import METHODS, options
 
 _VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")
 _ADDRESS = re.compile(r"\w{2,}://", re.ASCII)
 _TABLE = re.compile(r"\s*\[(\[?)\s*([\w.\-\"]+)\s*\]")
 _KEY = re.compile(r"\s*([\w.\-\"]+)\s*=")
+
+
+@dataclass(frozen=True)
+class FurtherSource:
+    """A further file of a recording: the arguments of ``read_recording`` and ``aligned``."""
+
+    file: Path
+    time: Any = None
+    channels: Mapping[str, Channel] = field(default_factory=dict)
+    by: str | None = None
+    delay: float | None = None
 
 
 @dataclass(frozen=True)
@@ -34,13 +47,17 @@ class RecordingSource:
     ----------
     file : Path
         Absolute, or relative to the working folder as the TOML's own path is.
-    use : {"identify", "validate"}
+    use : {"identify", "validate"}, or a test out of ``METHODS``
     time : mapping, str, int or None
         A column, or ``{"sample_time": seconds}``.
     channels : mapping of signal → Channel
     window : (start, stop), s, optional
     resample : float (s), bool or None
     speed_from_counts : bool or None
+    options : mapping
+        Arguments of the test, SI.
+    further : tuple of FurtherSource
+        Files with more signals.
     """
 
     file: Path
@@ -50,10 +67,17 @@ class RecordingSource:
     window: tuple[float, float] | None = None
     resample: float | bool | None = None
     speed_from_counts: bool | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+    further: tuple[FurtherSource, ...] = ()
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All files of the recording."""
+        return (self.file, *(one.file for one in self.further))
 
     def read(self) -> Recording:
         """The recording in SI; raises ``InputProblems`` with all its errors."""
-        return read_recording(
+        recording = read_recording(
             self.file,
             time=self.time,
             channels=self.channels or None,
@@ -61,14 +85,23 @@ class RecordingSource:
             resample=self.resample,
             speed_from_counts=self.speed_from_counts,
         )
+        for one in self.further:
+            other = read_recording(one.file, time=one.time, channels=one.channels or None)
+            try:
+                recording = aligned(recording, other, by=one.by, delay=one.delay)
+            except InvalidInput as error:
+                raise InputProblems([replace(error.problem, where=str(one.file))]) from None
+        return recording
 
 
 @dataclass(frozen=True)
 class IdentifySettings:
-    """``[identify]``: parameters that keep their nameplate value; whether an unknown torque acts on the load."""
+    """``[identify]``: parameters that keep their nameplate value; whether an unknown torque acts on the load; further
+    signals that are used."""
 
     fixed: tuple[str, ...] = ()
     load_torque: bool = False
+    measured: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -144,7 +177,16 @@ def configuration_in(content: dict[str, Any], text: str, path: Path) -> Configur
     for i, source in enumerate(sources):
         try:
             file = file_of(path, source["file"], _place(path, ("recording", i, "file"), lines))
-            recordings.append(RecordingSource(**{**source, "file": file}))
+            given = options(source["use"], source["options"])
+            further = tuple(
+                FurtherSource(
+                    file_of(path, one.file, _place(path, ("recording", i, "further", j, "file"), lines)),
+                    one.time, one.channels, one.by, one.delay,
+                )
+                for j, one in enumerate(source["further"])
+            )  # fmt: skip
+            made = {**source, "file": file, "options": given, "further": further}
+            recordings.append(RecordingSource(**made))
         except InvalidInput as error:
             problems.append(error.problem)
     if problems:
@@ -161,7 +203,7 @@ def configuration_in(content: dict[str, Any], text: str, path: Path) -> Configur
 
 @checks_arguments
 def load_recordings(configuration: Configuration) -> list[tuple[str, Recording]]:
-    """All recordings of a configuration with their use (``identify`` or ``validate``), in its order.
+    """All recordings of a configuration with their use (``identify``, ``validate`` or a test), in its order.
 
     Raises
     ------
@@ -198,7 +240,7 @@ def _with_problems(recording: Recording, *further: Problem) -> Recording:
 def _not_used(source: RecordingSource, sources: Sequence[RecordingSource]) -> list[Problem]:
     """Warnings that a recording is not the first of its use, or is the one that was identified from."""
     found, where = [], str(source.file)
-    if next(one for one in sources if one.use == source.use) is not source:
+    if source.use not in METHODS and next(one for one in sources if one.use == source.use) is not source:
         remedy = "Only the first is used: join the recordings, or run again with another one first."
         got, expected = f"a further recording to {source.use}", f"one recording to {source.use}"
         found.append(Problem.warning(where, got, expected, remedy))
@@ -267,7 +309,7 @@ def _lines_of_keys(text: str) -> dict[tuple[str | int, ...], int]:
     for number, line in enumerate(text.splitlines(), 1):
         if match := _TABLE.match(line):
             names = match[2].replace('"', "").split(".")
-            if match[1]:
+            if match[1] and len(names) == 1:
                 counts[names[0]] = counts.get(names[0], -1) + 1
             table = (names[0], counts[names[0]], *names[1:]) if names[0] in counts else tuple(names)
         elif match := _KEY.match(line):

@@ -296,5 +296,6 @@ CHANNELS = Key(
     _channels,
     {"type": "object", "properties": dict.fromkeys(SIGNAL_UNITS, _CHANNEL), "additionalProperties": False},
 )
+DELAY = Key(lambda value: parse_quantity(value, "s"), _quantity())
 TIME = Key(_time, {"anyOf": [*_CHANNEL["anyOf"], _SAMPLE_TIME]})
 RESAMPLE = Key(_resample, {"anyOf": [{"type": "boolean"}, *_quantity(exclusiveMinimum=0)["anyOf"]]})

@@ -20,19 +20,26 @@ CORE = ("inertia_motor", "inertia_load", "stiffness", "backlash")
 
 
 def recorded(
-    plant: lm.Drivetrain, dt: float = 2e-4, duration: float = 4.0, load_torque: float = 0.0
+    plant: lm.Drivetrain,
+    dt: float = 2e-4,
+    duration: float = 4.0,
+    load_torque: float = 0.0,
+    bits: int | None = 20,
+    noise: float = 0.0,
 ) -> Recording:
-    """Motor torque, and the speed of 20 bit counts, of an exact simulation under levels and noise."""
+    """Motor torque, and the speed of counts or with noise, of an exact simulation under levels and noise."""
     torque = lm.signals.excitation(
         duration, dt, seed=4, inertia=plant.inertia_total, coulomb=plant.frictions[-1].coulomb_plus,
         viscous=plant.frictions[-1].viscous,
     )  # fmt: skip
     run = lm.simulate(plant, torque_motor=torque, torque_load=np.full(torque.size, load_torque), dt=dt)
-    count = 2.0 * np.pi / 2**20
-    counts = np.floor(run["angle_motor"] / count)
-    speed = np.diff(counts, prepend=counts[0]) * count / dt
+    speed = run["speed_motor"] + noise * np.random.default_rng(3).standard_normal(torque.size)
+    if bits is not None:
+        count = 2.0 * np.pi / 2**bits
+        counts = np.floor(run["angle_motor"] / count)
+        speed = np.diff(counts, prepend=counts[0]) * count / dt
     signals = {"torque_motor": run["torque_motor"], "speed_motor": speed}
-    return Recording(time=run.time, signals=signals, meta={"speed_from_counts": True})
+    return Recording(time=run.time, signals=signals, meta={"speed_from_counts": bits is not None})
 
 
 def chain(inertias: tuple[float, ...], shafts: tuple[lm.Shaft, ...]) -> lm.Drivetrain:
@@ -104,6 +111,18 @@ def test_ten_times_the_stiffness():
     assert gross(found, plant.parameters()) == {}
 
 
+@pytest.mark.parametrize(
+    ("changes", "bits", "noise"),
+    [({"coulomb": 0.4}, 20, 0.0), ({}, 12, 0.0), ({}, None, 0.5)],
+    ids=["Coulomb friction times 0.2", "12 bit", "0.5 rad/s of noise"],
+)
+def test_little_friction_and_poor_sensors(changes: dict[str, float], bits: int | None, noise: float):
+    plant = TABLE_I.with_parameters(**changes)
+    found = lm.identify(recorded(plant, bits=bits, noise=noise), start=plant)
+    assert gross(found, plant.parameters()) == {}
+    assert {name for name in CORE if found.sources[name] != "identified"} == set()
+
+
 def test_a_load_torque_takes_the_friction_alone():
     """Coulomb friction was 42 % too small with ±26 %; the rest was right, and stays."""
     found = lm.identify(recorded(TABLE_I, load_torque=1.5), start=TABLE_I)
@@ -135,7 +154,7 @@ def test_drives_of_the_zoo_that_were_wrong(seed: int):
 
 
 def test_what_comes_out_again_is_told_though_the_torque_is_noisy():
-    """Innovations of 1.3 times the sensor's noise, from a measured torque: nothing was identified, and all was right."""
+    """Innovations of 1.3 times the sensor's noise, from a measured torque: nothing was identified; all was right."""
     drive = lm.rig.drive(148)
     found = lm.identify(drive.recording, start=drive.nameplate)
     for name in ("inertia_motor", "inertia_load", "stiffness"):

@@ -26,7 +26,12 @@ UNEXPLAINED = 3.0
 
 
 def confirmed(
-    predictor: Predictor, stage: Stage, told: Told, start: Drivetrain, fixed: Collection[str]
+    predictor: Predictor,
+    stage: Stage,
+    told: Told,
+    start: Drivetrain,
+    fixed: Collection[str],
+    compared: list[Candidate],
 ) -> Outcome:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
@@ -34,6 +39,9 @@ def confirmed(
     Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does,
     or the fit tells nothing, its own values are told if other starts lead there as well. Else the difference is part of
     the intervals, and too large a one leaves nothing.
+
+    ``compared`` gets all candidates that were looked at, first that whose values are told; none where the fit stood at
+    first sight.
     """
     fit = Fit(predictor, stage, told, start)
     try:
@@ -50,7 +58,9 @@ def confirmed(
     own = with_other_torque(own, inside) or own
     best = min(own, *rivals, key=_cost)
     rigid = search.rigid(best)
-    if not clearly_better(best, polish(rigid, rigid.flt, search.box)):
+    rigid = polish(rigid, rigid.flt, search.box)
+    compared += [own, *rivals, rigid]
+    if not clearly_better(best, rigid):
         return fit.nothing(problem.rigid())
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
     # Where the recording is explained, whatever predicts alike may be right as well.
@@ -58,6 +68,7 @@ def confirmed(
     excess = 0.0 if explained else fit.excess(flt)
     doubtful = bool(better) or not stage.free or excess > UNEXPLAINED or fit.contradicted_by(others)
     if doubtful and (found := search.estimate(rivals)) is not None:
+        compared.insert(0, found.best)
         return fit.replaced_by(found)
     if excess > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))

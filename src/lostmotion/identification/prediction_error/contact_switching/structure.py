@@ -1,0 +1,91 @@
+"""Which structure the model of an identification has, and which others would predict as well, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..gain_schedule import Stage
+from ..innovations import NAMES as TOLD
+from ..innovations import Predictor
+from ..result import Structure
+from .filter import NAMES
+from .likelihood import Candidate
+from .likelihood_ratio import alike
+
+#: Shares of all Coulomb friction below which one end has none, and below which it is the same in both directions; of
+#: the torque's deviation from which a load torque counts; of the wind-up at that deviation from which a gap does
+#: (option: too little to be named).
+ONE_END, SYMMETRIC, LOAD, GAP = 0.05, 0.05, 0.02, 0.01
+
+Parts = tuple[str, ...]
+
+
+def structure_of(
+    predictor: Predictor, stage: Stage, compared: Sequence[Candidate], judged: bool, load_torque: bool
+) -> Structure:
+    """Of the fit, or of the first of the candidates; those that predict like the best of them are the others.
+
+    Parameters
+    ----------
+    compared : sequence of Candidate
+        First that whose values are reported, or agree with them; empty where the fit stood at first sight.
+    judged : bool
+        Whether the second estimator judged the fit.
+    load_torque : bool
+        Whether the fit had a slow load torque.
+    """
+    if not compared:
+        return Structure(_of_fit(predictor, stage, load_torque) if stage.free else (), (), judged)
+    told = parts_of(compared[0]) if stage.free else ()
+    best = min(compared, key=lambda one: one.cost)
+    others = dict.fromkeys(parts_of(one) for one in compared if alike(one, best))
+    return Structure(told, tuple(parts for parts in others if parts != told), judged)
+
+
+def _of_fit(predictor: Predictor, stage: Stage, load_torque: bool) -> Parts:
+    """The observer of constant gain has friction at the load, and that of the motor as the nameplate gives it."""
+    drivetrain = predictor.drivetrain(stage.fit.theta)
+    gap = "no gap"
+    if drivetrain.backlash > 0.0:
+        gap = "a gap" if TOLD.index("backlash") in stage.free else "a gap as on the nameplate"
+    return (
+        _masses(0.0 if predictor.joint_piece is None else predictor.joint_piece[0]),
+        gap,
+        _friction(drivetrain.coulomb, drivetrain.coulomb_motor),
+        *(("a slow load torque",) if load_torque else ()),
+    )
+
+
+def parts_of(candidate: Candidate) -> Parts:
+    """The parts of what the contact-switching filter has as a model."""
+    flt = candidate.flt
+    v = dict(zip(NAMES, map(float, flt.values(candidate.theta)), strict=True))
+    torque = float(np.std(flt.torque))
+    friction = v["coulomb"] + v["coulomb_motor"]
+    uneven = abs(v["asymmetry"]) * v["coulomb"] + abs(v["asymmetry_motor"]) * v["coulomb_motor"]
+    rigid = candidate.start == "rigid"
+    parts = [
+        "one rigid mass" if rigid else _masses(v["share"]),
+        "a gap" if v["backlash"] * v["stiffness"] > GAP * torque else "no gap",
+        _friction(v["coulomb"], v["coulomb_motor"]),
+        "friction that differs by direction" if uneven > SYMMETRIC * friction > 0.0 else "",
+        "a constant load torque" if abs(v["load_torque"]) > LOAD * torque else "",
+        f"the {flt.law.replace('_', '-')} contact" if flt.law != "viscoelastic" else "",
+        "a torque that goes straight from row to row" if flt.ramp else "",
+    ]
+    return tuple(part for part in parts if part and not (rigid and part == "no gap"))
+
+
+def _masses(share: float) -> str:
+    return f"three masses, {100.0 * share:.2g} % of the motor's on the shaft" if share > 0.0 else "two masses"
+
+
+def _friction(load: float, motor: float) -> str:
+    if not load + motor > 0.0:
+        return "no Coulomb friction"
+    share = motor / (load + motor)
+    if share < ONE_END:
+        return "friction at the load"
+    return "friction at the motor" if share > 1.0 - ONE_END else "friction at both ends"

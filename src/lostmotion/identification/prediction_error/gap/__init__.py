@@ -1,0 +1,1 @@
+"""Drivetrains without a gap."""
