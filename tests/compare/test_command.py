@@ -39,7 +39,7 @@ def test_files_and_that_it_goes_on(tmp_path: Path) -> None:
     assert done.stdout.startswith((folder / "leaderboard.md").read_text())
     board = json.loads((folder / "leaderboard.json").read_text())
     assert [row["name"] for row in board["observers"]] == ["Observer 1", "motor speed"]
-    assert (board["seeds"], board["settings"]) == ([1], {"duration": 1.5, "quick": True, "part": True})
+    assert (board["seeds"], board["settings"]) == ([501], {"duration": 1.5, "quick": True, "part": True})
     (score,) = (folder / "scores").glob("*/*.json")
     before = {name: (folder / name).read_bytes() for name in FILES - {"leaderboard.svg"}}
     written = score.stat().st_mtime_ns

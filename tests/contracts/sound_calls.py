@@ -463,6 +463,16 @@ def _identification() -> list[Call]:
             one | {"angle": "angle_motor", "torque": "torque_motor", "inertia": 0.1, "decimation": 5},
         ),
         Call(
+            r.evaluate,
+            one
+            | {
+                "found": r.rigid_drive(recording(), decimation=5, inertia=0.1),
+                "angle": "angle_motor",
+                "torque": "torque_motor",
+                "decimation": 5,
+            },
+        ),
+        Call(
             r.torque_step,
             {
                 "recordings": recording(),
@@ -595,6 +605,14 @@ def _files(folder: Path) -> list[Call]:
         Call(files.save_json, {"path": folder / "b.json", "kind": "x", "data": {"a": 1}}),
         Call(
             files.write_csv, {"path": folder / "b.csv", "recording": recording(), "names": ("speed_motor",)}
+        ),
+        Call(
+            files.aligned,
+            {
+                "first": recording(),
+                "further": recording(),
+                "by": "speed_motor",
+            },
         ),
         Call(files.check_recording, {"recording": recording()}),
         Call(files.load_recordings, {"configuration": files.read_configuration(folder / "rig.toml")}),

@@ -62,8 +62,8 @@ seed = 9223372036854775808           | less than 9223372036854775808
 sede = 1                             | Did you mean 'seed'
 """
 OF_A_RECORDING = """
-use = "train"                        | 'identify' or 'validate'
-use = ["identify"]                   | 'identify' or 'validate'
+use = "train"                        | identify, validate
+use = ["identify"]                   | identify, validate
 window = [0.05, 0.05]                | Give a later stop
 window = [0.1, 0.05]                 | Swap them
 window = [100, 200]                  | between 0 and 0.149 s
