@@ -218,7 +218,8 @@ class Search:
         if len(others) < OTHERS:
             return None
         half = estimate.half.copy()
-        half[BACKLASH] = half[BACKLASH] if len(all_of_it) >= OTHERS else np.inf
+        if len(all_of_it) < OTHERS:
+            half[BACKLASH] = np.inf
         return replace(estimate, half=half)
 
 

@@ -72,9 +72,8 @@ def told(
     covariance, error = scatter(best)
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
-    if (
-        best.flt.ramp
-    ):  # a smooth torque that is held acts as one that goes straight from row to row half a row later
+    # A smooth torque that is held acts as one that goes straight from row to row, half a row later.
+    if best.flt.ramp:
         apart[-1] = max(apart[-1], np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt)))
     # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
     unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
