@@ -89,8 +89,8 @@ def told(
     unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
     half = student_factor(1) * error * np.hypot(1.0, COHERENT * unexplained)
     half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + _allowance(best) ** 2)
-    # Places that predict as well and lie far apart are no interval; friction, damping and lag make up for what the model
-    # lacks.
+    # Places that predict as well and lie far apart are no interval. Friction, damping and lag make up for what the
+    # model lacks.
     half[CORE] = np.where(apart[CORE] > APART, np.inf, half[CORE])
     if abs(best.cost) >= EXPLAINED:
         half[[i for i in range(len(TOLD)) if i not in CORE]] = np.inf

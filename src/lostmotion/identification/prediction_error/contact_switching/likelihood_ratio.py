@@ -14,16 +14,16 @@ LEAST_RISE = 10.0
 SURE = 3.0
 #: Candidates are alike if their costs differ by less than the first number and a part of what the better is above the
 #: sensor's noise: where no candidate reaches that, none differs from another by so little. (Calibrated on development
-#: drives 0 to 5: what differed by less was within the intervals; and on 300 to 400, 2026-11-23: where the best is wrong,
-#: the next one that is more than a tenth away costs 0.2 times that more at most; where it is right, 0.47 at least.)
+#: drives 0 to 5: what differed by less was within the intervals; and on 300 to 400, 2026-11-23: where the best is
+#: wrong, the next one that is more than a tenth away costs 0.2 times that more at most; where it is right, 0.47.)
 ALIKE, ALIKE_SHARE = 0.003, 0.35
 #: The part by which one has to be better to be clearly so (calibrated on development drives 0 to 5).
 BETTER_SHARE = 0.2
 
 
 def alike(one: Candidate, best: Candidate, share: float = ALIKE_SHARE) -> bool:
-    """Whether a candidate's cost is about the best one's."""
-    return one.cost <= best.cost + ALIKE + share * max(best.cost, 0.0)
+    """Whether a candidate's cost is about the best one's; innovations below the noise are unexplained as well."""
+    return one.cost <= best.cost + ALIKE + share * abs(best.cost)
 
 
 def clearly_better(one: Candidate, other: Candidate) -> bool:
