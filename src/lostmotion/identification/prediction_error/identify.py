@@ -143,13 +143,13 @@ def identify(
     warnings.check_length(pieces.time.size, pieces.dt, MIN_ROWS, MIN_TIME)
     warnings.check_size(pieces.time.size, len(measured))
     predictor = _predictor(pieces, recordings[0], start, speed_from_counts)
+    slow = of_slow_motion(predictor, start.zero_frequency)
     coarse: list[Problem] = []
     if predictor.speed_from_counts and not wide:
         rows, coarse = warnings.rows_to_join(predictor.speed, pieces.dt, start.pole_frequency)
         if rows > 1:
             pieces = pieces.joined(rows)
             predictor = replace(_predictor(pieces, recordings[0], start, True), joined=True)
-    slow = of_slow_motion(predictor, start.zero_frequency)
     free = [i for i, name in enumerate(NAMES) if name not in fixed]
     say(0.0, "searching the start")
     theta, total = initial_values.complete(start, predictor, fixed)

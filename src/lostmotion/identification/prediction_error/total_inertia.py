@@ -1,4 +1,4 @@
-"""Total inertia: of motor and load where both are told, else of the slow motion, in which the drive turns as one body.
+"""Total inertia: of the slow motion, in which the drive turns as one body, or the sum of motor and load.
 
 Far below the zero, whatever shaft, gap and further inertias are like::
 
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..statistics.block_covariance import sandwich, student_factor
 from ..statistics.estimates import Interval
 from .gain_schedule import Stage
-from .identifiability import Told
+from .identifiability import NOT_EXCITED, Told
 from .innovations import NAMES, Predictor
 
 Array = NDArray[np.float64]
@@ -37,28 +37,25 @@ SIGN_CUTOFF = 4.0
 FEWEST, AVERAGED, AVERAGED_SHARE = 8, 12, 0.25
 #: Rounds of fit and weights; least power that is left over the torque's (numerics).
 ROUNDS, LEAST_LEFT = 8, 1e-12
-#: Half width of the 95 % interval over what standard errors and bands say (calibrated on development drives 400 to 540,
+#: Half width of the 95 % interval over what standard errors and bands say (calibrated on development drives 400 to 505,
 #: 2026-11-23, see docs/benchmarks/zoo.md).
 SURE = 1.75
-#: Half width of the logarithm up to which the slow motion tells the inertia (option).
-TOLD = 0.3
 
 
 def total_inertia(slow: tuple[float, float], stage: Stage, told: Told) -> tuple[float, Interval] | None:
     """Value and 95 % interval, kg m2; None where neither the fit nor the slow motion tells it.
 
-    ``slow`` is what the slow motion says, see ``of_slow_motion``. Where motor and load are told, it is their sum; if
-    the slow motion contradicts that, the interval contains both.
+    ``slow`` is what the slow motion says, see ``of_slow_motion``; the sum of motor and load, where both are told, takes
+    its place if it is known better and does not contradict it.
     """
     value, half = slow
-    seen = (value * np.exp(-half), value * np.exp(half)) if half < TOLD else None
     if {0, 1} <= set(stage.free):
         total, own = _sum(stage, told)
-        low, high = total * np.exp(-own), total * np.exp(own)
-        if seen is not None and (seen[0] > high or seen[1] < low):
-            low, high = min(low, seen[0]), max(high, seen[1])
-        return total, (float(low), float(high))
-    return None if seen is None else (value, (float(seen[0]), float(seen[1])))
+        if np.isinf(half) or (own < half and abs(np.log(total / value)) < own + half):
+            value, half = total, own
+    if not half < np.log(NOT_EXCITED):
+        return None
+    return value, (float(value * np.exp(-half)), float(value * np.exp(half)))
 
 
 def _sum(stage: Stage, told: Told) -> tuple[float, float]:
@@ -83,7 +80,9 @@ def of_slow_motion(predictor: Predictor, zero: float) -> tuple[float, float]:
     edges = {min(share * zero, BAND_DT / predictor.dt) for share in BANDS}
     found = [one for edge in edges if (one := _of_band(predictor, edge)) is not None]
     certain = np.array([one for one in found if one[1] < 1.0])
-    if not certain.size or np.any(certain[:, 0] <= 0.0):  # a negative inertia: the torque's sign, or an outside torque
+    if not certain.size or np.any(
+        certain[:, 0] <= 0.0
+    ):  # a negative inertia: the torque's sign, or an outside torque
         return float("nan"), float("inf")
     logarithm, half = np.log(certain[:, 0]), certain[:, 1]
     weight = half**-2.0 / np.sum(half**-2.0)
@@ -114,7 +113,11 @@ def _spectra(predictor: Predictor, rows: slice, edge: float) -> tuple[Spectrum, 
     signals = np.array([np.gradient(speed, dt), direction, speed, np.ones(speed.size), torque])
     acceleration, *others, seen = np.fft.rfft(signals * window)[:, inside]
     slope = 2j * np.pi * frequency[inside]
-    return np.array([acceleration, *others, slope * acceleration, slope**2 * acceleration]), seen, frequency[inside]
+    return (
+        np.array([acceleration, *others, slope * acceleration, slope**2 * acceleration]),
+        seen,
+        frequency[inside],
+    )
 
 
 def _weighted_fit(columns: Spectrum, torque: Spectrum) -> tuple[float, float]:
@@ -127,7 +130,9 @@ def _weighted_fit(columns: Spectrum, torque: Spectrum) -> tuple[float, float]:
         jacobian, seen, scale = _real(columns * weight, torque * weight)
         found = np.linalg.lstsq(jacobian.T, seen, rcond=1e-12)[0]
         left = np.abs(torque - found / scale @ columns) ** 2
-        power = np.concatenate([np.full(end - first, np.mean(left[first:end])) for first, end in pairwise(bands)])
+        power = np.concatenate(
+            [np.full(end - first, np.mean(left[first:end])) for first, end in pairwise(bands)]
+        )
         weight = 1.0 / np.sqrt(np.maximum(power, least))
     jacobian, seen, scale = _real(columns * weight, torque * weight)
     found = np.linalg.lstsq(jacobian.T, seen, rcond=1e-12)[0]

@@ -1,6 +1,6 @@
 """The truth that an identification of a drive of the zoo is judged by; fixed before anything was fitted (2026-11-22).
 
-Changed 2026-11-23: the total inertia is judged of every drive, and of a rigid one no longer under the name of the motor's.
+Changed 2026-11-23: the total inertia is judged of every drive; of a rigid one it was, under the name of the motor's.
 
 A chain's equivalent two masses are those of ``rig.equivalent``: inertias are sums on each side of the gap, stiffness
 follows from the first mode with those sums. Beyond that:
