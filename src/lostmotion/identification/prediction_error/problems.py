@@ -19,7 +19,7 @@ _EXCITE = {
     "viscous": "Record two speed levels in each direction, far apart.",
     "lag": "Record torque with content above the pole.",
 }
-#: Where no value of the two masses is told: the slow motion alone may tell their sum.
+#: Where no value of the two masses is identified: the slow motion alone may tell their sum.
 _NOTHING = "Nothing is identified beyond the total inertia"
 
 # The recording.

@@ -89,8 +89,8 @@ class Structure:
 class Identification(Estimates):
     """An identified two-mass drivetrain and how well it is known.
 
-    The values are those of the drivetrain and ``inertia_total``, which is told of a rigid drive as well. It is not the
-    sum of the drivetrain's inertias where these keep the nameplate. Beside values, intervals, sources and problems:
+    The values are those of the drivetrain and ``inertia_total``, which a rigid drive has as well. It is not the sum of
+    the drivetrain's inertias where these keep the nameplate. Beside values, intervals, sources and problems:
 
     Parameters
     ----------

@@ -18,11 +18,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..statistics.block_covariance import sandwich, student_factor
-from ..statistics.estimates import Interval
-from .gain_schedule import Stage
-from .identifiability import NOT_EXCITED, Told
-from .innovations import NAMES, Predictor
+from ...statistics.block_covariance import sandwich, student_factor
+from ...statistics.estimates import Interval
+from ..gain_schedule import Stage
+from ..identifiability import NOT_EXCITED, Told
+from ..innovations import NAMES, Predictor
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
@@ -35,8 +35,8 @@ SIGN_CUTOFF = 4.0
 #: Frequencies that a band needs, and that the power of what is left is averaged over: so many, or this share of all
 #: below (numerics).
 FEWEST, AVERAGED, AVERAGED_SHARE = 8, 12, 0.25
-#: Rounds of fit and weights; least power that is left over the torque's (numerics).
-ROUNDS, LEAST_LEFT = 8, 1e-12
+#: Rounds of fit and weights; least power that is left over the torque's, and least half width (numerics).
+ROUNDS, LEAST_LEFT, EXACT = 8, 1e-12, 1e-9
 #: Half width of the 95 % interval over what standard errors and bands say (calibrated on development drives 400 to 505,
 #: 2026-11-23, see docs/benchmarks/zoo.md).
 SURE = 1.75
@@ -45,8 +45,8 @@ SURE = 1.75
 def total_inertia(slow: tuple[float, float], stage: Stage, told: Told) -> tuple[float, Interval] | None:
     """Value and 95 % interval, kg m2; None where neither the fit nor the slow motion tells it.
 
-    ``slow`` is what the slow motion says, see ``of_slow_motion``; the sum of motor and load, where both are told, takes
-    its place if it is known better and does not contradict it.
+    ``slow`` is what the slow motion says, see ``of_slow_motion``; the sum of motor and load, where both are
+    identified, takes its place if it is known better and does not contradict it.
     """
     value, half = slow
     if {0, 1} <= set(stage.free):
@@ -72,7 +72,7 @@ def _sum(stage: Stage, told: Told) -> tuple[float, float]:
 
 
 def of_slow_motion(predictor: Predictor, zero: float) -> tuple[float, float]:
-    """Total inertia (kg m2) and half width of its logarithm; infinite: not told. ``zero`` is the nameplate's, Hz.
+    """Total inertia (kg m2) and half width of its logarithm; infinite: not known. ``zero`` is the nameplate's, Hz.
 
     The mean over bands, each by its certainty. What the bands disagree about is part of the half width: the shaft bends
     a wide band, friction that is no straight line a narrow one.
@@ -84,7 +84,7 @@ def of_slow_motion(predictor: Predictor, zero: float) -> tuple[float, float]:
         certain[:, 0] <= 0.0
     ):  # a negative inertia: the torque's sign, or an outside torque
         return float("nan"), float("inf")
-    logarithm, half = np.log(certain[:, 0]), certain[:, 1]
+    logarithm, half = np.log(certain[:, 0]), np.maximum(certain[:, 1], EXACT)
     weight = half**-2.0 / np.sum(half**-2.0)
     mean = weight @ logarithm
     return float(np.exp(mean)), float(SURE * np.sqrt(weight @ (half**2 + (logarithm - mean) ** 2)))
@@ -107,17 +107,14 @@ def _spectra(predictor: Predictor, rows: slice, edge: float) -> tuple[Spectrum, 
     torque, speed, dt = predictor.torque[rows], predictor.speed[rows], predictor.dt
     smooth = butter(2, min(SIGN_CUTOFF * edge, BAND_DT / dt), fs=1.0 / dt, output="sos")
     direction = np.sign(sosfiltfilt(smooth, speed, padlen=min(int(3.0 / (edge * dt)), speed.size - 1)))
-    frequency = np.fft.rfftfreq(speed.size, dt)
+    frequency = np.asarray(np.fft.rfftfreq(speed.size, dt), dtype=np.float64)
     inside = frequency <= edge
     window = np.hanning(speed.size) / np.sqrt(speed.size)
     signals = np.array([np.gradient(speed, dt), direction, speed, np.ones(speed.size), torque])
     acceleration, *others, seen = np.fft.rfft(signals * window)[:, inside]
     slope = 2j * np.pi * frequency[inside]
-    return (
-        np.array([acceleration, *others, slope * acceleration, slope**2 * acceleration]),
-        seen,
-        frequency[inside],
-    )
+    columns: Spectrum = np.array([acceleration, *others, slope * acceleration, slope**2 * acceleration])
+    return columns, np.asarray(seen), frequency[inside]
 
 
 def _weighted_fit(columns: Spectrum, torque: Spectrum) -> tuple[float, float]:
