@@ -101,7 +101,7 @@ def _of_band(predictor: Predictor, edge: float) -> tuple[float, float] | None:
 
 
 def _spectra(predictor: Predictor, rows: slice, edge: float) -> tuple[Spectrum, Spectrum, Array]:
-    """Columns (6, m) with the acceleration first, torque (m,) and frequency (m,) of a segment, seen through a window."""
+    """Columns (6, m) with the acceleration first, torque (m,) and frequency (m,) of a windowed segment."""
     from scipy.signal import butter, sosfiltfilt
 
     torque, speed, dt = predictor.torque[rows], predictor.speed[rows], predictor.dt
