@@ -149,16 +149,17 @@ def test_a_rigid_drive_has_no_spring():
     found = lm.identify(recorded(rigid, 1e-3, 8.0), start=TABLE_I)
     assert set(found.intervals) & {"inertia_load", "stiffness", "damping", "backlash"} == set()
     assert total_is_right(found, 0.1292)
+    assert any(
+        "beyond the total inertia" in p.remedy and "shows no torsion" in p.remedy for p in found.problems
+    )
 
 
 def test_an_elastic_drive_whose_torsion_does_not_show():
-    """Its mode is at 3.2 kHz, beyond the recording's band: the total inertia alone is identified."""
+    """Its mode is at 3.2 kHz, beyond the recording's band: of the inertias the total alone is identified."""
     stiff = TABLE_I.with_parameters(stiffness=6.3e6, damping=12.0, backlash=0.0)
-    found = lm.identify(recorded(stiff, 1e-3, 8.0), start=TABLE_I)
-    assert set(found.intervals) & {"stiffness", "damping", "backlash"} == set()
+    found = lm.identify(recorded(stiff, 1e-3, 4.0), start=TABLE_I, second_estimator=False)
+    assert set(found.intervals) & {*CORE, "damping"} == set()
     assert total_is_right(found, stiff.inertia_total)
-    (reason,) = [p for p in found.problems if "beyond the total inertia" in p.remedy]
-    assert "shows no torsion" in reason.remedy
 
 
 @pytest.mark.parametrize("seed", [1, 27])
