@@ -23,10 +23,16 @@ from zoo_tables import Scores, picture, summary, tables
 
 import lostmotion as lm
 from lostmotion.errors import LostMotionError
+from lostmotion.identification.prediction_error.contact_switching.total_inertia import of_slow_motion
+from lostmotion.identification.prediction_error.identifiability import NOT_EXCITED
+from lostmotion.identification.prediction_error.innovations import Predictor
 
 
-def identified(seed: int, longest: int, second: bool) -> dict[str, Any] | None:
-    """What ``identify`` finds of one drive, beside its truth; None if the recording has more than ``longest`` rows."""
+def identified(seed: int, longest: int, second: bool, total: bool) -> dict[str, Any] | None:
+    """What ``identify`` finds of one drive, beside its truth; None if the recording has more than ``longest`` rows.
+
+    ``total``: only the total inertia of the slow motion.
+    """
     drive = lm.rig.drive(seed)
     if len(drive.recording) > longest:
         return None
@@ -41,6 +47,10 @@ def identified(seed: int, longest: int, second: bool) -> dict[str, Any] | None:
         "found": {},
     }
     before = time.perf_counter()
+    if total:
+        entry["found"] = slow_motion(drive)
+        entry["time"] = time.perf_counter() - before
+        return entry
     try:
         found = lm.identify(drive.recording, start=drive.nameplate, second_estimator=second)
     except LostMotionError as refusal:
@@ -57,9 +67,22 @@ def identified(seed: int, longest: int, second: bool) -> dict[str, Any] | None:
     return entry
 
 
-def run(seeds: Iterable[int], results: Path, processes: int, longest: int, second: bool) -> None:
+def slow_motion(drive: lm.rig.Drive) -> dict[str, Any]:
+    """What ``identify`` takes where nothing else tells the total inertia, or tells it as well."""
+    recording, start = drive.recording, drive.nameplate
+    signals = (recording["torque_motor"], recording["speed_motor"], recording.dt)
+    predictor = Predictor(
+        *signals, recording.meta["speed_from_counts"], start, skip=0, bounds=(0, len(recording))
+    )
+    value, half = of_slow_motion(predictor, start.zero_frequency)
+    if not half < np.log(NOT_EXCITED):
+        return {}
+    return {"inertia_total": {"value": value, "interval": [value * np.exp(-half), value * np.exp(half)]}}
+
+
+def run(seeds: Iterable[int], results: Path, processes: int, longest: int, second: bool, total: bool) -> None:
     """Identifies the drives that the results file does not have yet, and appends a line for each."""
-    one = partial(identified, longest=longest, second=second)
+    one = partial(identified, longest=longest, second=second, total=total)
     done = {entry["seed"] for entry in read(results)}
     todo = [seed for seed in seeds if seed not in done]
     if not todo:
@@ -87,6 +110,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--longest", type=int, default=250_000, help="longer recordings are left out, rows")
     parser.add_argument("--fit-alone", action="store_true", help="without the second estimator")
+    parser.add_argument("--total-alone", action="store_true", help="only the slow motion's total inertia")
     parser.add_argument("--picture", type=Path)
     parser.add_argument("--summary", type=Path, help="the pooled numbers as JSON")
     arguments = parser.parse_args()
@@ -97,6 +121,7 @@ def main() -> None:
         arguments.processes,
         arguments.longest,
         not arguments.fit_alone,
+        arguments.total_alone,
     )
     scores = Scores([entry for entry in read(arguments.results) if entry["seed"] in seeds])
     print(tables(scores))

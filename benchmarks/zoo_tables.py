@@ -29,6 +29,8 @@ PICTURE = {
 GROUPS, SMALLEST, LARGEST = 6, 1e-3, 1e3
 #: A drive counts for rates and errors if its Cramér–Rao half width is no more than this; for 3 % targets, the second.
 COUNTS, COUNTS_FINE = 0.10, 0.03
+#: Judged for itself: what it adds to the pooled figures would say nothing about the two masses.
+TOTAL = "inertia_total"
 #: Grossly wrong: outside the interval, and off by more than this many half widths or this share.
 GROSS_HALVES, GROSS_SHARE = 3.0, 0.3
 
@@ -52,11 +54,13 @@ class Row:
 
 
 class Scores:
-    """All judged parameters of all drives; ``identified`` are the identified ones."""
+    """All judged parameters of all drives; ``identified`` are the identified ones, ``totals`` the total inertias."""
 
     def __init__(self, entries: Sequence[dict[str, Any]]) -> None:
         self.entries = list(entries)
-        self.rows = [row for i, entry in enumerate(self.entries) for row in _rows(i, entry)]
+        judged = [row for i, entry in enumerate(self.entries) for row in _rows(i, entry)]
+        self.rows = [row for row in judged if row.name != TOTAL]
+        self.totals = [row for row in judged if row.name == TOTAL]
         self.identified = [row for row in self.rows if row.identified]
 
     def of(self, keep: Callable[[dict[str, Any]], bool]) -> Scores:
@@ -114,8 +118,10 @@ def summary(scores: Scores) -> dict[str, Any]:
         "drives": len(scores.entries),
         "refused": sum("refusal" in entry for entry in scores.entries),
         "pooled": numbers(scores.rows),
-        "parameters": {name: numbers([r for r in scores.rows if r.name == name]) for name in names},
-        "designed": {name: numbers([r for r in designed.rows if r.name == name]) for name in names},
+        "parameters": {name: numbers([r for r in scores.rows if r.name == name]) for name in names}
+        | {TOTAL: numbers(scores.totals)},
+        "designed": {name: numbers([r for r in designed.rows if r.name == name]) for name in names}
+        | {TOTAL: numbers(designed.totals)},
         "fine_errors_90": {
             name: _quantile(
                 [r.error for r in designed.identified if r.name == name and r.bound <= COUNTS_FINE], 0.9
@@ -134,13 +140,14 @@ def tables(scores: Scores) -> str:
     whole = summary(scores)
     groups = _groups(scores)
     cells = len(groups) + len(whole["parameters"])
+    every = [*scores.rows, *scores.totals]
     lines = [
         f"{whole['drives']} drives, {whole['refused']} refused; {whole['time_median']:.2f} s median, "
         f"{whole['time_largest']:.1f} s at most. Marked: coverage below 95 % by more than a binomial test allows "
         f"at 5 % over {cells} cells.",
         "",
         *_table("parameter", {"all": scores.rows}, cells),
-        *_table(None, {n: [r for r in scores.rows if r.name == n] for n in whole["parameters"]}, cells),
+        *_table(None, {n: [r for r in every if r.name == n] for n in whole["parameters"]}, cells),
         "",
         *_table("dimension", groups, cells),
     ]

@@ -84,7 +84,7 @@ def run(
         with _stage("export", timing, progress):
             code, code_problems = write_code(laws, folder, found.drivetrain)
         with _stage("draw", timing, progress):
-            true_parameters = None if truth is None else truth.parameters
+            true_parameters = None if truth is None else _true_values(truth)
             drawn = figures(material, found, laws, validation, true_parameters)
             for figure in drawn:
                 figure.draw()
@@ -94,7 +94,7 @@ def run(
         results["stability"] = stability
         results["problems"] += [p.as_dict() for p in code_problems]
         if truth is not None:
-            results["truth"] = {"parameters": truth.parameters}
+            results["truth"] = {"parameters": true_parameters}
         with _stage("report", timing, progress):
             _write_data(folder, material, found, validation, truth)
             results["timing_s"] = timing
@@ -171,7 +171,12 @@ def _write_data(folder: Path, material: Material, found: Found, validation: Vali
     for name, recording in named.items():
         save_recording(recording, folder / "recordings" / f"{name}.npz")
     if truth is not None:
-        save_json(folder / "truth.json", "truth", {"parameters": truth.parameters})
+        save_json(folder / "truth.json", "truth", {"parameters": _true_values(truth)})
+
+
+def _true_values(truth: Any) -> dict[str, Any]:
+    """What the table of parameters may be held against."""
+    return {**truth.parameters, "inertia_total": truth.drivetrain.inertia_total}
 
 
 def _command(configuration: str | Path | Configuration | None, seed: int) -> str:

@@ -171,7 +171,8 @@ def test_truth_of_friction_at_both_ends():
 def test_truth_of_a_rigid_drive():
     d = made(1)
     assert d.absent == ABSENT_IF_RIGID
-    assert d.truth.parameters["inertia_motor"] == d.truth.drivetrain.inertia_total
+    assert d.truth.parameters["inertia_total"] == d.truth.drivetrain.inertia_total
+    assert d.truth.parameters["inertia_motor"] is None
     assert all(d.truth.parameters[name] == 0.0 for name in d.absent)
     assert d.nameplate.stiffness > 0.0
 
@@ -204,7 +205,7 @@ def test_cramer_rao_of_a_rigid_drive_is_that_of_the_regression():
     )  # fmt: skip
     impulse = np.cumsum(np.r_[0.0, torque[:-1]]) * d.recording.dt / inertia
     deviation = 0.01 / np.linalg.norm(impulse - impulse.mean())
-    assert cramer_rao(one)["inertia_motor"] == pytest.approx(1.96 * deviation, rel=1e-3)
+    assert cramer_rao(one)["inertia_total"] == pytest.approx(1.96 * deviation, rel=1e-3)
 
 
 def test_cramer_rao_of_a_gap_that_never_opens_is_wide():

@@ -176,7 +176,7 @@ def identify_rig(rig: Rig, progress: Progress = nothing_shown) -> Identified:
     wrong = {name: NAMEPLATE_OFF * value for name, value in published.TABLE_I.items()}
     start = published.paper_drivetrain(**wrong).with_contact("viscoelastic")
     found = identify(recording, start=start, progress=progress)
-    return Identified(found, truth.parameters)
+    return Identified(found, {**truth.parameters, "inertia_total": rig.drivetrain.inertia_total})
 
 
 def random_responses(rig: Rig, model: Drivetrain, seconds: float) -> dict[str, dict[str, FrequencyResponse]]:

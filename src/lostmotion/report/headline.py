@@ -18,6 +18,7 @@ RELIABLE = 0.05
 _PARAMETERS = {
     "inertia_motor": "motor inertia",
     "inertia_load": "load inertia",
+    "inertia_total": "total inertia",
     "coulomb": "Coulomb friction",
     "viscous": "viscous friction",
     "coulomb_motor": "the motor's Coulomb friction",
@@ -59,9 +60,11 @@ def headline(results: Mapping[str, Any]) -> str:
 def _parameters(results: Mapping[str, Any]) -> Iterator[_Verdict]:
     """The parameters that are known well, those that are not, and those that were not identified."""
     entries = {name: mapping(entry) for name, entry in mapping(results.get("parameters")).items()}
-    known = [name for name in PARAMETER_UNITS if entries.get(name)]
+    known = [name for name in (*PARAMETER_UNITS, "inertia_total") if entries.get(name)]
     widths = {name: _relative_half_width(entries[name]) for name in known}
     reliable = [name for name in known if (w := widths[name]) is not None and w <= RELIABLE]
+    if {"inertia_motor", "inertia_load"} <= set(reliable):  # both parts say more than the sum
+        known, reliable = ([name for name in names if name != "inertia_total"] for names in (known, reliable))
     if reliable:
         largest = max(w for name in reliable if (w := widths[name]) is not None)
         yield _Verdict(f"{_list([_words(name) for name in reliable])} (±{percent(largest)})", True)

@@ -214,7 +214,7 @@ def _finished(
     """The model for the design: identified values, else the user's; never the start value of something unknown."""
     for name in SHOWN:
         table.setdefault(name, _entry(name, None, "not excited"))
-    ordered = {name: table[name] for name in PARAMETER_UNITS if name in table}
+    ordered = {name: table[name] for name in (*PARAMETER_UNITS, "inertia_total") if name in table}
     values = {**nameplate, **{n: e["value"] for n, e in ordered.items() if e["value"] is not None}}
     missing = [name for name in NEEDED if name not in values]
     drivetrain: Drivetrain | None = None

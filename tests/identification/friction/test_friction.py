@@ -284,6 +284,20 @@ def test_emps_symmetric(emps: Recording) -> None:
     assert found.relative_error <= 0.041
 
 
+def test_emps_has_the_published_mass_for_identify_as_well(emps: Recording) -> None:
+    """Which takes it for two masses of 60 kg; the speed is that of the counts."""
+    speed = np.diff(emps["position"], prepend=emps["position"][0]) / emps.dt
+    signals = {"torque_motor": emps["force"], "speed_motor": speed}
+    recording = Recording(emps.time, signals, meta={"speed_from_counts": True})
+    start = lm.Drivetrain.two_mass(
+        inertia_motor=60.0, inertia_load=60.0, stiffness=1.07e6, damping=10.0, coulomb=20.0, viscous=200.0
+    )
+    found = lm.identify(recording, start=start, second_estimator=False)
+    low, high = found.intervals["inertia_total"]
+    assert found.values["inertia_total"] == pytest.approx(EMPS["inertia"], rel=0.005)
+    assert low < EMPS["inertia"] < high < 1.04 * low
+
+
 def test_emps_asymmetric(emps: Recording) -> None:
     found = rigid_drive(emps, angle="position", torque="force", asymmetric=True)
     for name, published in EMPS_ASYMMETRIC.items():

@@ -20,6 +20,8 @@ from lostmotion.recording import Recording
 DT = 1e-4
 LAGGED = {**TABLE_I, "lag": 3e-4}
 PLANT = lm.Drivetrain.two_mass(**LAGGED)
+#: What an identification says values of.
+TRUTH = {**LAGGED, "inertia_total": PLANT.inertia_total}
 COUNT = 2.0 * np.pi / 2**20
 #: Largest relative errors on the virtual rig.
 TARGETS = {"inertia_motor": 0.04, "inertia_load": 0.015, "stiffness": 0.04, "backlash": 0.04, "coulomb": 0.04}
@@ -60,7 +62,8 @@ def found_from_counts() -> Identification:
 @cache
 def on_rig(seed: int) -> tuple[Identification, dict[str, float]]:
     recording, truth = lm.rig.record(seed)
-    return lm.identify(recording, start=off_by_two(truth.parameters, seed)), truth.parameters
+    values = {**truth.parameters, "inertia_total": truth.drivetrain.inertia_total}
+    return lm.identify(recording, start=off_by_two(truth.parameters, seed)), values
 
 
 def error(found: Identification, truth: dict[str, float], name: str) -> float:
@@ -102,8 +105,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     hits = []
     for seed in range(2, 8):
         found = lm.identify(counted(simulated(seed, 5.0), phase=0.1 * seed), start=PLANT)
-        hits += [low <= LAGGED[n] <= high for n, (low, high) in found.intervals.items()]
-    assert len(hits) == 6 * len(NAMES)
+        hits += [low <= TRUTH[n] <= high for n, (low, high) in found.intervals.items()]
+    assert len(hits) == 6 * len(TRUTH)
     # Too few only where chance would hardly make it so: the last digits move single intervals over the truth.
     assert binomtest(sum(hits), len(hits), 0.95, "less").pvalue > 0.005
 
@@ -148,7 +151,7 @@ def test_what_is_stated_of_counts_is_kept(stated: bool):
 def test_rig_says_what_is_poorly_known():
     found, _ = on_rig(1)
     relative = {
-        n: (high - low) / 2.0 / found.drivetrain.parameters()[n] for n, (low, high) in found.intervals.items()
+        n: (high - low) / 2.0 / getattr(found.drivetrain, n) for n, (low, high) in found.intervals.items()
     }
     assert relative["damping"] > 0.3 and relative["viscous"] > 0.05
     assert relative["inertia_load"] < 0.03
@@ -218,7 +221,7 @@ def test_a_torque_that_never_reverses_does_not_tell_the_backlash(exact: bool):
     assert found.sources["backlash"] == "not excited"
     assert found.values["backlash"] is None and "backlash" not in found.intervals
     assert found.drivetrain.backlash == pytest.approx(0.02)
-    assert all(low <= LAGGED[n] <= high for n, (low, high) in found.intervals.items())
+    assert all(low <= TRUTH[n] <= high for n, (low, high) in found.intervals.items())
     assert error(found, LAGGED, "stiffness") < 0.03
     (problem,) = [p for p in found.problems if p.where == "backlash"]
     assert problem.severity == "warning" and "reversals" in problem.remedy and "0.02 rad" in problem.remedy

@@ -12,13 +12,14 @@ from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import InvalidInput, Problem
 from ...recording import Recording
-from ..statistics.estimates import Source
+from ..statistics.estimates import Interval, Source
 from . import initial_values, warnings
 from . import problems as problem
 from .channel_innovations import ChannelPredictor
 from .contact_switching.agreement import confirmed
 from .contact_switching.likelihood import Candidate
 from .contact_switching.structure import structure_of
+from .contact_switching.total_inertia import of_slow_motion, total_inertia
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descent, fit
 from .gap.absent_gap import better_without
 from .identifiability import Told, higher_mode, told
@@ -81,6 +82,9 @@ def identify(
     such simulations a bound of it is in a. Where counts are coarse, rows are joined; where the innovations still leave
     too little of the speed, nothing is identified (``warnings``).
 
+    The total inertia is identified where nothing else is, from the motion far below the zero
+    (``contact_switching.total_inertia``).
+
     Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
     sticking, with friction at both ends, a delay and an unknown load torque (``contact_switching.descents``). The fit
     stands if nothing predicts clearly better. Else what does is reported, if several starts lead to it; if not, the
@@ -140,6 +144,7 @@ def identify(
     warnings.check_length(pieces.time.size, pieces.dt, MIN_ROWS, MIN_TIME)
     warnings.check_size(pieces.time.size, len(measured))
     predictor = _predictor(pieces, recordings[0], start, speed_from_counts)
+    slow = of_slow_motion(predictor, start.zero_frequency)
     coarse: list[Problem] = []
     if predictor.speed_from_counts and not wide:
         rows, coarse = warnings.rows_to_join(predictor.speed, pieces.dt, start.pole_frequency)
@@ -176,7 +181,8 @@ def identify(
         say(0.9, "comparing with the contact-switching filter")
         predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed, compared)
     structure = structure_of(predictor, stage, compared, judged, load_torque)
-    result = _result(pieces, predictor, stage, values, start, fixed, total, structure)
+    inertia = total_inertia(slow, stage, values)
+    result = _result(pieces, predictor, stage, values, start, fixed, total, structure, inertia)
     if not result.names and warnings.is_too_coarse(result.prediction):
         doubts = []  # one reason why nothing is identified is enough: no model explains what is lost in the counts
     result = replace(result, problems=(*result.problems, *doubts, *ambiguous, *coarse))
@@ -267,6 +273,7 @@ def _result(
     fixed: Collection[str],
     total: float,
     structure: Structure,
+    inertia: tuple[float, Interval] | None,
 ) -> Identification:
     residual, names = stage.fit.residual, tuple(NAMES[i] for i in stage.free)
     theta = values.theta
@@ -291,10 +298,13 @@ def _result(
         name: "identified" if name in names else "nameplate" if name in fixed else "not excited"
         for name in NAMES
     }
+    found = {n: None if sources[n] == "not excited" else float(getattr(drivetrain, n)) for n in NAMES}
     bounds = {} if values.gap_bound is None else {"backlash": (0.0, values.gap_bound)}
+    if inertia is not None:
+        bounds["inertia_total"] = inertia[1]
     return Identification(
         drivetrain=drivetrain,
-        values={n: None if sources[n] == "not excited" else float(getattr(drivetrain, n)) for n in NAMES},
+        values=found | {"inertia_total": None if inertia is None else inertia[0]},
         intervals={NAMES[i]: (float(low[i]), float(high[i])) for i in stage.free} | bounds,
         sources=sources,
         problems=(
@@ -311,6 +321,7 @@ def _result(
                 pieces.dt,
                 values.gap_bound,
             ),
+            *([problem.not_excited("inertia_total", start.inertia_total)] if inertia is None else []),
         ),
         prediction=prediction,
         structure=structure,

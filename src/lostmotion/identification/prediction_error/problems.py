@@ -8,15 +8,19 @@ import numpy as np
 
 from ...drivetrain import PARAMETER_UNITS, Drivetrain
 from ...errors import Problem
+from ..statistics.estimates import UNITS
 
 _EXCITE = {
     "backlash": "Record reversals of the shaft torque: torque of both signs at steady speed.",
     "stiffness": "Record torque with content near the zero and the pole of the drivetrain.",
     "damping": "Record torque with content near the pole, with the gap closed.",
+    "inertia_total": "Record accelerations in both directions, more often than the load torque changes.",
     "coulomb": "Record steady speeds in both directions, with more torque than the friction holds.",
     "viscous": "Record two speed levels in each direction, far apart.",
     "lag": "Record torque with content above the pole.",
 }
+#: Where no value of the two masses is identified: the slow motion alone may tell their sum.
+_NOTHING = "Nothing is identified beyond the total inertia"
 
 # The recording.
 
@@ -57,7 +61,7 @@ def unexplained(excess: float, most: float) -> Problem:
         "identification",
         f"innovations {excess:.1f} times the sensor's noise",
         f"at most {most:.0f} times",
-        "Nothing is identified, as no model explains the recording. Record without load torque, or measure more.",
+        f"{_NOTHING}, as no model explains the recording. Record without load torque, or measure more.",
     )
 
 
@@ -67,7 +71,8 @@ def rigid() -> Problem:
         "identification",
         "a rigid drive that predicts as well",
         "torsional motion above the noise",
-        "Nothing is identified. Use rigid_drive for inertia and friction, or record torque near the pole.",
+        f"{_NOTHING}, neither its parts nor stiffness, damping or backlash: this recording shows no torsion. Record "
+        "torque near the pole, or use rigid_drive for the friction.",
     )
 
 
@@ -77,7 +82,7 @@ def contradicted() -> Problem:
         "identification",
         "other values that predict clearly better, and leave more than the sensor's noise",
         "one model that explains the recording",
-        "Nothing is identified. Record more reversals of the torque, without load torque, or measure more.",
+        f"{_NOTHING}. Record more reversals of the torque, without load torque, or measure more.",
     )
 
 
@@ -111,7 +116,7 @@ def too_coarse(level: float, deviation: float, most: float) -> Problem:
     """Rms of the innovations and standard deviation of the speed, rad/s; ``most`` is the largest share."""
     got = f"innovations of {level:.3g} rad/s in a speed that varies by {deviation:.3g} rad/s"
     remedy = (
-        "Nothing is identified. Check the values under [nameplate]; if they are right, the resolution is too low: take "
+        f"{_NOTHING}. Check the values under [nameplate]; if they are right, the resolution is too low: take "
         "a finer encoder, or record faster motion with more torque."
     )
     return Problem.warning("speed_motor", got, f"at most {100.0 * most:g} %", remedy)
@@ -155,7 +160,7 @@ def laws_alike(gain: float, certainty: float, least: float) -> Problem:
 
 
 def not_excited(name: str, nameplate: float) -> Problem:
-    value = f"{nameplate:g} {PARAMETER_UNITS[name]}"
+    value = f"{nameplate:g} {UNITS[name]}"
     instead = (
         f"The nameplate's {value} is used instead."
         if nameplate

@@ -89,7 +89,8 @@ class Structure:
 class Identification(Estimates):
     """An identified two-mass drivetrain and how well it is known.
 
-    Beside the values, intervals, sources and problems of ``Estimates``:
+    The values are those of the drivetrain and ``inertia_total``, which a rigid drive has as well. It is not the sum of
+    the drivetrain's inertias where these keep the nameplate. Beside values, intervals, sources and problems:
 
     Parameters
     ----------

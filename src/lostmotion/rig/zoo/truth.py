@@ -1,5 +1,7 @@
 """The truth that an identification of a drive of the zoo is judged by; fixed before anything was fitted (2026-11-22).
 
+Changed 2026-11-23: the total inertia is judged of every drive; of a rigid one it was, under the name of the motor's.
+
 A chain's equivalent two masses are those of ``rig.equivalent``: inertias are sums on each side of the gap, stiffness
 follows from the first mode with those sums. Beyond that:
 
@@ -10,8 +12,9 @@ follows from the first mode with those sums. Beyond that:
 - **friction**: Coulomb and viscous of motor and load each by the line closest to the curve at the recorded speeds, the
   Coulomb torque as the mean of both directions. Where an end never moves, there is none;
 - **lag**: the sum of lag and delay. Of a recording of the measured torque there is none;
-- **rigid**: all inertia is the motor's. There is no load inertia, no stiffness, no damping and no backlash, and nothing
-  may be identified there.
+- **total inertia**: the sum of the whole chain, whatever else has no equivalent;
+- **rigid**: there is no motor inertia apart from the total. There is no load inertia, no stiffness, no damping and no
+  backlash, and nothing may be identified there.
 
 What has no equivalent is None, and is not judged.
 """
@@ -35,17 +38,17 @@ SOFT = 0.5
 
 def equivalent(chain: Drivetrain, exact: Recording | None, delay: float) -> dict[str, float | None]:
     """Judged parameters of a chain, SI; without a recording, friction is None. ``delay`` in s."""
-    lag = {"lag": chain.actuator.lag + delay}
+    whole = {"inertia_total": chain.inertia_total, "lag": chain.actuator.lag + delay}
     motor = _line(chain.frictions[0], exact, "speed_motor")
     if len(chain.inertias) == 1:
         # Of one inertia there is one friction, which may be reported as either end's.
         friction = dict(zip(("coulomb", "viscous"), motor, strict=True))
-        told = {"inertia_motor": chain.inertia_total, **dict.fromkeys(ABSENT_IF_RIGID, 0.0)}
-        return {**told, **friction, "coulomb_motor": None, "viscous_motor": None, **lag}
+        told = {"inertia_motor": None, **dict.fromkeys(ABSENT_IF_RIGID, 0.0)}
+        return {**told, **friction, "coulomb_motor": None, "viscous_motor": None, **whole}
     load = _line(chain.frictions[-1], exact, "speed_load")
     names = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
     friction = dict(zip(names, (*load, *motor), strict=True))
-    found = chain_sums(chain) | friction | lag
+    found = chain_sums(chain) | friction | whole
     if sum(s.has_backlash for s in chain.shafts) > 1 or has_soft_clutch(chain):
         found |= dict.fromkeys(("inertia_motor", "inertia_load", "stiffness", "damping"))
     return found

@@ -61,6 +61,12 @@ def gross(found: Identification, truth: dict[str, float | None]) -> dict[str, fl
     return errors
 
 
+def total_is_right(found: Identification, total: float) -> bool:
+    """Within its interval, of 5 % at most."""
+    low, high = found.intervals["inertia_total"]
+    return low <= total <= high < 1.1 * low
+
+
 @pytest.mark.parametrize(
     ("changes", "dt", "duration"),
     [
@@ -142,6 +148,18 @@ def test_a_rigid_drive_has_no_spring():
     rigid = lm.Drivetrain(inertias=(0.1292,), frictions=(lm.Friction(viscous=0.0175, coulomb=2.0),))
     found = lm.identify(recorded(rigid, 1e-3, 8.0), start=TABLE_I)
     assert set(found.intervals) & {"inertia_load", "stiffness", "damping", "backlash"} == set()
+    assert total_is_right(found, 0.1292)
+    assert any(
+        "beyond the total inertia" in p.remedy and "shows no torsion" in p.remedy for p in found.problems
+    )
+
+
+def test_an_elastic_drive_whose_torsion_does_not_show():
+    """Its mode is at 3.2 kHz, beyond the recording's band: of the inertias the total alone is identified."""
+    stiff = TABLE_I.with_parameters(stiffness=6.3e6, damping=12.0, backlash=0.0)
+    found = lm.identify(recorded(stiff, 1e-3, 4.0), start=TABLE_I, second_estimator=False)
+    assert set(found.intervals) & {*CORE, "damping"} == set()
+    assert total_is_right(found, stiff.inertia_total)
 
 
 @pytest.mark.parametrize("seed", [1, 27])
@@ -151,6 +169,7 @@ def test_drives_of_the_zoo_that_were_wrong(seed: int):
     found = lm.identify(drive.recording, start=drive.nameplate)
     assert set(found.intervals) & set(drive.absent) == set()
     assert gross(found, dict(drive.truth.parameters)) == {}
+    assert total_is_right(found, drive.truth.drivetrain.inertia_total)
 
 
 def test_what_comes_out_again_is_told_though_the_torque_is_noisy():
