@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 from shared import parser_of
+from zoo_gap_bound import gap_bound
 from zoo_observer import observer_errors
 from zoo_tables import Scores, picture, summary, tables
 
@@ -57,6 +58,7 @@ def identified(seed: int, longest: int, second: bool) -> dict[str, Any] | None:
         entry["fit"] = found.prediction.fit
         entry["problems"] = [problem.where for problem in found.problems]
         entry["observer"] = observer_errors(drive, found)
+        entry["gap_bound"] = gap_bound(found)
     return entry
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import beta, binom
+from zoo_gap_bound import gap_bound_numbers, gap_bound_table
 from zoo_observer import observer_numbers, observer_table
 
 #: Dimensions that are cut in quartiles, and those that are kinds.
@@ -124,6 +125,7 @@ def summary(scores: Scores) -> dict[str, Any]:
             for name in names
         },
         "observer": observer_numbers(scores.entries),
+        "gap_bound": gap_bound_numbers(scores.entries),
         "time_median": _quantile(times, 0.5),
         "time_largest": _quantile(times, 1.0),
     }
@@ -147,6 +149,8 @@ def tables(scores: Scores) -> str:
         *_table("dimension", groups, cells),
         "",
         *observer_table(whole["observer"]),
+        "",
+        *gap_bound_table(whole["gap_bound"]),
     ]
     return "\n".join(lines)
 

@@ -12,7 +12,9 @@ import pytest
 import lostmotion as lm
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
+import zoo_gap_bound
 import zoo_observer
+import zoo_tables
 
 #: A third of the virtual rig's frequency, a gap of 0.4 wind-ups, no load torque.
 DRIVE = lm.rig.drive(403)
@@ -50,3 +52,27 @@ def test_an_observer_that_cannot_be_made_counts():
     numbers = zoo_observer.observer_numbers([*nine, {"observer": {"identified": None, "true": 0.002}}])
     assert numbers["fine_identified"] == 0.9 and numbers["fine_true"] == 1.0
     assert numbers["ratio_90"] == float("inf")
+
+
+def line(gap: float, bound: float | None, **found: Any) -> dict[str, Any]:
+    """A line of results of a drive with this gap and this bound, rad; the Cramér–Rao limit is 0.001 of either."""
+    return {
+        "truth": {"backlash": gap}, "bound": {"backlash": 0.001}, "gap_bound": bound, "found": found, "absent": [],
+        "dimensions": dict(DRIVE.dimensions), "time": 1.0, "observer": {"identified": 0.004, "true": 0.002},
+    }  # fmt: skip
+
+
+def test_the_bound_of_a_gap_and_what_the_limit_allows():
+    intervals = {"backlash": (0.0, 0.002)}
+    told: Any = SimpleNamespace(sources={"backlash": "not excited"}, intervals=intervals)
+    assert zoo_gap_bound.gap_bound(told) == 0.002
+    told.sources["backlash"] = "identified"
+    assert zoo_gap_bound.gap_bound(told) is None
+    rigid = line(0.0, None) | {"absent": ["backlash"]}
+    wrong = {"value": 0.01, "interval": [0.009, 0.011]}
+    entries = [line(0.0, 0.002), line(0.0, 0.004), line(0.0, None, backlash=wrong), line(0.003, 0.002), rigid]
+    numbers = zoo_gap_bound.gap_bound_numbers([*entries, line(0.003, 0.004)])
+    assert numbers["without"] == {"drives": 3, "told": 2, "holds": 2, "identified": 1, "ratio_median": 3.0}
+    assert (numbers["with"]["told"], numbers["with"]["holds"]) == (2, 1)
+    shown = zoo_tables.tables(zoo_tables.Scores(entries))
+    assert "| without a gap | 3 | 2 | 2 | 1 | 3 |" in shown and "| 5 | 100 | 0.4 | 100 | 0.2 | 2 |" in shown
