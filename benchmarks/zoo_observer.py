@@ -58,39 +58,44 @@ def _error(drive: lm.rig.Drive, model: lm.Drivetrain) -> float | None:
     return rmse(units.speed * observer.run(shown)["speed_load_estimated"][judged], true) / signal_range(true)
 
 
-def observer_numbers(entries: Sequence[dict[str, Any]]) -> dict[str, float]:
-    """Figures of all drives of which Observer 1 was judged; one that cannot be made has an infinite error."""
+def observer_numbers(entries: Sequence[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Figures of all drives of which Observer 1 was judged, and of those without the load torque that it lacks."""
+    without = [entry for entry in entries if entry["dimensions"]["load_torque"] == "none"]
+    return {"all": _numbers(entries), "without load torque": _numbers(without)}
+
+
+def _numbers(entries: Sequence[dict[str, Any]]) -> dict[str, float]:
+    """An observer that cannot be made has an infinite error."""
     judged = [entry["observer"] for entry in entries if entry.get("observer")]
     judged = [errors for errors in judged if errors["true"] is not None]
     true = np.array([errors["true"] for errors in judged])
     identified = np.array([np.inf if e["identified"] is None else e["identified"] for e in judged])
-    ratios = identified / true
     return {
         "drives": len(judged),
-        **{
-            f"{measure}_{which}": value
-            for which, errors in (("identified", identified), ("true", true))
-            for measure, value in (("fine", _share(errors <= FINE)), ("error_90", _most(errors)))
-        },
-        "ratio_90": _most(ratios),
+        "fine_identified": _share(identified <= FINE),
+        "error_90_identified": _most(identified),
+        "fine_true": _share(true <= FINE),
+        "error_90_true": _most(true),
+        "ratio_90": _most(identified / true),
     }
 
 
-def observer_table(numbers: dict[str, float]) -> list[str]:
+def observer_table(numbers: dict[str, dict[str, float]]) -> list[str]:
     """The same as Markdown."""
-    share, error = (
-        [scale * numbers[f"{measure}_{which}"] for which in ("identified", "true")]
-        for measure, scale in (("fine", 100.0), ("error_90", 100.0))
-    )
-    return [
+    fine = f"≤ {100 * FINE:g} %, %"
+    lines = [
         "Observer 1: RMSE of the load speed over its range, with the identified and with the true equivalent.",
         "",
-        f"| drives | identified: ≤ {100 * FINE:g} %, % | 90 % below, % | true: ≤ {100 * FINE:g} %, % | 90 % below, % "
-        "| 90 % of ratios below |",
-        "|---" * 6 + "|",
-        f"| {numbers['drives']} | {share[0]:.0f} | {error[0]:.3g} | {share[1]:.0f} | {error[1]:.3g} "
-        f"| {numbers['ratio_90']:.3g} |",
+        f"| | drives | identified: {fine} | 90 % below, % | true: {fine} | 90 % below, % | 90 % of ratios below |",
+        "|---" * 7 + "|",
     ]
+    for name, n in numbers.items():
+        cells = (
+            100.0 * n[key] for key in ("fine_identified", "error_90_identified", "fine_true", "error_90_true")
+        )
+        shown = " | ".join(f"{cell:.3g}" for cell in cells)
+        lines.append(f"| {name} | {n['drives']} | {shown} | {n['ratio_90']:.3g} |")
+    return lines
 
 
 def _share(holds: NDArray[np.bool_]) -> float:

@@ -41,17 +41,22 @@ def test_observer_1_is_judged_where_its_parameters_are_identified():
     assert judged({"coulomb": "not excited"}) is not None
 
 
+def errors(identified: float | None, true: float | None, load_torque: str = "none") -> dict[str, Any]:
+    return {
+        "observer": {"identified": identified, "true": true},
+        "dimensions": {"load_torque": load_torque},
+    }
+
+
 def test_an_observer_that_cannot_be_made_counts():
-    one: dict[str, Any] = {"observer": {"identified": 0.004, "true": 0.002}}
-    nine = [one] * 9
-    numbers = zoo_observer.observer_numbers(
-        [*nine, {"observer": None}, {}, {"observer": {"identified": None, "true": None}}]
-    )
+    nine = [errors(0.004, 0.002)] * 9
+    unjudged = errors(0.004, 0.002) | {"observer": None}
+    numbers = zoo_observer.observer_numbers([*nine, unjudged, errors(None, None)])["all"]
     assert numbers["drives"] == 9 and numbers["fine_identified"] == 1.0
     assert numbers["error_90_true"] == 0.002 and numbers["ratio_90"] == pytest.approx(2.0)
-    numbers = zoo_observer.observer_numbers([*nine, {"observer": {"identified": None, "true": 0.002}}])
-    assert numbers["fine_identified"] == 0.9 and numbers["fine_true"] == 1.0
-    assert numbers["ratio_90"] == float("inf")
+    both = zoo_observer.observer_numbers([*nine, errors(None, 0.002, "slow")])
+    assert both["all"]["fine_identified"] == 0.9 and both["all"]["fine_true"] == 1.0
+    assert both["all"]["ratio_90"] == float("inf") and both["without load torque"] == numbers
 
 
 def line(gap: float, bound: float | None, **found: Any) -> dict[str, Any]:
@@ -75,4 +80,7 @@ def test_the_bound_of_a_gap_and_what_the_limit_allows():
     assert numbers["without"] == {"drives": 3, "told": 2, "holds": 2, "identified": 1, "ratio_median": 3.0}
     assert (numbers["with"]["told"], numbers["with"]["holds"]) == (2, 1)
     shown = zoo_tables.tables(zoo_tables.Scores(entries))
-    assert "| without a gap | 3 | 2 | 2 | 1 | 3 |" in shown and "| 5 | 100 | 0.4 | 100 | 0.2 | 2 |" in shown
+    assert (
+        "| without a gap | 3 | 2 | 2 | 1 | 3 |" in shown
+        and "| all | 5 | 100 | 0.4 | 100 | 0.2 | 2 |" in shown
+    )
