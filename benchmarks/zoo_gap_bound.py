@@ -1,4 +1,4 @@
-"""The bound "no backlash above": how often it is told, whether it holds, and over what the Cramér–Rao limit allows."""
+"""The bound "no backlash above": how often it is given, whether it holds, and over what the Cramér–Rao limit allows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lostmotion.identification import Identification
 
 
 def gap_bound(found: Identification) -> float | None:
-    """The bound, rad; None where none is told, or the backlash is identified."""
+    """The bound, rad; None where none is given, or the backlash is identified."""
     if found.sources["backlash"] == "identified" or "backlash" not in found.intervals:
         return None
     return found.intervals["backlash"][1]
@@ -27,14 +27,14 @@ def gap_bound_numbers(entries: Sequence[dict[str, Any]]) -> dict[str, dict[str, 
 
 
 def _numbers(entries: Sequence[dict[str, Any]]) -> dict[str, float]:
-    told = [entry for entry in entries if entry["gap_bound"] is not None]
+    given = [entry for entry in entries if entry["gap_bound"] is not None]
     # Of a drive without a gap the limit is in rad.
-    without = [entry for entry in told if entry["truth"]["backlash"] == 0.0]
+    without = [entry for entry in given if entry["truth"]["backlash"] == 0.0]
     ratios = [entry["gap_bound"] / entry["bound"]["backlash"] for entry in without]
     return {
         "drives": len(entries),
-        "told": len(told),
-        "holds": sum(entry["truth"]["backlash"] <= entry["gap_bound"] for entry in told),
+        "given": len(given),
+        "holds": sum(entry["truth"]["backlash"] <= entry["gap_bound"] for entry in given),
         "identified": sum("backlash" in entry["found"] for entry in entries),
         "ratio_median": float(np.median(ratios)) if ratios else np.nan,
     }
@@ -43,12 +43,12 @@ def _numbers(entries: Sequence[dict[str, Any]]) -> dict[str, float]:
 def gap_bound_table(numbers: dict[str, dict[str, float]]) -> list[str]:
     """The same as Markdown."""
     lines = [
-        '"No backlash above": how often it is told and holds, and its median over the Cramér–Rao half width.',
+        '"No backlash above": how often it is given and holds, and its median over the Cramér–Rao half width.',
         "",
-        "| drives | | bound told | holds | a gap identified | over Cramér–Rao, median |",
+        "| drives | | bound given | holds | a gap identified | over Cramér–Rao, median |",
         "|---" * 6 + "|",
     ]
     for name, n in numbers.items():
-        counts = " | ".join(str(n[key]) for key in ("drives", "told", "holds", "identified"))
+        counts = " | ".join(str(n[key]) for key in ("drives", "given", "holds", "identified"))
         lines.append(f"| {name} a gap | {counts} | {n['ratio_median']:.3g} |")
     return lines

@@ -77,8 +77,8 @@ def test_the_bound_of_a_gap_and_what_the_limit_allows():
     wrong = {"value": 0.01, "interval": [0.009, 0.011]}
     entries = [line(0.0, 0.002), line(0.0, 0.004), line(0.0, None, backlash=wrong), line(0.003, 0.002), rigid]
     numbers = zoo_gap_bound.gap_bound_numbers([*entries, line(0.003, 0.004)])
-    assert numbers["without"] == {"drives": 3, "told": 2, "holds": 2, "identified": 1, "ratio_median": 3.0}
-    assert (numbers["with"]["told"], numbers["with"]["holds"]) == (2, 1)
+    assert numbers["without"] == {"drives": 3, "given": 2, "holds": 2, "identified": 1, "ratio_median": 3.0}
+    assert (numbers["with"]["given"], numbers["with"]["holds"]) == (2, 1)
     shown = zoo_tables.tables(zoo_tables.Scores(entries))
     assert (
         "| without a gap | 3 | 2 | 2 | 1 | 3 |" in shown

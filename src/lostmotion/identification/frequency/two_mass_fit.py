@@ -40,7 +40,7 @@ KEPT = {
 
 #: Outputs that a rigid drive has too.
 SHOWN_WITHOUT_A_SHAFT = ("angle_motor", "speed_motor", "angle_load", "speed_load")
-#: A mode is told where noise alone makes it with at most this probability (option: as the 95 % of the intervals).
+#: A mode is identified where noise alone makes it with at most this probability (option: as the 95 % of the intervals).
 CHANCE = 0.05
 #: What only the torsional mode shows.
 OF_THE_MODE = ("inertia_motor", "inertia_load", "stiffness", "damping", "zero", "pole")
@@ -87,7 +87,7 @@ def two_mass_fit(
     so another eigenmode or a disturbance has little influence. Without a start, zero and pole are searched on a grid.
     Intervals: sandwich with the correlation of neighbouring lines, Student's t.
 
-    Where a rigid drive fits as well (likelihood ratio), nothing is told of a mode.
+    Where a rigid drive fits as well (likelihood ratio), no mode is identified.
 
     A gap, friction and too coarse a resolution bias the result beyond its intervals: it describes the drivetrain at the
     amplitude of the test.
