@@ -127,6 +127,19 @@ def test_ten_times_the_stiffness():
     assert gross(found, plant.parameters()) == {}
 
 
+@pytest.mark.parametrize("factor", [5.0, 10.0])
+def test_what_never_moved_from_the_start_is_not_identified(factor: float):
+    """Damping and lag were those of the start, with intervals around them; the fit alone made it so."""
+    plant = TABLE_I.with_parameters(stiffness=factor * TABLE_I.stiffness, damping=factor * TABLE_I.damping)
+    start = plant.with_parameters(damping=3.0 * plant.damping, lag=1e-3)
+    found = lm.identify(recorded(plant, duration=1.0), start=start, second_estimator=False)
+    assert "damping" in found.intervals
+    for name in {"damping", "lag"} & set(found.intervals):
+        assert abs(found.values[name] / getattr(start, name) - 1.0) > 0.01, name
+        low, high = found.intervals[name]
+        assert high - low > 0.01 * getattr(start, name), name
+
+
 @pytest.mark.parametrize(
     ("changes", "bits", "noise"),
     [({"coulomb": 0.4}, 20, 0.0), ({}, 12, 0.0), ({}, None, 0.5)],
