@@ -100,17 +100,32 @@ def check_size(rows: int, channels: int) -> None:
 
 
 def count_step(speed: NDArray[np.float64]) -> float | None:
-    """The step of which a speed takes only multiples, as the count difference of an encoder does, rad/s; else None."""
+    """The step of which a speed takes only multiples, as the count difference of an encoder does, rad/s; else None.
+
+    The greatest common divisor of the differences between its levels, by Euclid: of a fine encoder no two levels that
+    occur are neighbours.
+    """
     levels = np.unique(speed[:20000])
     if levels.size < 3:
         return None
-    steps = np.diff(levels)
-    steps = steps[
-        steps > 1e-9 * np.max(np.abs(levels))
-    ]  # what is below is rounding of one and the same level
-    step = float(np.median(steps[steps < 1.5 * np.min(steps)])) if steps.size else 0.0
-    counts = levels / step if step > 0.0 else np.full(1, 0.5)
-    return step if np.max(np.abs(counts - np.round(counts))) < 0.02 else None
+    rounding = 1e-9 * float(np.max(np.abs(levels)))
+    differences = np.diff(levels)
+    rest = differences = differences[differences > rounding]
+    step = 0.0
+    while rest.size:
+        step = float(np.min(rest))
+        rest = np.abs(rest - step * np.round(rest / step))
+        rest = rest[rest > max(rounding, 0.02 * step)]
+    # Rounding has gone into the step; ever more counts at once tell it ever better.
+    spans, most = np.sort(np.concatenate([differences, np.abs(levels)])), 3.0
+    while step > 0.0:
+        few = spans[spans < most * step]
+        counts = np.round(few / step)
+        step = float(counts @ few / (counts @ counts)) if np.any(counts) else step
+        if few.size == spans.size:
+            return step if np.max(np.abs(levels / step - np.round(levels / step))) < 0.02 else None
+        most *= 3.0
+    return None
 
 
 def rows_to_join(speed: NDArray[np.float64], dt: float, pole_frequency: float) -> tuple[int, list[Problem]]:

@@ -170,15 +170,17 @@ def _turned(c, of, x, y):
 
 @njit(**COMPILED)
 def _through(
-    t, begin, c, of, finest, held, ramp, n, nc, tail, law, torque, jump, contact, rest, x, y, errors, f, work
+    t, begin, c, of, finest, held, ramp, n, nc, ends, law, torque, jump, contact, rest, x, y, errors, f, work
 ):
     """A sample in which something changes, from event to event.
 
     x is advanced; returns contact, what sticks, and the share of the sample with the gap closed. The model's
-    transitions are at t[begin …], its numbers at c[of …]. What sticks is taken as constant over 2⁻ʰᵉˡᵈ of a sample at
-    most. With ``errors``, f is how an error of the state goes on over the sample.
+    transitions are at t[begin …], its numbers at c[of …]; ``ends`` are the places of the speeds before and behind the
+    gap. What sticks is taken as constant over 2⁻ʰᵉˡᵈ of a sample at most. With ``errors``, f is how an error of the
+    state goes on over the sample.
     """
     lead, half, part = c[of + LEAD], c[of + HALF], -1.0 if ramp else c[of + PART]
+    tail, head = ends
     if errors:
         for j in range(nc):
             for i in range(WIDE):
@@ -195,7 +197,7 @@ def _through(
         at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
         u = torque + shape_mean(part, finest, done, size) * jump
         stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
-        z = y[0] + lead * (y[tail] - y[2])
+        z = y[0] + lead * (y[tail] - y[head])
         after = _next_contact(contact, z, y[0], half, law)
         changes = after != contact or stuck != rest or _turned(c, of, x, y)
         if (changes and level < finest) or (stuck != 0 and level < held):
@@ -207,7 +209,7 @@ def _through(
             if contact == 0 and law == CLIPPED:
                 z_before, z_after = x[0], y[0]
             else:
-                z_before, z_after = x[0] + lead * (x[tail] - x[2]), z
+                z_before, z_after = x[0] + lead * (x[tail] - x[head]), z
             edge = (contact if contact != 0 else after) * half
             share = (
                 min(max((edge - z_before) / (z_after - z_before), 0.0), 1.0) if z_after != z_before else 1.0
@@ -307,9 +309,8 @@ def _held(q, dt, finest):
 
 
 @njit(**COMPILED)
-def _sensor_rows(q, sensors, counted, law, third, angle, rows, offsets):
+def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offsets):
     """What each sensor shows of the state with the gap open and closed, and of the gap's edge."""
-    tail = third + 1 if third > 0 else 1
     for s in range(sensors.size):
         for closed in range(2):
             if sensors[s] == SPEED_MOTOR:
@@ -323,21 +324,21 @@ def _sensor_rows(q, sensors, counted, law, third, angle, rows, offsets):
                 if third > 0:
                     rows[closed, s, third] = 1.0
             elif closed == 1 or law == DEAD_ZONE:
-                rows[closed, s, tail], rows[closed, s, 2] = q[DAMPING], -q[DAMPING]
+                rows[closed, s, tail], rows[closed, s, head] = q[DAMPING], -q[DAMPING]
                 rows[closed, s, 0] = q[STIFFNESS] if closed == 1 else 0.0
         offsets[s] = -q[STIFFNESS] if sensors[s] == TORQUE_SHAFT else 0.0
 
 
 @njit(**COMPILED)
 def innovations(
-    parameters, free, kinds, units, dt, law, finest, ramp, sensors, counted, ratios, bounds, torque, measured, level,
-    spread, residuals, variances, jacobian,
+    parameters, free, kinds, units, dt, law, finest, ramp, behind, sensors, counted, ratios, bounds, torque, measured,
+    level, spread, residuals, variances, jacobian,
 ):  # fmt: skip
     """One pass of the filter over a recording, with the sensitivities to some parameters.
 
     Parameters
     ----------
-    parameters : (19,) array
+    parameters : (20,) array
         See ``transitions``.
     free, kinds : (m,) int arrays
         Places of the parameters whose sensitivities are wanted, and how they enter θ, see ``_changed``.
@@ -348,6 +349,8 @@ def innovations(
         Contact law; a sample is halved so often at most.
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
+    behind : bool
+        Whether a third mass is part of the load and sits behind the gap, else part of the motor and before it.
     sensors : (s,) int array
         SPEED_MOTOR first.
     counted : bool
@@ -369,19 +372,19 @@ def innovations(
     m, angled = free.size, counted
     for s in range(sensors.size):
         angled = angled or sensors[s] == ANGLE_MOTOR
-    third, load, angle, n, nc = layout(parameters, angled)
-    tail = third + 1 if third > 0 else 1
+    third, load, angle, tail, head, n, nc = layout(parameters, angled, behind)
+    ends, kind = (tail, head), (ramp, behind, counted, angled)
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, (finest + 1) * BLOCK
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
     noise, other, errors = np.zeros((2, square)), np.zeros((2, square)), np.zeros(8 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
-    fill_model(parameters, dt, law, finest, ramp, counted, angled, level, models[0], numbers[0], noise)
+    fill_model(parameters, dt, law, finest, kind, level, models[0], numbers[0], noise)
     for j in range(m):
         q = parameters.copy()
         q[free[j]] = _changed(q[free[j]], kinds[j], units[j], _STEP, dt)
-        fill_model(q, dt, law, finest, ramp, counted, angled, level, models[j + 1], numbers[j + 1], other)
-    _sensor_rows(parameters, sensors, counted, law, third, angle, rows, offsets)
+        fill_model(q, dt, law, finest, kind, level, models[j + 1], numbers[j + 1], other)
+    _sensor_rows(parameters, sensors, counted, law, third, angle, tail, head, rows, offsets)
     for which in range(8):
         _errors(models.reshape(-1), (which >> 2) * whole, nc, which & 3, errors, which * square)
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
@@ -401,11 +404,12 @@ def innovations(
             slope[:] = 0.0
             end = bounds[piece + 1] - 1
             x[1] = (measured[min(k + 1, end), 0] - measured[k, 0]) / dt if counted else measured[k, 0]
-            x[2] = x[tail] = x[1]
+            x[2] = x[1]
             x[n - 1] = torque[k]
             p[0] = spread[0] ** 2
-            p[WIDE + 1] = p[2 * WIDE + 2] = p[tail * WIDE + tail] = spread[1] ** 2
+            p[WIDE + 1] = p[2 * WIDE + 2] = spread[1] ** 2
             if third > 0:
+                x[third + 1], p[(third + 1) * WIDE + third + 1] = x[1], spread[1] ** 2
                 p[third * WIDE + third] = spread[0] ** 2
             if load > 0:
                 p[load * WIDE + load] = spread[2] ** 2
@@ -456,15 +460,17 @@ def innovations(
         for i in range(WIDE):
             old[i] = x[i]
         u, jump = _delayed(torque, k, c, 0, ramp)
-        rate = x[tail] - x[2]
+        rate = x[tail] - x[head]
         z = x[0] + lead * rate
         # In doubt about the contact: an edge is within the filter's uncertainty, and that is more than the way of a
         # sample.
         doubt, travel = 0.0, 0.5 * rate * dt
         if gap_law != NO_GAP:
-            a, b = tail * WIDE, 2 * WIDE
+            a, b = tail * WIDE, head * WIDE
             variance = (
-                p[0] + 2.0 * lead * (p[a] - p[b]) + lead * lead * (p[a + tail] + p[b + 2] - 2.0 * p[a + 2])
+                p[0]
+                + 2.0 * lead * (p[a] - p[b])
+                + lead * lead * (p[a + tail] + p[b + head] - 2.0 * p[a + head])
             )
             doubt = level * math.sqrt(max(variance, 0.0))
             if doubt <= abs(travel) or abs(abs(z) - half) >= _DOUBT * doubt + abs(travel):
@@ -476,12 +482,12 @@ def innovations(
             rest = _moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
             for i in range(n):
                 x[i] = y[i]
-            z = x[0] + lead * (x[tail] - x[2])
+            z = x[0] + lead * (x[tail] - x[head])
             contact = 1 if z > half else -1 if z < -half else 0
             _errors(mixed, 0, nc, rest, f, 0)
         else:
             rest = _moved(t, at, c, 0, n, x, u, jump, contact * half, y)
-            z = y[0] + lead * (y[tail] - y[2])
+            z = y[0] + lead * (y[tail] - y[head])
             quiet = _next_contact(contact, z, y[0], half, gap_law) == contact and not _turned(c, 0, x, y)
             quiet = quiet and rest == rested and (rest == 0 or held == 0)
             if quiet:
@@ -489,7 +495,7 @@ def innovations(
                     x[i] = y[i]
             else:
                 contact, rest, weight = _through(
-                    t, 0, c, 0, finest, held, ramp, n, nc, tail, gap_law, u, jump, contact, rested, x, y, True, f, work
+                    t, 0, c, 0, finest, held, ramp, n, nc, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
                 )  # fmt: skip
         if quiet:
             where = (4 * closed + rest) * square
@@ -514,7 +520,7 @@ def innovations(
                 for i in range(n):
                     gain[i] = old[i]
                 _through(
-                    t, begin, c, of, finest, held, ramp, n, nc, tail, gap_law, u, jump, before, rested, gain, y, False,
+                    t, begin, c, of, finest, held, ramp, n, nc, ends, gap_law, u, jump, before, rested, gain, y, False,
                     f, work,
                 )  # fmt: skip
                 for i in range(n):

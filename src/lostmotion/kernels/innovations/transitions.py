@@ -23,8 +23,8 @@ from .two_mass import add_series, product
 # zero: no unknown load torque.
 (
     INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS, COULOMB_MOTOR, VISCOUS_MOTOR, LAG,
-    DELAY, ASYMMETRY, ASYMMETRY_MOTOR, LOAD_TORQUE, SHARE, COMPLIANCE, MOTOR_RATE, LOAD_RATE, TORQUE_RATE,
-) = range(19)  # fmt: skip
+    DELAY, ASYMMETRY, ASYMMETRY_MOTOR, LOAD_TORQUE, SHARE, COMPLIANCE, LOSS, MOTOR_RATE, LOAD_RATE, TORQUE_RATE,
+) = range(20)  # fmt: skip
 
 #: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
 VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
@@ -52,15 +52,17 @@ _NO_LAG = 1e-6
 
 
 @njit(**COMPILED)
-def layout(q, angled):
-    """Places of third mass, load torque and angle among the states (0: none); states; states with a covariance."""
+def layout(q, angled, behind):
+    """Places among the states of third mass, load torque and angle (0: none), and of the speeds before and behind the
+    gap; states; states with a covariance. ``behind``: the third mass sits behind the gap, else before it."""
     third = 3 if q[SHARE] > 0.0 else 0
+    tail, head = third + 1 if third > 0 and not behind else 1, third + 1 if third > 0 and behind else 2
     nc = 5 if third > 0 else 3
     load = nc if q[TORQUE_RATE] > 0.0 else 0
     nc += 1 if load > 0 else 0
     angle = nc if angled else 0
     nc += 1 if angle > 0 else 0
-    return third, load, angle, nc + 1, nc
+    return third, load, angle, tail, head, nc + 1, nc
 
 
 @njit(**COMPILED)
@@ -79,23 +81,44 @@ def _damped_spring(block, behind, before, spring, damper, j_before, j_behind):
 
 
 @njit(**COMPILED)
-def _continuous(q, dt, n, third, load, angle, closed, law, block):
+def _shafts(q, behind):
+    """Stiffness of the shaft with the gap and of the further one, Nm/rad, and damping over stiffness of either, s.
+
+    ``STIFFNESS`` is that of two masses with the same torsional mode; ``DAMPING`` is that of both shafts in series, in
+    slow motion; the further one's damping over stiffness is ``LOSS`` times that of the other.
+    """
+    if q[SHARE] == 0.0:
+        rate = q[DAMPING] / q[STIFFNESS]
+        return q[STIFFNESS], np.inf, rate, rate
+    near, far = q[INERTIA_MOTOR], q[INERTIA_LOAD]
+    if behind:
+        near, far = far, near
+    further, own = two_springs(near, far, q[STIFFNESS], q[SHARE], q[COMPLIANCE])
+    rate = q[DAMPING] * (1.0 / further + 1.0 / own) / (1.0 + (q[LOSS] - 1.0) * q[COMPLIANCE])
+    return own, further, rate, q[LOSS] * rate
+
+
+@njit(**COMPILED)
+def _continuous(q, dt, n, third, load, angle, tail, head, closed, law, block):
     """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
     block[:] = 0.0
-    jm, jl, k, rate = q[INERTIA_MOTOR], q[INERTIA_LOAD], q[STIFFNESS], q[DAMPING] / q[STIFFNESS]
-    tail, j_tail = 1, jm  # state whose speed drives the gap
-    if third > 0:
-        # Damping in proportion to stiffness: damps the torsional mode as the damping of the two masses does.
-        before, k = two_springs(jm, jl, k, q[SHARE], q[COMPLIANCE])
-        tail, j_tail = third + 1, q[SHARE] * jm
+    jm, jl = q[INERTIA_MOTOR], q[INERTIA_LOAD]
+    k, further, rate, other = _shafts(q, head != 2)
+    j_tail, j_head = jm, jl  # before and behind the gap
+    if third > 0 and head == 2:
+        j_tail = q[SHARE] * jm
         jm -= j_tail
-        _damped_spring(block, tail, (third, 1), before, rate * before, jm, j_tail)
+        _damped_spring(block, tail, (third, 1), further, other * further, jm, j_tail)
+    elif third > 0:
+        j_head = q[SHARE] * jl
+        jl -= j_head
+        _damped_spring(block, 2, (third, head), further, other * further, j_head, jl)
     spring = k if closed else 0.0
     damper = rate * k if closed or law == DEAD_ZONE else 0.0
     if math.isinf(k):  # rigid: there is one inertia, the motor's
         spring = damper = 0.0
-    _damped_spring(block, 2, (0, tail), spring, damper, j_tail, jl)
-    block[tail, n + 1], block[2, n + 1] = spring / j_tail, -spring / jl
+    _damped_spring(block, head, (0, tail), spring, damper, j_tail, j_head)
+    block[tail, n + 1], block[head, n + 1] = spring / j_tail, -spring / j_head
     block[1, 1] -= q[VISCOUS_MOTOR] / jm
     block[2, 2] -= q[VISCOUS] / jl
     if load > 0:
@@ -207,27 +230,31 @@ def _fill_jump(table, at, finest, n, part):
 
 
 @njit(**COMPILED)
-def fill_model(q, dt, law, finest, ramp, counted, angled, level, table, c, noise):
-    """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise."""
-    third, load, angle, n, nc = layout(q, angled)
+def fill_model(q, dt, law, finest, kind, level, table, c, noise):
+    """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise.
+
+    ``kind``: whether the torque is a ramp, a third mass sits behind the gap, the speed is counted, the angle a state.
+    """
+    ramp, behind, counted, angled = kind
+    third, load, angle, tail, head, n, nc = layout(q, angled, behind)
     block, density, own = np.zeros((n + 4, n + 4)), np.zeros((nc, nc)), np.zeros((nc, nc))
     # Torque noise that moves motor or load as fast as their rates say: a lone inertia that is seen by its speed, or by
     # its angle, has a filter of that bandwidth.
     power = 4.0 if counted else 2.0
     density[1, 1], density[2, 2] = q[MOTOR_RATE] ** power * dt, q[LOAD_RATE] ** power * dt
     if third > 0:
-        density[third + 1, third + 1] = density[1, 1]
+        density[third + 1, third + 1] = density[2, 2] if behind else density[1, 1]
     if load > 0:
         density[load, load] = (q[TORQUE_RATE] / level) ** 2
     for closed in range(2):
-        _continuous(q, dt, n, third, load, angle, closed == 1, law, block)
+        _continuous(q, dt, n, third, load, angle, tail, head, closed == 1, law, block)
         at = closed * (finest + 1) * BLOCK
         _transitions(block, density, dt, n, finest, table, at, own)
         _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
         for i in range(nc):
             for j in range(nc):
                 noise[closed, i * WIDE + j] = own[i, j]
-    c[LEAD] = 0.0 if law == DEAD_ZONE else q[DAMPING] / q[STIFFNESS]
+    c[LEAD] = 0.0 if law == DEAD_ZONE else _shafts(q, behind)[2]
     c[HALF] = 0.5 * q[BACKLASH]
     c[LEVELS] = q[COULOMB_MOTOR] * (1.0 + q[ASYMMETRY_MOTOR])
     c[LEVELS + 1] = q[COULOMB_MOTOR] * (1.0 - q[ASYMMETRY_MOTOR])

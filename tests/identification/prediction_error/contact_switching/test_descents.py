@@ -1,4 +1,4 @@
-"""The search over starts: what is displaced comes back, and one start alone is not believed."""
+"""The search over starts: what is displaced comes back, and the best has to stand out."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.descents import (
     DISPLACED,
     Search,
+    _stands_out,
     with_other_torque,
 )
-from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance, told
+from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
 
@@ -48,19 +49,11 @@ def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(searc
     assert held.over(ramp).ramp is False
 
 
-def test_a_place_is_believed_where_other_starts_lead_there(search: Search, best: Candidate):
-    estimate = told(best, [best], np.zeros(len(TOLD)), search.box, ())
-    again = [replace(best, start=name) for name in ("grid 1", "grid 2")]
-    confirmed = search._found_again(estimate, best, [best, *again])
-    assert confirmed is not None and confirmed.half == pytest.approx(estimate.half)
-    assert search._found_again(estimate, best, [best, best, best]) is None
-
-
-def test_a_backlash_that_other_starts_do_not_find_is_not_told(search: Search, best: Candidate):
-    estimate = told(best, [best], np.zeros(len(TOLD)), search.box, ())
+def test_the_best_stands_out_where_what_predicts_alike_agrees_with_it(search: Search, best: Candidate):
     theta = best.theta.copy()
-    theta[INDEX["backlash"]] += 0.5
-    elsewhere = [replace(best, start=name, theta=theta) for name in ("grid 1", "grid 2")]
-    confirmed = search._found_again(estimate, best, [best, *elsewhere])
-    assert confirmed is not None
-    assert {name for name, half in zip(TOLD, confirmed.half, strict=True) if np.isinf(half)} == {"backlash"}
+    theta[[INDEX["inertia_load"], INDEX["stiffness"]]] += 2.0
+    elsewhere = replace(best, theta=theta)
+    assert _stands_out([best, replace(best, start="again")])
+    assert _stands_out([best, replace(elsewhere, cost=best.cost + 0.5)])
+    assert not _stands_out([best, elsewhere])
+    assert search.estimate([best, elsewhere]) is None

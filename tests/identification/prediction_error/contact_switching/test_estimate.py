@@ -89,8 +89,11 @@ def test_what_is_fixed_or_at_a_bound_is_not_told(best: Candidate):
     assert np.isinf(found.half[[TOLD.index("coulomb"), TOLD.index("inertia_motor")]]).all()
 
 
-def test_a_third_inertia_leaves_damping_and_lag_open(best: Candidate):
+def test_a_third_inertia_leaves_damping_open_as_far_as_innovations_are_left(best: Candidate):
     theta = best.theta.copy()
-    theta[[INDEX["share"], INDEX["compliance"]]] = np.log([0.2, 0.1])
-    found = told(replace(best, theta=theta), [best], NOTHING, box(best), ())
-    assert found.half[TOLD.index("damping")] >= 0.5
+    theta[[INDEX["share"], INDEX["compliance"], INDEX["loss"]]] = np.log([0.2, 0.1, 1.0])
+    third = replace(best, theta=theta)
+    place = TOLD.index("damping")
+    left, none = (replace(third, cost=cost) for cost in (2.0, 0.0))
+    assert told(left, [left], NOTHING, box(best), ()).half[place] >= 0.49
+    assert told(none, [none], NOTHING, box(best), ()).half[place] < 0.2

@@ -15,6 +15,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
     white_noise,
 )
 from lostmotion.identification.prediction_error.innovations import Predictor
+from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 
 
 def test_the_true_parameters_leave_the_sensors_noise(flt: ContactFilter, values: dict[str, float]):
@@ -23,6 +24,41 @@ def test_the_true_parameters_leave_the_sensors_noise(flt: ContactFilter, values:
     # White: neighbours are not correlated.
     w = run.weighted[200:]
     assert abs(np.mean(w[1:] * w[:-1]) / np.mean(w**2)) < 0.1
+
+
+@pytest.mark.parametrize("behind", [False, True], ids=["before the gap", "behind it"])
+def test_a_third_inertia_is_followed_on_its_side_of_the_gap(behind: bool):
+    """A chain whose two shafts have loss factors of their own; on the other side of the gap it is another drive."""
+    values = {
+        "inertia_motor": 0.05,
+        "inertia_load": 0.08,
+        "stiffness": 3000.0,
+        "damping": 0.6,
+        "backlash": 0.01,
+    }
+    values |= {"coulomb": 1.0, "share": 0.1, "compliance": 0.3, "loss": 5.0}
+    near, far = values["inertia_motor"], values["inertia_load"]
+    if behind:
+        near, far = far, near
+    further, last = two_springs(near, far, values["stiffness"], values["share"], values["compliance"])
+    rate = values["damping"] * (1.0 / further + 1.0 / last) / (1.0 + 4.0 * values["compliance"])
+    inertias = [(1.0 - values["share"]) * near, values["share"] * near, far]
+    shafts = [
+        lm.Shaft(further, 5.0 * rate * further),
+        lm.Shaft(last, rate * last, backlash=values["backlash"]),
+    ]
+    order = -1 if behind else 1
+    friction = lm.Friction(values["coulomb"])
+    chain = lm.Drivetrain(inertias[::order], shafts[::order], (lm.Friction(), lm.Friction(), friction))
+    torque = lm.signals.excitation(1.0, 2e-4, seed=3, inertia=0.13, coulomb=1.0, viscous=0.0)
+    count = 2.0 * np.pi / 2**20
+    angle = np.floor(lm.simulate(chain, torque_motor=torque, dt=2e-4)["angle_motor"] / count) * count
+    flt = ContactFilter(
+        torque, angle, 2e-4, True, count / np.sqrt(12.0), count / np.sqrt(12.0), 6, (0, torque.size)
+    )
+    theta = flt.theta(values | {"motor_rate": 3.0, "load_rate": 1.0})
+    assert replace(flt, behind=behind).run(theta).cost == pytest.approx(0.0, abs=0.15)
+    assert replace(flt, behind=not behind).run(theta).cost > 0.5
 
 
 @pytest.mark.parametrize("name", ["inertia_motor", "stiffness", "backlash", "coulomb"])

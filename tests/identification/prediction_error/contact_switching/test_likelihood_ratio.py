@@ -60,8 +60,8 @@ def test_what_is_infinitely_unlikely_is_worse(flt: ContactFilter, values: dict[s
 def test_where_nothing_explains_the_recording_little_decides_nothing(
     flt: ContactFilter, values: dict[str, float]
 ):
-    """Of 1.0 that is unexplained, a tenth less makes no candidate better."""
+    """Of 1.0 that is unexplained, a third less makes no candidate better."""
     truth = at(flt, values)
-    assert alike(replace(truth, cost=1.1), replace(truth, cost=1.0))
-    assert not alike(replace(truth, cost=1.3), replace(truth, cost=1.0))
+    assert alike(replace(truth, cost=1.3), replace(truth, cost=1.0))
+    assert not alike(replace(truth, cost=1.4), replace(truth, cost=1.0))
     assert not alike(replace(truth, cost=0.11), replace(truth, cost=0.01))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+import numpy as np
+
 from ....drivetrain import Drivetrain
 from ....errors import InvalidInput
 from .. import problems as problem
 from ..gain_schedule import Stage
 from ..identifiability import Told
 from ..innovations import Predictor
-from .descents import EXPLAINED, NOISE_ALONE, POLES, Search, with_other_torque
+from .descents import NOISE_ALONE, POLES, Search, with_other_torque
+from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, polish
@@ -63,8 +66,8 @@ def confirmed(
     if not clearly_better(best, rigid):
         return fit.nothing(problem.rigid())
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
-    # Where the recording is explained, whatever predicts alike may be right as well.
-    others = [*better, *(one for one in rivals if explained and alike(one, best))]
+    # Whatever predicts alike may be right as well.
+    others = [*better, *(one for one in rivals if alike(one, best))]
     excess = 0.0 if explained else fit.excess(flt)
     doubtful = bool(better) or not stage.free or excess > UNEXPLAINED or fit.contradicted_by(others)
     if doubtful and (found := search.estimate(rivals)) is not None:
@@ -78,7 +81,10 @@ def confirmed(
 
 
 def _stands(search: Search, fit: Fit) -> bool:
-    """Whether torsion is well above the noise, and only noise is left or nothing near the fit is better."""
+    """Whether the fit is sure of what it tells, torsion is well above the noise, and only noise is left or nothing near
+    is better."""
+    if np.any(fit.told.half[fit.core] > APART):
+        return False
     own = within_intervals(
         search.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed, NOISE_ALONE
     )

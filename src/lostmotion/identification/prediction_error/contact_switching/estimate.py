@@ -26,6 +26,14 @@ COHERENT, DISAGREEMENT = 0.02, 2.0
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 BACKLASH = TOLD.index("backlash")
+#: No value is identified where inertias, stiffness or backlash of candidates that predict better or alike are further
+#: away than this, in the logarithm (calibrated on development drives: right values agree within a tenth).
+APART = 0.2
+#: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
+#: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
+EXPLAINED = 0.25
+#: A parameter whose change shows less than this part of what the one shown best does is not shown (numerics: rounding).
+NO_INFORMATION = 1e-9
 #: A value is told if a cost this factor away would be clearly higher (numerics, as ``identifiability.NOT_EXCITED``).
 NOT_EXCITED = 3.0
 
@@ -52,13 +60,15 @@ def scatter(candidate: Candidate) -> tuple[Array, Array]:
     run = candidate.flt.run(candidate.theta, candidate.free)
     if not np.all(np.isfinite(run.jacobian)):  # numbers that grow without bound tell nothing
         return np.zeros((len(TOLD), len(TOLD))), np.full(len(TOLD), np.inf)
-    gather = _gather(candidate)
-    white = inverse_hessian(run.jacobian) * np.mean(run.weighted**2)
-    coloured = sandwich(run.jacobian, run.weighted)
-    with np.errstate(invalid="ignore"):  # an infinite variance: not excited
-        larger = coloured if np.diag(coloured).sum() > np.diag(white).sum() else white
-        variances = [np.diag(gather @ each @ gather.T) for each in (white, coloured)]
-        return gather @ larger @ gather.T, np.sqrt(np.maximum(*variances))
+    size = np.linalg.norm(run.jacobian, axis=1)
+    shown, parts = size > NO_INFORMATION * np.max(size), _gather(candidate)
+    jacobian, gather = run.jacobian[shown], parts[:, shown]
+    silent = parts.any(axis=1) & ~gather.any(axis=1)
+    white = inverse_hessian(jacobian) * np.mean(run.weighted**2)
+    coloured = sandwich(jacobian, run.weighted)
+    larger = coloured if np.diag(coloured).sum() > np.diag(white).sum() else white
+    variances = [np.diag(gather @ each @ gather.T) for each in (white, coloured)]
+    return gather @ larger @ gather.T, np.where(silent, np.inf, np.sqrt(np.maximum(*variances)))
 
 
 def told(
@@ -77,8 +87,13 @@ def told(
         apart[-1] = max(apart[-1], np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt)))
     # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
     unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
-    half = np.hypot(student_factor(1) * error, apart) * np.hypot(1.0, COHERENT * unexplained)
-    half = np.hypot(np.hypot(half, DISAGREEMENT * disagreement), _allowance(best))
+    half = student_factor(1) * error * np.hypot(1.0, COHERENT * unexplained)
+    half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + _allowance(best) ** 2)
+    # Places that predict as well and lie far apart are no interval; friction, damping and lag make up for what the model
+    # lacks.
+    half[CORE] = np.where(apart[CORE] > APART, np.inf, half[CORE])
+    if abs(best.cost) >= EXPLAINED:
+        half[[i for i in range(len(TOLD)) if i not in CORE]] = np.inf
     for i, name in enumerate(TOLD):
         place = INDEX[name]
         held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
@@ -92,19 +107,23 @@ def told(
 
 
 def _allowance(best: Candidate) -> Array:
-    """(8,) what a third inertia that the recording shows leaves open: it is one of several, and damped otherwise."""
+    """(8,) what a third inertia that the recording shows leaves open: as far as innovations are left, it is one of
+    several, and damped otherwise."""
     from ....kernels.innovations.intermediate_inertia import two_springs
 
     values = dict(zip(NAMES, map(float, best.flt.values(best.theta)), strict=True))
-    share, motor, load = values["share"], values["inertia_motor"], values["inertia_load"]
+    share, near, far = values["share"], values["inertia_motor"], values["inertia_load"]
     if not share > 0.0:
         return np.zeros(len(TOLD))
+    if best.flt.behind:
+        near, far = far, near
     drivetrain = Drivetrain.two_mass(**{name: values[name] for name in TOLD})  # type: ignore[arg-type]
-    first, last = two_springs(motor, load, values["stiffness"], share, values["compliance"])
-    inertias = np.array([(1.0 - share) * motor, share * motor, load])
+    first, last = two_springs(near, far, values["stiffness"], share, values["compliance"])
+    inertias = np.array([(1.0 - share) * near, share * near, far])
     stiffness = np.array([[first, -first, 0.0], [-first, first + last, -last], [0.0, -last, last]])
     mode = np.sqrt(np.max(np.linalg.eigvals(stiffness / inertias[:, None]).real)) / (2.0 * np.pi)
-    return model_allowance(TOLD, drivetrain, best.flt.dt, float(mode), sampled=True, joint=True)
+    left = np.sqrt(-np.expm1(-2.0 * max(best.cost, 0.0)))
+    return left * model_allowance(TOLD, drivetrain, best.flt.dt, float(mode), sampled=True, joint=True)
 
 
 def _gather(candidate: Candidate) -> Array:

@@ -20,7 +20,7 @@ PARAMETERS = {
     "inertia_motor": "log", "inertia_load": "log", "stiffness": "log", "damping": "log", "backlash": "log",
     "coulomb": "log", "viscous": "log", "coulomb_motor": "log", "viscous_motor": "log", "lag": "lag",
     "delay": "samples", "asymmetry": "plain", "asymmetry_motor": "plain", "load_torque": "torque", "share": "log",
-    "compliance": "log", "motor_rate": "log", "load_rate": "log", "torque_rate": "log",
+    "compliance": "log", "loss": "log", "motor_rate": "log", "load_rate": "log", "torque_rate": "log",
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
@@ -80,6 +80,8 @@ class ContactFilter:
     law : str
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
+    behind : bool
+        Whether a third inertia is part of the load and sits behind the gap, else part of the motor and before it.
     inertia : (float, float)
         Total inertia (kg m²) that the slow motion tells, and the half width of its logarithm; infinite: any.
     """
@@ -94,6 +96,7 @@ class ContactFilter:
     bounds: tuple[int, ...]
     law: str = "viscoelastic"
     ramp: bool = False
+    behind: bool = False
     inertia: tuple[float, float] = (1.0, np.inf)
 
     @classmethod
@@ -163,9 +166,9 @@ class ContactFilter:
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
             np.array([self._unit(PARAMETERS[NAMES[i]]) for i in free]),
-            self.dt, LAWS[self.law], self.halvings, self.ramp, np.zeros(1, dtype=np.int64), self.counted, np.ones(1),
-            np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None], self.level,
-            tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
+            self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind, np.zeros(1, dtype=np.int64),
+            self.counted, np.ones(1), np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None],
+            self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip
         with np.errstate(all="ignore"):
             scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))

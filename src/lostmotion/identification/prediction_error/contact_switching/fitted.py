@@ -47,7 +47,7 @@ def within_intervals(
     values |= {"motor_rate": rate, "load_rate": rate, "torque_rate": TORQUE_RATE * float(np.std(flt.torque))}
     free = [INDEX[name] for name in TOLD if name not in fixed and (values[name] > 0.0 or name == "lag")]
     if predictor.joint_piece is not None:
-        values |= dict(zip(("share", "compliance"), predictor.joint_piece, strict=True))
+        values |= dict(zip(("share", "compliance"), predictor.joint_piece, strict=True)) | {"loss": 1.0}
         free += [INDEX["share"], INDEX["compliance"]]
     theta, box = flt.theta(values), intervals(stage, told, box)
     # Unknown torques stand for nothing else: with their rates as they come, a right fit looks poor.

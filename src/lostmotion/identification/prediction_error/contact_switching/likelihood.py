@@ -28,41 +28,57 @@ TRIES = 3
 #: A step that lowers the cost by less is the last one; by less than the second, other leverages are tried (numerics).
 GAIN, LARGE_GAIN = 1e-4, 0.02
 
-#: First noise level of a descent over the motion's own, and the factor from level to level (numerics).
-FIRST_LEVEL, LEVEL_FACTOR = 0.03, 5.0
+#: First noise level of a descent over the motion's own, that from values that were fitted already, and the factor from
+#: level to level (numerics).
+FIRST_LEVEL, FITTED_LEVEL, LEVEL_FACTOR = 0.03, 0.003, 5.0
 #: Rates of the filter's unknown torques, and the factor by which they are searched (numerics).
 RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
 #: Rounds of fitting the parameters and the rates in turn at most; a round that lowers the cost by less is the last one.
 #: (Numerics: what the filter follows with an unknown torque it does not follow with its parameters, so that both
 #: change together, and slowly.)
 ROUNDS, ROUND_GAIN = 10, 1e-3
+#: What has bounds of its own, wherever a descent starts.
+BOUNDED = ("lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss")
 #: Constant load torque at most, over the torque's standard deviation (numerics).
 MOST_LOAD = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Bounds of θ, (19,) each."""
+    """Bounds of θ, (20,) each."""
 
     lower: Array
     upper: Array
 
     @classmethod
     def around(cls, flt: ContactFilter, theta: Array, far: float) -> Box:
-        """Within a factor ``far``; lag and delay within 20 ms, asymmetries and parts below one."""
+        """Within a factor ``far``; lag and delay within 20 ms, asymmetries and parts below one.
+
+        A measured torque is ahead of that which acts by a sample at most: it is what acted at the row.
+        """
         lower, upper = theta - np.log(far), theta + np.log(far)
         lower[INDEX["lag"]], upper[INDEX["lag"]] = np.log(1.02 * flt.dt), np.log(flt.dt + 0.02)
-        lower[INDEX["delay"]], upper[INDEX["delay"]] = -0.6, 0.02 / flt.dt
+        lower[INDEX["delay"]], upper[INDEX["delay"]] = -1.0, 0.02 / flt.dt
         for name in ("asymmetry", "asymmetry_motor"):
             lower[INDEX[name]], upper[INDEX[name]] = -0.95, 0.95
         lower[INDEX["load_torque"]], upper[INDEX["load_torque"]] = -MOST_LOAD, MOST_LOAD
-        for name in ("share", "compliance"):
-            lower[INDEX[name]], upper[INDEX[name]] = np.log(2e-3), np.log(0.95)
+        for name, least, most in (
+            ("share", 2e-3, 0.95),
+            ("compliance", 0.01, 0.99),
+            ("loss", 1.0 / far, far),
+        ):
+            lower[INDEX[name]], upper[INDEX[name]] = np.log(least), np.log(most)
         return cls(lower, upper)
 
     def including(self, theta: Array, far: float) -> Box:
-        """Wide enough for a factor ``far`` around another θ, too."""
-        return Box(np.minimum(self.lower, theta - np.log(far)), np.maximum(self.upper, theta + np.log(far)))
+        """Wide enough for a factor ``far`` around another θ, too; what has bounds of its own keeps them."""
+        lower, upper = (
+            np.minimum(self.lower, theta - np.log(far)),
+            np.maximum(self.upper, theta + np.log(far)),
+        )
+        own = [INDEX[name] for name in BOUNDED]
+        lower[own], upper[own] = self.lower[own], self.upper[own]
+        return Box(lower, upper)
 
 
 def side_by_side(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
@@ -183,7 +199,7 @@ class Candidate:
 
     def over(self, rows: ContactFilter) -> ContactFilter:
         """The filter over other rows, with what this candidate takes for torque and contact."""
-        return replace(rows, ramp=self.flt.ramp, law=self.flt.law)
+        return replace(rows, ramp=self.flt.ramp, behind=self.flt.behind, law=self.flt.law)
 
 
 def descend(

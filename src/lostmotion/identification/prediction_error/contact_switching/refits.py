@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import student_factor
 from .estimate import distance, scatter
-from .likelihood import Box, Candidate, polish, side_by_side
+from .filter import ContactFilter
+from .likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,13 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
     half = best.flt.rows // 2
     parts = [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
     parts.append(replace(best.flt, level=MORE_NOISE * best.flt.level))
-    *halves, noisy = side_by_side(lambda flt: polish(best, flt, box), parts)
+
+    def again(flt: ContactFilter) -> Candidate:
+        # From a higher noise level, where the cost is smooth: a fit that cannot get away proves nothing.
+        found = descend(best.start, replace(flt, level=flt.floor), best.theta, best.free, box, FITTED_LEVEL)
+        return polish(replace(found, flt=replace(found.flt, level=flt.level)), flt, box)
+
+    *halves, noisy = side_by_side(again, parts)
     shifts = [distance(noisy, best), *(_beyond_chance(one, best) for one in halves)]
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]

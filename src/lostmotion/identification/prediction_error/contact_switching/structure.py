@@ -67,7 +67,7 @@ def parts_of(candidate: Candidate) -> Parts:
     uneven = abs(v["asymmetry"]) * v["coulomb"] + abs(v["asymmetry_motor"]) * v["coulomb_motor"]
     rigid = candidate.start == "rigid"
     parts = [
-        "one rigid mass" if rigid else _masses(v["share"]),
+        "one rigid mass" if rigid else _masses(v["share"], flt.behind),
         "a gap" if v["backlash"] * v["stiffness"] > GAP * torque else "no gap",
         _friction(v["coulomb"], v["coulomb_motor"]),
         "friction that differs by direction" if uneven > SYMMETRIC * friction > 0.0 else "",
@@ -78,8 +78,11 @@ def parts_of(candidate: Candidate) -> Parts:
     return tuple(part for part in parts if part and not (rigid and part == "no gap"))
 
 
-def _masses(share: float) -> str:
-    return f"three masses, {100.0 * share:.2g} % of the motor's on the shaft" if share > 0.0 else "two masses"
+def _masses(share: float, behind: bool = False) -> str:
+    if not share > 0.0:
+        return "two masses"
+    whose = "load's behind the gap" if behind else "motor's on the shaft"
+    return f"three masses, {100.0 * share:.2g} % of the {whose}"
 
 
 def _friction(load: float, motor: float) -> str:

@@ -16,17 +16,13 @@ from ..gain_schedule import Stage
 from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
-from .estimate import CORE, Estimate
+from .estimate import APART, CORE, Estimate
 from .filter import INDEX, ContactFilter
 from .likelihood import Candidate
 from .starts import told_vector
 
 Array = NDArray[np.float64]
 Outcome = tuple[Predictor, Stage, Told, list[Problem]]
-
-#: No value is identified where inertias, stiffness or backlash of candidates that predict better or alike are further
-#: away than this, in the logarithm (calibrated on development drives: right values agree within a tenth).
-APART = 0.2
 
 
 @dataclass(frozen=True, eq=False)

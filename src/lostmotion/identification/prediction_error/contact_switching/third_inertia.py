@@ -1,0 +1,47 @@
+"""A third inertia on the shaft, before the gap or behind it: where descents with one start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from .filter import INDEX, ContactFilter
+from .likelihood import FITTED_LEVEL, Box, Candidate, descend
+from .starts import with_values
+
+#: Steps of a descent at each noise level (numerics).
+STEPS = 4
+#: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
+#: softest shaft (numerics).
+PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
+
+
+@dataclass(frozen=True)
+class Place:
+    """Part of its side's inertia and of the shaft's compliance, loss factor over that at the gap, and its side."""
+
+    share: float
+    compliance: float
+    loss: float = 1.0
+    behind: bool = False
+
+    @classmethod
+    def of(cls, candidate: Candidate) -> Place | None:
+        """Where a candidate has its third inertia, if it has one."""
+        values = candidate.flt.values(candidate.theta)
+        share, compliance, loss = (float(values[INDEX[name]]) for name in ("share", "compliance", "loss"))
+        return cls(share, compliance, loss, candidate.flt.behind) if share > 0.0 else None
+
+
+def places() -> list[Place]:
+    """Where descents start, on either side of the gap."""
+    return [
+        Place(share, compliance, behind=behind) for behind in (False, True) for share, compliance in PLACES
+    ]
+
+
+def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, box: Box) -> Candidate:
+    """The candidate with a third inertia over some rows; its descent comes down from a higher noise level."""
+    flt = replace(candidate.over(rows), behind=place.behind)
+    theta = with_values(candidate.theta, flt, share=place.share, compliance=place.compliance, loss=place.loss)
+    free = sorted({*candidate.free, INDEX["share"], INDEX["compliance"], INDEX["loss"]})
+    return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
