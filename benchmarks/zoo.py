@@ -19,6 +19,8 @@ from typing import Any
 
 import numpy as np
 from shared import parser_of
+from zoo_gap_bound import gap_bound
+from zoo_observer import observer_errors
 from zoo_tables import Scores, picture, summary, tables
 
 import lostmotion as lm
@@ -54,8 +56,10 @@ def identified(seed: int, longest: int, second: bool, total: bool) -> dict[str, 
     try:
         found = lm.identify(drive.recording, start=drive.nameplate, second_estimator=second)
     except LostMotionError as refusal:
+        found = None
         entry["refusal"] = str(refusal)[:300]
-    else:
+    entry["time"] = time.perf_counter() - before
+    if found is not None:
         entry["found"] = {
             name: {"value": found.values[name], "interval": list(found.intervals[name])}
             for name, source in found.sources.items()
@@ -63,7 +67,8 @@ def identified(seed: int, longest: int, second: bool, total: bool) -> dict[str, 
         }
         entry["fit"] = found.prediction.fit
         entry["problems"] = [problem.where for problem in found.problems]
-    entry["time"] = time.perf_counter() - before
+        entry["observer"] = observer_errors(drive, found)
+        entry["gap_bound"] = gap_bound(found)
     return entry
 
 

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import beta, binom
+from zoo_gap_bound import gap_bound_numbers, gap_bound_table
+from zoo_observer import observer_numbers, observer_table
 
 #: Dimensions that are cut in quartiles, and those that are kinds.
 NUMBERS = (
@@ -110,7 +112,7 @@ def numbers(rows: Sequence[Row]) -> dict[str, float]:
 
 
 def summary(scores: Scores) -> dict[str, Any]:
-    """Pooled figures, those of each parameter, and the times."""
+    """Pooled figures, those of each parameter, what Observer 1 does with them, and the times."""
     names = list(dict.fromkeys(row.name for row in scores.rows))
     times = [entry["time"] for entry in scores.entries]
     designed = scores.of(lambda e: e["dimensions"]["excitation"] == "designed")
@@ -128,6 +130,8 @@ def summary(scores: Scores) -> dict[str, Any]:
             )
             for name in names
         },
+        "observer": observer_numbers(scores.entries),
+        "gap_bound": gap_bound_numbers(scores.entries),
         "time_median": _quantile(times, 0.5),
         "time_largest": _quantile(times, 1.0),
     }
@@ -150,6 +154,10 @@ def tables(scores: Scores) -> str:
         *_table(None, {n: [r for r in every if r.name == n] for n in whole["parameters"]}, cells),
         "",
         *_table("dimension", groups, cells),
+        "",
+        *observer_table(whole["observer"]),
+        "",
+        *gap_bound_table(whole["gap_bound"]),
     ]
     return "\n".join(lines)
 

@@ -46,7 +46,8 @@ def frequency_response_file(
         curves: dict[str, Any] = {source: (response.frequency, response.response, response.margin)}
         marks = {}
         if fit is not None:
-            curves["two masses, fitted"] = (fit.frequency, fit.fitted)
+            masses = "rigid drive" if len(fit.drivetrain.inertias) == 1 else "two masses"
+            curves[f"{masses}, fitted"] = (fit.frequency, fit.fitted)
             marks = {name: value for name in ("zero", "pole") if (value := fit.values[name]) is not None}
         figure = bode(
             curves,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,8 @@ NEIGHBOURS = 1.944
 #: Lines over which coherence is averaged, and multiple of its mean by chance, 1/averages, that counts as clear
 #: (numerics: the mean over 21 lines, of which about half are independent, scatters by 30 % by chance).
 NEIGHBOURHOOD, CLEARLY = 21, 3.0
+#: Lines at either end into which Hann's window smears what lies beyond the band (numerics).
+SMEARED = 2
 #: Grid of the search for a start: zeros, poles, damping ratio (numerics).
 SEARCH_POINTS, SEARCH_DAMPING = 40, 0.05
 
@@ -125,24 +127,45 @@ class WeightedResponse:
         inertia = 1.0 / best.pop("scale")
         return theta_of({name: value * inertia for name, value in best.items()} | {"delay": 0.0})
 
-    def fit(self, theta: Floats) -> tuple[Floats, Floats, Complexes]:
+    def fit(self, theta: Floats, free: Sequence[str] = NAMES) -> tuple[Floats, Floats, Complexes]:
+        """The best parameters from theta on, with the free ones' Jacobian (zero for the others) and the residual."""
         from scipy.optimize import least_squares
 
-        def both(t: Floats) -> Floats:
+        places = [NAMES.index(name) for name in free]
+
+        def whole(part: Floats) -> Floats:
+            full = theta.copy()
+            full[places] = part
+            return full
+
+        def both(part: Floats) -> Floats:
+            t = whole(part)
             r = self.residual(t)
             return np.concatenate([r.real, r.imag, [self.kept(t)]])
 
-        scales = np.array([1.0, 1.0, 1.0, 1.0, math.exp(theta[0]) * 10.0, 1e-3])
+        scales = np.array([1.0, 1.0, 1.0, 1.0, math.exp(theta[0]) * 10.0, 1e-3])[places]
         for _ in range(PASSES):
             self.images = self.images_of(theta)
-            unit = self._deviation(theta)
+            unit = self.deviation(theta)
             found = least_squares(
-                both, theta, x_scale=scales, loss="soft_l1", f_scale=ROBUST * unit, max_nfev=200
+                both, theta[places], x_scale=scales, loss="soft_l1", f_scale=ROBUST * unit, max_nfev=200
             )
-            theta = found.x
-        return theta, jacobian_of(both, theta, scales), self.residual(theta)
+            theta = whole(found.x)
+        jacobian = np.zeros((2 * self.s.size + 1, len(NAMES)))
+        jacobian[:, places] = jacobian_of(both, theta[places], scales)
+        return theta, jacobian, self.residual(theta)
 
-    def _deviation(self, theta: Floats) -> float:
+    def cost(self, theta: Floats, deviation: float) -> float:
+        """Twice the negative logarithm of the likelihood, robust as in ``fit``, without the lines at the ends.
+
+        ``deviation``: of one part of the residual.
+        """
+        self.images = self.images_of(theta)
+        r = self.residual(theta)[SMEARED:-SMEARED]
+        squares = (np.concatenate([r.real, r.imag]) / (ROBUST * deviation)) ** 2
+        return float(2.0 * ROBUST**2 * np.sum(np.sqrt(1.0 + squares) - 1.0))
+
+    def deviation(self, theta: Floats) -> float:
         """Standard deviation of one part of the residual, from its median."""
         return max(float(np.median(np.abs(self.residual(theta)))) / 1.1774, 1e-9)
 

@@ -34,6 +34,12 @@ def outside_the_band(name: str, frequency: float, low: float, high: float) -> Pr
     return Problem.warning(f"two_mass_fit: {name}", f"{frequency:.4g} Hz, outside the band", expected, remedy)
 
 
+def no_mode() -> Problem:
+    got = "a response that a rigid drive fits as well, but for noise"
+    remedy = "Inertias and stiffness are not identified; a rigid drive has none. Else excite more around zero and pole."
+    return Problem.warning("two_mass_fit", got, "a torsional mode", remedy)
+
+
 def resonance_too_sharp(width: float, resolution: float) -> Problem:
     """Both in Hz."""
     got = f"a resonance {width:.3g} Hz wide at a resolution of {resolution:.3g} Hz"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...argument_checks import checks_arguments
-from ...drivetrain import Drivetrain
+from ...drivetrain import Actuator, Drivetrain, Friction
 from ...errors import InvalidInput, Problem
 from ..statistics.estimates import Estimates, Source
 from . import problems
@@ -24,6 +24,7 @@ from .fit_problem import (
     theta_of,
 )
 from .response import FrequencyResponse
+from .rigid_fit import FREE, chance_of_a_mode, rigid_start
 from .two_mass_response import OUTPUTS
 
 Floats = NDArray[np.float64]
@@ -37,7 +38,10 @@ KEPT = {
     "twist": "inertia_total",
 }
 
-
+#: Outputs that a rigid drive has too.
+SHOWN_WITHOUT_A_SHAFT = ("angle_motor", "speed_motor", "angle_load", "speed_load")
+#: A mode is identified where noise alone makes it with at most this probability (option: as the 95 % of the intervals).
+CHANCE = 0.05
 #: What only the torsional mode shows.
 OF_THE_MODE = ("inertia_motor", "inertia_load", "stiffness", "damping", "zero", "pole")
 
@@ -53,7 +57,8 @@ class TwoMassFit(Estimates):
     Parameters
     ----------
     drivetrain : Drivetrain
-        Closed gap. ``viscous`` is the load's equivalent viscous friction, at the amplitude of the test.
+        Closed gap. ``viscous`` is the load's equivalent viscous friction, at the amplitude of the test. One inertia
+        where the response shows no torsional mode.
     frequency : (m,) array, Hz
         The lines used.
     fitted : (m,) complex array
@@ -81,6 +86,8 @@ def two_mass_fit(
     both small, that is the noise of the output and does not vanish. Lines that fit badly are down-weighted (soft L1),
     so another eigenmode or a disturbance has little influence. Without a start, zero and pole are searched on a grid.
     Intervals: sandwich with the correlation of neighbouring lines, Student's t.
+
+    Where a rigid drive fits as well (likelihood ratio), no mode is identified.
 
     A gap, friction and too coarse a resolution bias the result beyond its intervals: it describes the drivetrain at the
     amplitude of the test.
@@ -125,11 +132,17 @@ def two_mass_fit(
         measured, keep, None if kept is None or start is None else (kept, getattr(start, kept))
     )
     theta = problem.search() if start is None else theta_of({**start.parameters(), "delay": start.lag})
-    theta, jacobian, residual = problem.fit(theta)
-    return _result(problem, theta, jacobian, residual)
+    fitted = problem.fit(theta)
+    if measured.output in SHOWN_WITHOUT_A_SHAFT:
+        rigid = problem.fit(rigid_start(problem), FREE)
+        if not chance_of_a_mode(problem, fitted[0], rigid[0]) <= CHANCE:
+            return _result(problem, *rigid, is_rigid=True)
+    return _result(problem, *fitted)
 
 
-def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual: Complexes) -> TwoMassFit:
+def _result(
+    problem: WeightedResponse, theta: Floats, jacobian: Floats, residual: Complexes, is_rigid: bool = False
+) -> TwoMassFit:
     from scipy.stats import t as student
 
     covariance = covariance_of(jacobian, residual)
@@ -148,19 +161,11 @@ def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual
     if problem.held is not None:
         del intervals[problem.held[0]]
         sources[problem.held[0]] = "nameplate"
-    drivetrain = Drivetrain.two_mass(
-        inertia_motor=values["inertia_motor"],
-        inertia_load=values["inertia_load"],
-        stiffness=values["stiffness"],
-        damping=values["damping"],
-        viscous=max(values["viscous"], 0.0),
-        lag=max(values["delay"], 0.0),
-    )
-    findings = _findings(problem, values)
     # What hangs on a mode that the band does not contain is not identified, however narrow a local fit makes it.
     lost = OF_THE_MODE if not problem.frequency[0] < values["pole"] < problem.frequency[-1] else ()
+    findings = [problems.no_mode()] if is_rigid else _findings(problem, values)
     return TwoMassFit(
-        drivetrain=drivetrain,
+        drivetrain=_drivetrain(values, is_rigid),
         values={n: None if n in lost and n not in sources else v for n, v in values.items()},
         intervals={n: interval for n, interval in intervals.items() if n not in lost},
         sources=sources,
@@ -169,6 +174,15 @@ def _result(problem: WeightedResponse, theta: Floats, jacobian: Floats, residual
         residual=residual,
         problems=tuple(findings),
     )
+
+
+def _drivetrain(values: Mapping[str, float], is_rigid: bool) -> Drivetrain:
+    viscous, lag = max(values["viscous"], 0.0), max(values["delay"], 0.0)
+    if is_rigid:
+        friction = Friction(viscous=viscous)
+        return Drivetrain((values["inertia_total"],), frictions=(friction,), actuator=Actuator(lag))
+    mode = {name: values[name] for name in ("inertia_motor", "inertia_load", "stiffness", "damping")}
+    return Drivetrain.two_mass(**mode, viscous=viscous, lag=lag)  # type: ignore[arg-type]
 
 
 def _derived(values: Mapping[str, float]) -> list[tuple[str, float, Floats]]:

@@ -8,15 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...argument_checks import checks_arguments
-from ...drivetrain import Actuator, Drivetrain, Friction, Shaft
+from ...drivetrain import Drivetrain
 from ...simulation import Sensor
-from ..equivalent import eigenfrequencies, friction_line, two_mass_equivalent
-from ..nominal import TORQUE_LIMIT, Rig, nominal_rig
+from ..equivalent import friction_line, two_mass_equivalent
+from ..nominal import Rig
 from .draws import DELAY, Draw
 from .drive import motor_sensor
 from .motion import raster
-from .plants import Plant, plant
+from .plants import plant
 from .truth import has_soft_clutch
+from .units import Units
 
 #: Delay, lag and hold together at most, in torsional periods (option: beyond it no law damps the mode; the rig has
 #: 0.05).
@@ -67,7 +68,7 @@ def bench(seed: int) -> Bench | None:
     sensor, _ = motor_sensor(draw, made, dt)
     if not sensor.difference or (chain.lag + (delay + 0.5) * dt) * made.pole > LONGEST_DELAY:
         return None
-    units = _Units.of(made)
+    units = Units.of(chain.inertia_total, made.pole, made.rating.torque)
     own = units.chain(chain, made.rating.torque)
     counts = Sensor("angle_motor", sensor.resolution / units.angle, difference=True)
     dt = dt / units.time
@@ -88,49 +89,3 @@ def _model(chain: Drivetrain, delay: float) -> Drivetrain:
         values |= {f"coulomb{end}": max(coulomb or 0.0, 0.0), f"viscous{end}": max(viscous or 0.0, 0.0)}
     values["lag"] = (values["lag"] or 0.0) + delay
     return Drivetrain.two_mass(**values)  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class _Units:
-    """Of time (s), torque (Nm) and inertia (kg m²)."""
-
-    time: float
-    torque: float
-    inertia: float
-
-    @classmethod
-    def of(cls, made: Plant) -> _Units:
-        rig = nominal_rig().drivetrain
-        pole = float(eigenfrequencies(rig)[1])
-        inertia = made.drivetrain.inertia_total / rig.inertia_total
-        return cls(pole / made.pole, made.rating.torque / TORQUE_LIMIT, inertia)
-
-    @property
-    def angle(self) -> float:
-        return self.torque * self.time**2 / self.inertia
-
-    def chain(self, chain: Drivetrain, limit: float) -> Drivetrain:
-        """In these units, with that torque limit (Nm)."""
-        return replace(
-            chain,
-            inertias=tuple(inertia / self.inertia for inertia in chain.inertias),
-            shafts=tuple(self._shaft(shaft) for shaft in chain.shafts),
-            frictions=tuple(self._friction(friction) for friction in chain.frictions),
-            actuator=Actuator(chain.lag / self.time, limit / self.torque),
-        )
-
-    def _shaft(self, shaft: Shaft) -> Shaft:
-        stiffness = self.torque / self.angle
-        return replace(
-            shaft, stiffness=shaft.stiffness / stiffness, damping=shaft.damping / (stiffness * self.time),
-            backlash=shaft.backlash / self.angle,
-        )  # fmt: skip
-
-    def _friction(self, friction: Friction) -> Friction:
-        speed = self.angle / self.time
-        return Friction(
-            (friction.coulomb_plus / self.torque, friction.coulomb_minus / self.torque),
-            friction.viscous * speed / self.torque,
-            None if friction.breakaway is None else friction.breakaway / self.torque,
-            tuple((w / speed, torque / self.torque) for w, torque in friction.stribeck),
-        )
