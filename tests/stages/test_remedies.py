@@ -135,7 +135,7 @@ def test_counts_that_are_too_coarse() -> None:
     """Faster motion with more torque."""
     coarse = find_parameters(material(recorded(step=60.0), START))
     assert "faster motion with more torque" in told(coarse, "Nothing is identified").remedy
-    helped = find_parameters(material(recorded(step=60.0, size=10.0), START))
+    helped = find_parameters(material(recorded(step=60.0, size=30.0), START))
     assert not about(helped, "Nothing is identified")
     assert helped.table["backlash"]["source"] == "identified"
 
@@ -273,10 +273,12 @@ def test_rows_that_are_taken_as_one() -> None:
     """A finer encoder."""
     coarse = find_parameters(material(recorded(1.5, step=2.0), START))
     assert told(coarse, "A finer encoder tells more").where == "speed_motor"
-    helped = find_parameters(material(recorded(1.5, step=0.2), START))
+    helped = find_parameters(material(recorded(1.5, step=0.15), START))
     assert not about(helped, "encoder")
     for name in ("inertia_motor", "stiffness", "backlash"):
-        assert width(helped, name) < 0.5 * width(coarse, name), name
+        assert coarse.table[name]["source"] == "not excited"
+        assert helped.table[name]["source"] == "identified"
+    assert width(helped, "inertia_total") < 0.5 * width(coarse, "inertia_total")
 
 
 def pushed_one_way() -> lm.Recording:

@@ -17,13 +17,16 @@ SURE = 3.0
 #: drives 0 to 5: what differed by less was within the intervals; and on 300 to 400, 2026-11-23: where the best is
 #: wrong, the next one that is more than a tenth away costs 0.2 times that more at most; where it is right, 0.47.)
 ALIKE, ALIKE_SHARE = 0.003, 0.35
+#: The same part where innovations are below the sensor's noise, so that nothing says how well a model can predict
+#: (development drive 521: a wrong best was 0.03 of that better; with 0.35, right values of coarse counts were lost).
+BELOW_NOISE = 0.1
 #: The part by which one has to be better to be clearly so (calibrated on development drives 0 to 5).
 BETTER_SHARE = 0.2
 
 
 def alike(one: Candidate, best: Candidate, share: float = ALIKE_SHARE) -> bool:
-    """Whether a candidate's cost is about the best one's; innovations below the noise are unexplained as well."""
-    return one.cost <= best.cost + ALIKE + share * abs(best.cost)
+    """Whether a candidate's cost is about the best one's."""
+    return one.cost <= best.cost + ALIKE + max(share * best.cost, -BELOW_NOISE * best.cost)
 
 
 def clearly_better(one: Candidate, other: Candidate) -> bool:
