@@ -85,6 +85,16 @@ file = "short.csv"
 time = { column = 0, unit = "s" }
 channels.speed_motor = { column = 1, unit = "rad/s" }
 """
+#: In the place of [[recording]]: a nameplate that is right, so that the rehearsals of a design are short.
+WELL_KNOWN = """inertia_load = 0.1
+stiffness = 5000
+damping = 0.3
+backlash = "0.5 deg"
+coulomb = 2.0
+viscous = 0.01
+[law]
+torque_limit = 30.0
+[[recording]]"""
 
 
 def test_one_recording_is_used_whole_and_its_warnings_go_on(tmp_path: Path) -> None:
@@ -289,25 +299,23 @@ def test_a_toml_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_drive_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is protected, the drivetrain and its limit are of one version of the file."""
-    more = "inertia_load = 0.1\nstiffness = 5000\n[law]\ntorque_limit = 3.0\n[[recording]]"
-    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more))
+    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", WELL_KNOWN))
     (tmp_path / "short.csv").write_text("measured")
     read = tomls_read(monkeypatch)
     drive = read_drive(tmp_path / "rig.toml")
     assert drive.reads == (tmp_path / "rig.toml", tmp_path / "short.csv")
-    wanted = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}
-    assert excitation_file(tmp_path / "rig.toml", tmp_path / "x", **wanted)["limits"]["torque"] == 3.0
+    wanted = {"kind": "levels", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}
+    assert excitation_file(tmp_path / "rig.toml", tmp_path / "x", **wanted)["limits"]["torque"] == 30.0
     assert read == [tmp_path / "rig.toml"] * 2
 
 
 def test_the_torque_limit_of_the_toml_holds(tmp_path: Path) -> None:
-    more = (
-        "inertia_load = 0.1\nstiffness = 5000\nbacklash = '0.5 deg'\n[law]\ntorque_limit = 3.0\n[[recording]]"
-    )
-    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more))
-    wanted = {"kind": "noise", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}
+    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", WELL_KNOWN))
+    wanted = {"kind": "levels", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}
     result = excitation_file(tmp_path / "rig.toml", tmp_path / "x", **wanted)
-    assert result["peaks"]["torque"] <= result["limits"]["torque"] == 3.0
-    (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", more.replace("torque_limit = 3.0", "")))
+    assert result["peaks"]["torque"] <= result["limits"]["torque"] == 30.0
+    (tmp_path / "rig.toml").write_text(
+        TOML.replace("[[recording]]", WELL_KNOWN.replace("torque_limit = 30.0", ""))
+    )
     with pytest.raises(lm.InvalidInput, match=r"--torque-limit, or torque_limit in \[law\]"):
         excitation_file(tmp_path / "rig.toml", tmp_path / "y", **wanted)
