@@ -12,7 +12,6 @@ import lostmotion as lm
 from lostmotion.compare.experiment import SETTLING
 from lostmotion.errors import InvalidInput
 from lostmotion.identification import Identification
-from lostmotion.identification.prediction_error.innovations import NAMES
 from lostmotion.metrics import rmse, signal_range
 from lostmotion.rig.zoo.units import Units
 
@@ -33,7 +32,7 @@ def observer_errors(drive: lm.rig.Drive, found: Identification) -> dict[str, flo
     if any(found.sources[name] != "identified" or truth[name] is None for name in needed):
         return None
     # Of a measured torque there is no lag; a friction line that falls has no place in a drivetrain.
-    values = {name: max(truth[name] or 0.0, 0.0) for name in NAMES}
+    values = {name: max(value or 0.0, 0.0) for name, value in truth.items() if name != "inertia_total"}
     true = lm.Drivetrain.two_mass(**values)  # type: ignore[arg-type]
     return {"identified": _error(drive, found.drivetrain), "true": _error(drive, true)}
 

@@ -18,7 +18,8 @@ SURE = 3.0
 #: wrong, the next one that is more than a tenth away costs 0.2 times that more at most; where it is right, 0.47.)
 ALIKE, ALIKE_SHARE = 0.003, 0.35
 #: The same part where innovations are below the sensor's noise, so that nothing says how well a model can predict
-#: (calibrated on development drive 521: a wrong best was 0.03 of that better; 0.35 loses right values of coarse counts).
+#: (calibrated on development drive 521: a wrong best was 0.03 of that better; 0.35 loses right values from coarse
+#: counts).
 BELOW_NOISE = 0.1
 #: The part by which one has to be better to be clearly so (calibrated on development drives 0 to 5).
 BETTER_SHARE = 0.2
