@@ -26,7 +26,7 @@ def benchmark() -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize("seed", [2000, 2001, 2002])
+@pytest.mark.parametrize("seed", [2000, 2002])
 def test_a_drive_of_another_size_gets_laws_that_suit_it(benchmark: ModuleType, seed: int) -> None:
     drive = benchmark.user_drive(seed)
     material = benchmark.material_of(drive)

@@ -190,7 +190,7 @@ def test_nameplate_without_backlash_damping_friction_and_lag():
 
 def test_fixed_values_stay():
     start = PLANT.with_parameters(backlash=0.0123, viscous=0.0, stiffness=9000.0)
-    found = lm.identify(counted(simulated(1, 2.5)), start=start, fixed=("backlash", "viscous"))
+    found = lm.identify(counted(simulated(1, 1.5)), start=start, fixed=("backlash", "viscous"))
     assert found.drivetrain.backlash == pytest.approx(0.0123, rel=1e-12)
     assert found.drivetrain.viscous == 0.0
     assert found.sources["backlash"] == found.sources["viscous"] == "nameplate"
@@ -213,7 +213,7 @@ def test_friction_of_the_motor_stays_as_given():
 @pytest.mark.parametrize("exact", [True, False])
 def test_a_torque_that_never_reverses_does_not_tell_the_backlash(exact: bool):
     """Not even with an exact speed, where the first transient of the observer might seem to tell it."""
-    torque = 4.0 + lm.signals.noise(5.0, 120.0, 0.6, 5.0, DT, seed=3)
+    torque = 4.0 + lm.signals.noise(5.0, 120.0, 0.6, 3.0, DT, seed=3)
     run = lm.simulate(PLANT, torque_motor=torque, dt=DT, state=(0.0066, 10.0, 10.0))
     recording = run if exact else counted(run)
     start = PLANT.with_parameters(backlash=0.02, stiffness=4000.0)

@@ -68,11 +68,13 @@ def test_what_predicts_as_well_belongs_to_the_interval(best: Candidate):
 
 
 def test_what_other_fits_disagree_about_belongs_to_the_interval(best: Candidate):
-    apart = np.where(np.array(TOLD) == "stiffness", 0.1, 0.0)
+    apart = np.where(np.array(TOLD) == "stiffness", 0.05, 0.0)
     plain = told(best, [best], NOTHING, box(best), ())
     found = told(best, [best], apart, box(best), ())
     expected = np.hypot(plain.half, DISAGREEMENT * apart)
     assert found.half == pytest.approx(expected)
+    wide = told(best, [best], 3.0 * apart, box(best), ())
+    assert np.flatnonzero(np.isinf(wide.half)).tolist() == [TOLD.index("stiffness")]
 
 
 def test_a_torque_from_row_to_row_leaves_half_a_row_of_lag_open(best: Candidate):

@@ -47,8 +47,8 @@ def test_a_descent_from_the_grid_finds_the_drive(
     free = free_places(nameplate, ())
 
     def end(first: np.ndarray) -> tuple[float, np.ndarray]:
-        theta, run = minimise(part, first, free, Box.around(part, first, 100.0), 20)
-        return run.cost, theta
+        theta, cost = minimise(part, first, free, Box.around(part, first, 100.0), 20)
+        return cost, theta
 
     _, theta = min((end(first) for first in grid.best(part, nameplate, ())[:4]), key=lambda one: one[0])
     assert pole_of(theta) == pytest.approx(plant.pole_frequency, rel=0.02)

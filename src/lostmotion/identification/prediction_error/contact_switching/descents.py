@@ -129,8 +129,8 @@ class Search:
         # Friction of the motor from a little on, so that the fit is not left.
         theta = np.where(np.isfinite(fit.theta), fit.theta, self.begun["fitted"] - np.log(LITTLE))
         free = sorted({*free_places(self.start, self.fixed), *fit.free})
-        theta, run = minimise(self.part, theta, free, box, FREED_STEPS)
-        return polish(replace(fit, theta=theta, cost=run.cost, free=free), self.part, box)
+        theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
+        return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 
     def near(self, fit: Candidate) -> list[Candidate]:
         """What lies next to the fit: a descent from it, and with a third inertia if it has none."""

@@ -56,6 +56,5 @@ def within_intervals(
         cost = flt.run(theta).cost
         if abs(cost) < enough:
             break
-        theta, run = minimise(flt, theta, sorted(free), box, STEPS)
-        cost = run.cost
+        theta, cost = minimise(flt, theta, sorted(free), box, STEPS)
     return Candidate("fit", theta, cost, flt, sorted(free))

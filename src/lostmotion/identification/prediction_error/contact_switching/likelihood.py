@@ -89,26 +89,23 @@ def side_by_side(function: Callable[[Item], Result], items: Sequence[Item]) -> l
 
 def minimise(
     flt: ContactFilter, theta: Array, free: list[int], box: Box, iterations: int
-) -> tuple[Array, Run]:
-    """Lower the cost over the free entries of θ by Gauss–Newton steps in a trust region.
+) -> tuple[Array, float]:
+    """θ and cost after Gauss–Newton steps over the free entries of θ in a trust region, one at least.
 
     Rows of great leverage count less in further attempts at a step; the cost that judges it always has all rows.
     """
-    run = flt.run(theta, free)
-    radius, order = dict.fromkeys(LEVERAGES, RADIUS), list(LEVERAGES)
+    cost, radius, order = np.inf, dict.fromkeys(LEVERAGES, RADIUS), list(LEVERAGES)
     for _ in range(iterations):
-        if not np.all(np.isfinite(run.jacobian)):
-            break
+        run = flt.run(theta, free)
+        cost = run.cost
         step = _best_step(flt, theta, run, free, box, radius, order)
         if step is None:
             break
-        trial, cost, leverage = step
+        theta, cost, leverage = step
         order = [leverage, *(one for one in LEVERAGES if one != leverage)]
-        gain = run.cost - cost
-        theta, run = trial, flt.run(trial, free)
-        if gain < GAIN:
+        if run.cost - cost < GAIN:
             break
-    return theta, run
+    return theta, cost
 
 
 def _best_step(
@@ -121,6 +118,8 @@ def _best_step(
     order: list[float],
 ) -> tuple[Array, float, float] | None:
     """θ, cost and leverage of the best of the attempts; None if none lowers the cost. Radii are updated."""
+    if not np.all(np.isfinite(run.jacobian)):
+        return None
     best: tuple[Array, float, float] | None = None
     for leverage in order:
         weight = _weights(run.jacobian, leverage)
@@ -216,9 +215,9 @@ def descend(
     level, best = max(first * own, flt.floor), None
     while True:
         at = replace(flt, level=level)
-        theta, run = minimise(at, theta, free, box, iterations)
-        if best is None or run.cost < best.cost:
-            best = Candidate(start, theta, run.cost, at, free)
+        theta, cost = minimise(at, theta, free, box, iterations)
+        if best is None or cost < best.cost:
+            best = Candidate(start, theta, cost, at, free)
         if level <= flt.floor:
             return best
         level = max(level / LEVEL_FACTOR, flt.floor)
@@ -227,13 +226,13 @@ def descend(
 def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int = 8) -> Candidate:
     """The candidate on other rows or under another law, with the rates of its unknown torques fitted as well."""
     at = replace(flt, level=candidate.flt.level)
-    theta, run = minimise(at, candidate.theta, candidate.free, box, iterations)
+    theta, cost = minimise(at, candidate.theta, candidate.free, box, iterations)
     for _ in range(ROUNDS):
-        before = run.cost
-        theta, run = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
-        if not before - run.cost > ROUND_GAIN:
+        before = cost
+        theta, cost = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
+        if not before - cost > ROUND_GAIN:
             break
-    return replace(candidate, theta=theta, cost=run.cost, flt=at)
+    return replace(candidate, theta=theta, cost=cost, flt=at)
 
 
 def fitted_rates(flt: ContactFilter, theta: Array, names: Sequence[str] = RATES) -> Array:
