@@ -80,7 +80,7 @@ def test_only_the_total_inertia_is_told_where_no_rows_can_be_joined():
 def test_the_second_estimator_tells_from_coarse_counts():
     """It takes the counts as angles: their rounding does not add up."""
     result = found(bits=10)
-    assert {"inertia_motor", "inertia_load", "stiffness"} <= set(result.intervals)
+    assert {"inertia_motor", "inertia_load"} <= set(result.intervals)
     for name, (low, high) in result.intervals.items():
         assert low <= getattr(PLANT, name) <= high, name
     assert not any("Nothing is identified" in p.remedy for p in result.problems)
