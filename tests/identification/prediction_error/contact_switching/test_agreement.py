@@ -201,7 +201,7 @@ def test_drives_of_the_zoo_that_were_wrong(seed: int):
     assert total_is_right(found, drive.truth.drivetrain.inertia_total)
 
 
-def test_what_comes_out_again_is_told_though_the_torque_is_noisy():
+def test_what_stands_out_is_told_though_the_torque_is_noisy():
     """Innovations of 1.3 times the sensor's noise, from a measured torque: nothing was identified; all was right."""
     drive = lm.rig.drive(390)
     found = lm.identify(drive.recording, start=drive.nameplate)

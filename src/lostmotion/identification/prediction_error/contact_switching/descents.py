@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
+from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from . import grid
-from .estimate import CORE, NOT_EXCITED, Estimate, distance, told
+from .estimate import CORE, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
@@ -196,7 +197,7 @@ class Search:
         return side_by_side(beside, changes)
 
     def estimate(self, found: Sequence[Candidate]) -> Estimate | None:
-        """What the best of the candidates tell; None where it is not found again."""
+        """What the best of the candidates tell; None where no inertia, stiffness or backlash is."""
         others = plausible(found)
         if not np.isfinite(others[0].cost):
             return None

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
 from ...statistics.block_covariance import sandwich, student_factor
+from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from ..model_error import model_allowance
 from .filter import INDEX, NAMES
@@ -25,7 +26,6 @@ Array = NDArray[np.float64]
 COHERENT, DISAGREEMENT = 0.02, 2.0
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
-BACKLASH = TOLD.index("backlash")
 #: An inertia, stiffness or backlash is not identified where candidates that predict better or alike are further away
 #: than this, in the logarithm, or its half width is larger (calibrated on development drives: right values agree within
 #: a tenth; of 22 wider intervals of development drives 300 to 745 and calibration drives 4 were grossly wrong).
@@ -35,8 +35,6 @@ APART = 0.2
 EXPLAINED = 0.25
 #: A parameter whose change shows less than this part of what the one shown best does is not shown (numerics: rounding).
 NO_INFORMATION = 1e-9
-#: A value is told if a cost this factor away would be clearly higher (numerics, as ``identifiability.NOT_EXCITED``).
-NOT_EXCITED = 3.0
 
 
 @dataclass(frozen=True, eq=False)

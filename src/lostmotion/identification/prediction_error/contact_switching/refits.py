@@ -1,4 +1,4 @@
-"""Whether a fit comes out again: from other rows, with more noise, and under another law of the contact."""
+"""How far a fit shifts: from other rows, with more noise, and under another law of the contact."""
 
 from __future__ import annotations
 
