@@ -8,6 +8,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.likelihood import (
     Box,
     descend,
+    inverse_hessian,
     minimise,
     polish,
 )
@@ -22,6 +23,16 @@ def test_sensitivities_lead_back_to_the_truth(flt: ContactFilter, values: dict[s
     found, cost = minimise(flt, theta, CORE, Box.around(flt, truth, 10.0), 10)
     assert np.max(np.abs(found[CORE] - truth[CORE])) < 5e-3
     assert cost == flt.run(found).cost < flt.run(theta).cost
+
+
+def test_a_direction_without_information_leaves_the_others_alone():
+    """An asymmetry where there is no friction, say."""
+    jacobian = np.random.default_rng(1).standard_normal((3, 100))
+    jacobian[1] = 0.0
+    inverse = inverse_hessian(jacobian)
+    known = np.ix_([0, 2], [0, 2])
+    assert np.all(np.isfinite(inverse)) and inverse[1, 1] > 1e20
+    assert np.allclose(inverse[known], np.linalg.inv(jacobian[[0, 2]] @ jacobian[[0, 2]].T), rtol=1e-6)
 
 
 def test_a_descent_finds_the_truth_from_far_off(flt: ContactFilter, values: dict[str, float]):

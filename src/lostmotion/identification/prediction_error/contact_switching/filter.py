@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,8 +161,8 @@ class ContactFilter:
         m, n, q = len(free), self.rows, self.values(theta)
         residuals, variances, jacobian = np.zeros((n, 1)), np.ones((n, 1)), np.zeros((m, n, 1))
         with np.errstate(all="ignore"):
-            twist = 0.5 * q[INDEX["backlash"]] + np.std(self.torque) / q[INDEX["stiffness"]]
-        start = np.array([twist, 0.3 * self.speed_deviation, np.std(self.torque)]) / self.level
+            twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
+        start = np.array([twist, 0.3 * self.speed_deviation, self.torque_deviation]) / self.level
         innovations(
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
@@ -200,7 +201,12 @@ class ContactFilter:
         slope = {"inertia_motor": motor / total / half, "inertia_load": load / total / half}
         return (away - np.copysign(half, away)) / half, slope
 
-    @property
+    @cached_property
+    def torque_deviation(self) -> float:
+        """Standard deviation of the motor torque, Nm."""
+        return float(np.std(self.torque))
+
+    @cached_property
     def speed_deviation(self) -> float:
         """Standard deviation of the motor speed, rad/s."""
         if not self.counted:
@@ -228,8 +234,9 @@ class ContactFilter:
         return float(np.exp(theta)) if kind == "log" else theta * self._unit(kind)
 
     def _unit(self, kind: str) -> float:
-        units = {"samples": self.dt, "torque": float(np.std(self.torque))}
-        return units.get(kind, 1.0)
+        if kind == "samples":
+            return self.dt
+        return self.torque_deviation if kind == "torque" else 1.0
 
 
 def white_noise(values: Array) -> float:

@@ -44,7 +44,7 @@ def within_intervals(
     drivetrain, names = predictor.drivetrain(told.theta), ("coulomb_motor", "viscous_motor")
     rate = RATE * 2.0 * np.pi * drivetrain.pole_frequency
     values = {name: float(getattr(drivetrain, name)) for name in (*TOLD, *names)}
-    values |= {"motor_rate": rate, "load_rate": rate, "torque_rate": TORQUE_RATE * float(np.std(flt.torque))}
+    values |= {"motor_rate": rate, "load_rate": rate, "torque_rate": TORQUE_RATE * flt.torque_deviation}
     free = [INDEX[name] for name in TOLD if name not in fixed and (values[name] > 0.0 or name == "lag")]
     if predictor.joint_piece is not None:
         values |= dict(zip(("share", "compliance"), predictor.joint_piece, strict=True)) | {"loss": 1.0}

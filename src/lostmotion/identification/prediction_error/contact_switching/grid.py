@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ....drivetrain import Drivetrain
 from ..innovations import NAMES as TOLD
 from .filter import ContactFilter
+from .likelihood import side_by_side
 from .slow_motion import SlowMotion
 from .starts import DAMPING_RATIO, LAG, RATE, TORQUE_RATE
 
@@ -40,7 +41,7 @@ class Point:
 def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Iterator[Point]:
     """The grid; what is fixed keeps the nameplate's value."""
     slow = SlowMotion.of(flt, start)
-    torque, total, pole = float(np.std(flt.torque)), slow.inertia, 2.0 * np.pi * start.pole_frequency
+    torque, total, pole = flt.torque_deviation, slow.inertia, 2.0 * np.pi * start.pole_frequency
     known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
     if start.coulomb_motor > 0.0 or start.viscous_motor > 0.0:
         known |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
@@ -68,18 +69,13 @@ def best(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> list[
     Of the points that predict best, many are one mistake: all inertia in the motor, say. The best for each inertia
     ratio, each frequency, each backlash lets the others have their descent too.
     """
-    coarse = replace(flt, halvings=min(flt.halvings, HALVINGS))
-    found = sorted(
-        (
-            (coarse.run(point.theta).cost, number, point)
-            for number, point in enumerate(points(flt, start, fixed))
-        ),
-    )
-    kept: dict[tuple[int, ...], Array] = {}
+    coarse, grid = replace(flt, halvings=min(flt.halvings, HALVINGS)), list(points(flt, start, fixed))
+    costs = side_by_side(lambda point: coarse.run(point.theta).cost, grid)
+    kept: list[Array] = []
     seen: set[tuple[int, int]] = set()
-    for _, _, point in found:
-        planes = set(enumerate(point.place))
+    for number in np.argsort(costs, kind="stable"):
+        planes = set(enumerate(grid[number].place))
         if not planes <= seen:
-            kept[point.place] = point.theta
+            kept.append(grid[number].theta)
             seen |= planes
-    return list(kept.values())
+    return kept

@@ -29,14 +29,15 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
     """
     half = best.flt.rows // 2
     parts = [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
-    parts.append(replace(best.flt, level=MORE_NOISE * best.flt.level))
+    # All rows first: they take as long as both halves beside them.
+    parts.insert(0, replace(best.flt, level=MORE_NOISE * best.flt.level))
 
     def again(flt: ContactFilter) -> Candidate:
         # From a higher noise level, where the cost is smooth: a fit that cannot get away proves nothing.
         found = descend(best.start, replace(flt, level=flt.floor), best.theta, best.free, box, FITTED_LEVEL)
         return polish(replace(found, flt=replace(found.flt, level=flt.level)), flt, box)
 
-    *halves, noisy = side_by_side(again, parts)
+    noisy, *halves = side_by_side(again, parts)
     shifts = [distance(noisy, best), *(_beyond_chance(one, best) for one in halves)]
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]

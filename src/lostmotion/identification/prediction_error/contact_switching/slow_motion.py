@@ -60,7 +60,7 @@ class SlowMotion:
         )
         if not 1.0 / NAMEPLATE < inertia / start.inertia_total < NAMEPLATE:
             inertia, half = start.inertia_total, np.inf
-        size = float(np.std(flt.torque))
+        size = flt.torque_deviation
         per_speed = size / max(flt.speed_deviation, 1e-300)
         low, high = FRICTION
         return cls(

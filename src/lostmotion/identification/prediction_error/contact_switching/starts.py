@@ -73,7 +73,7 @@ def start_values(
     flt: ContactFilter, values: Drivetrain, start: Drivetrain, fixed: Collection[str]
 ) -> dict[str, float]:
     """Values of a start, with something for everything that is free."""
-    torque, speed = float(np.std(flt.torque)), max(flt.speed_deviation, 1e-300)
+    torque, speed = flt.torque_deviation, max(flt.speed_deviation, 1e-300)
     pole = 2.0 * np.pi * values.pole_frequency
     given = {name: getattr(values, name) for name in TOLD}
     guesses = {

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ..gain_schedule import Stage
 from ..innovations import NAMES as TOLD
 from ..innovations import Predictor
@@ -62,7 +60,7 @@ def parts_of(candidate: Candidate) -> Parts:
     """The parts of what the contact-switching filter has as a model."""
     flt = candidate.flt
     v = dict(zip(NAMES, map(float, flt.values(candidate.theta)), strict=True))
-    torque = float(np.std(flt.torque))
+    torque = flt.torque_deviation
     friction = v["coulomb"] + v["coulomb_motor"]
     uneven = abs(v["asymmetry"]) * v["coulomb"] + abs(v["asymmetry_motor"]) * v["coulomb_motor"]
     rigid = candidate.start == "rigid"
