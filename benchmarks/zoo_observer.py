@@ -21,6 +21,13 @@ NEEDED = ("inertia_motor", "inertia_load", "stiffness")
 FINE = 0.005
 
 
+def true_values(drive: lm.rig.Drive) -> dict[str, float]:
+    """The true equivalents as a drivetrain of two masses takes them."""
+    # Of a measured torque there is no lag; a friction line that falls has no place in a drivetrain.
+    truth = drive.truth.parameters
+    return {name: max(value or 0.0, 0.0) for name, value in truth.items() if name != "inertia_total"}
+
+
 def observer_errors(drive: lm.rig.Drive, found: Identification) -> dict[str, float | None] | None:
     """RMSE of the load speed over its range, by the identified and by the true equivalent two masses.
 
@@ -31,9 +38,7 @@ def observer_errors(drive: lm.rig.Drive, found: Identification) -> dict[str, flo
     needed = NEEDED + (("backlash",) if float(drive.dimensions["gap"]) > 0.0 else ())
     if any(found.sources[name] != "identified" or truth[name] is None for name in needed):
         return None
-    # Of a measured torque there is no lag; a friction line that falls has no place in a drivetrain.
-    values = {name: max(value or 0.0, 0.0) for name, value in truth.items() if name != "inertia_total"}
-    true = lm.Drivetrain.two_mass(**values)  # type: ignore[arg-type]
+    true = lm.Drivetrain.two_mass(**true_values(drive))  # type: ignore[arg-type]
     return {"identified": _error(drive, found.drivetrain), "true": _error(drive, true)}
 
 

@@ -18,9 +18,7 @@ import zoo_tables
 
 #: A third of the virtual rig's frequency, a gap of 0.4 wind-ups, no load torque.
 DRIVE = lm.rig.drive(403)
-TRUTH = {
-    name: max(value or 0.0, 0.0) for name, value in DRIVE.truth.parameters.items() if name != "inertia_total"
-}
+TRUTH = zoo_observer.true_values(DRIVE)
 
 
 def judged(sources: dict[str, str] | None = None, **changes: float) -> dict[str, float | None] | None:

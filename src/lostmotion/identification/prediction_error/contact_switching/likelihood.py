@@ -160,7 +160,7 @@ def _weights(jacobian: Array, leverage: float) -> Array:
 def inverse_hessian(jacobian: Array) -> Array:
     """(m, m) inverse of J·Jᵀ; a direction without information gets a huge, finite variance."""
     hessian = np.einsum("ik,jk->ij", jacobian, jacobian)
-    # Neither so small that the variance overflows: one such direction would make all weights NaN.
+    # The variance must not overflow: one such direction would make all weights NaN.
     scale = np.sqrt(np.maximum(np.diag(hessian), 1e-24 * np.max(np.diag(hessian)) + 1e-200))
     scaled = hessian / np.outer(scale, scale) + 1e-10 * np.eye(scale.size)
     with np.errstate(over="ignore"):

@@ -28,9 +28,9 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
     far ahead the filter looks. A law of the contact is known no better than the recording is explained.
     """
     half = best.flt.rows // 2
-    parts = [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
     # All rows first: they take as long as both halves beside them.
-    parts.insert(0, replace(best.flt, level=MORE_NOISE * best.flt.level))
+    parts = [replace(best.flt, level=MORE_NOISE * best.flt.level)]
+    parts += [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
 
     def again(flt: ContactFilter) -> Candidate:
         # From a higher noise level, where the cost is smooth: a fit that cannot get away proves nothing.
