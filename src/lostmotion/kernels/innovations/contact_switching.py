@@ -52,7 +52,8 @@ SPEED_MOTOR, SPEED_LOAD, TWIST, ANGLE_MOTOR, TORQUE_SHAFT = range(5)
 
 #: An edge is in doubt within so many standard deviations (numerics: beyond, the chance is a thousandth).
 _DOUBT = 3.0
-#: Innovations beyond so many standard deviations make the covariance grow (numerics), by this factor at most.
+#: Innovations beyond so many standard deviations make the covariance grow, up to this factor over its start
+#: (numerics).
 _LOST, _MOST = 3.0, 1e6
 #: Step of the differences in θ: far above rounding, far below any interval (numerics).
 _STEP = 1e-6
@@ -236,11 +237,17 @@ def _through(
 
 @njit(forceinline=True, **COMPILED)
 def _mean_gap(z, half, deviation):
-    """For z spread by ``deviation``: chance of contact, and the edge that the spring sees times that chance."""
+    """For z spread by ``deviation``: chance of contact, the edge that the spring sees while it is in contact, and the
+    variance of the spring's twist beyond what the chance makes of z's."""
     above, below = (z - half) / deviation, (-z - half) / deviation
     plus, minus = 0.5 * math.erfc(-above * _ROOT_HALF), 0.5 * math.erfc(-below * _ROOT_HALF)
-    bulge = math.exp(-0.5 * above * above) - math.exp(-0.5 * below * below)
-    return plus + minus, half * (plus - minus) - deviation * _DENSITY * bulge
+    over, under = _DENSITY * math.exp(-0.5 * above * above), _DENSITY * math.exp(-0.5 * below * below)
+    chance = plus + minus
+    mean = over + above * plus - under - below * minus
+    square = (1.0 + above * above) * plus + above * over + (1.0 + below * below) * minus + below * under
+    # The blended spring has the chance already: the edge must not have it again.
+    edge = (half * (plus - minus) - deviation * (over - under)) / max(chance, 1e-300)
+    return chance, edge, deviation * deviation * max(square - mean * mean - chance * chance, 0.0)
 
 
 @njit(forceinline=True, **COMPILED)
@@ -389,7 +396,7 @@ def innovations(
         _errors(models.reshape(-1), (which >> 2) * whole, nc, which & 3, errors, which * square)
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
     lead, half = c[LEAD], c[HALF]
-    x, y, old, gain, first = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
+    x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
     p, f, work, mixed = np.zeros(square), np.zeros(square), np.zeros(square + WIDE), np.zeros(BLOCK)
     # Sensitivities of the state to θ, column after column, and where they go.
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
@@ -415,8 +422,6 @@ def innovations(
                 p[load * WIDE + load] = spread[2] ** 2
             if angle > 0:
                 p[angle * WIDE + angle] = 1.0
-            for i in range(nc):
-                first[i] = p[i * WIDE + i]
             base = measured[k, 0] if counted else 0.0
         elif counted:
             # The angle is that since the last count: a small number, whose differences are fine.
@@ -439,9 +444,9 @@ def innovations(
                 variance += gain[i] * rows[closed, s, i]
             wanted = (e / (_LOST * level)) ** 2
             if wanted > variance:
-                growth = min((wanted - ratios[s]) / max(variance - ratios[s], 1e-12), _MOST)
-                for i in range(nc):  # far beyond what a start knows nothing but rounding is left
-                    growth = min(growth, max(_MOST * first[i] / max(p[i * WIDE + i], 1e-300), 1.0))
+                growth = (wanted - ratios[s]) / max(variance - ratios[s], 1e-12)
+                # Far beyond what a start knows of the load nothing but rounding is left.
+                growth = min(growth, max(_MOST * spread[1] ** 2 / max(p[2 * WIDE + 2], 1e-300), 1.0))
                 variance = ratios[s] + growth * (variance - ratios[s])
                 for i in range(WIDE):
                     gain[i] *= growth
@@ -464,7 +469,7 @@ def innovations(
         z = x[0] + lead * rate
         # In doubt about the contact: an edge is within the filter's uncertainty, and that is more than the way of a
         # sample.
-        doubt, travel = 0.0, 0.5 * rate * dt
+        doubt, extra, travel = 0.0, 0.0, 0.5 * rate * dt
         if gap_law != NO_GAP:
             a, b = tail * WIDE, head * WIDE
             variance = (
@@ -477,7 +482,7 @@ def innovations(
                 doubt = 0.0
         before, rested, quiet, at = contact, rest, False, closed * whole
         if doubt > 0.0:
-            weight, edge = _mean_gap(z + travel, half, doubt)
+            weight, edge, extra = _mean_gap(z + travel, half, doubt)
             _blend(t, 0, whole, weight, mixed)
             rest = _moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
             for i in range(n):
@@ -506,6 +511,10 @@ def innovations(
             _times(f, 0, nc, slope, m, next_slope)
             _times(f, 0, nc, p, nc, work)
             _times_turned(work, f, 0, nc, noise, 1 if weight > 0.5 else 0, p)
+            if doubt > 0.0:
+                at_edge = whole + EDGE * WIDE
+                for i in range(nc):
+                    _add(t, at_edge, extra / (level * level) * t[at_edge + i], p, i * WIDE)
         # How the parameters move the state within this sample, by differences.
         for j in range(m):
             begin, of = (j + 1) * model, (j + 1) * NUMBERS
@@ -513,7 +522,7 @@ def innovations(
             if quiet:
                 _moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], y)
             elif doubt > 0.0:
-                weight, edge = _mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
+                weight, edge, _ = _mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
                 _blend(t, begin, begin + whole, weight, mixed)
                 _moved(mixed, 0, c, of, n, old, u, jump, edge, y)
             else:
