@@ -163,8 +163,7 @@ class Search:
         found = [*side_by_side(self.descent, list(self.begun)), *self.from_grid()]
         best = _apart(sorted(found, key=_cost), ELSEWHERE)[:POLISHED]
         found += side_by_side(lambda one: polish(one, one.flt, self.box), best)
-        if (otherwise := with_other_torque(min(found, key=_cost), self.box)) is not None:
-            found += [otherwise, *side_by_side(lambda one: polish(one, otherwise.flt, self.box), best)]
+        found += self.otherwise(found, best)
         found += self.thirds(found)
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
@@ -177,6 +176,20 @@ class Search:
             if alike(before, min(found, key=_cost)):
                 break
         return found
+
+    def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
+        """The best with the torque taken the other way or under another law of the contact, as long as one of them is
+        better; then the others likewise."""
+        more: list[Candidate] = []
+        while True:
+            best = min([*found, *more], key=_cost)
+            better = min(self._polished([best], _other_choices(best.flt)), key=_cost)
+            if better.cost >= best.cost or alike(best, better):
+                return more
+            more += [better, *self._polished(others, [better.flt])]
+
+    def _polished(self, candidates: Sequence[Candidate], filters: Sequence[ContactFilter]) -> list[Candidate]:
+        return side_by_side(lambda pair: polish(*pair, self.box), list(product(candidates, filters)))
 
     def displaced(self, best: Candidate) -> list[Candidate]:
         """Descents from beside the best: they come back, show a better place, or one that predicts as well."""
@@ -226,6 +239,12 @@ def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
     """The candidate with the torque as a ramp instead of held, or the other way; None where that is no better."""
     other = polish(candidate, replace(candidate.flt, ramp=not candidate.flt.ramp), box)
     return other if other.cost < candidate.cost and not alike(candidate, other) else None
+
+
+def _other_choices(flt: ContactFilter) -> list[ContactFilter]:
+    """The filter with one choice made otherwise: how the torque goes between rows, the law of the contact."""
+    laws = [replace(flt, law=law) for law in LAWS if law != flt.law]
+    return [replace(flt, ramp=not flt.ramp), *laws]
 
 
 def plausible(found: Sequence[Candidate]) -> list[Candidate]:
