@@ -36,6 +36,8 @@ SAME = 0.01
 #: Candidates that differ by more than this are elsewhere; so many of those get a third inertia (numerics: a descent
 #: with one comes from about so far).
 ELSEWHERE, FEW = 0.3, 3
+#: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
+NEAR = 0.05
 
 #: What is displaced, and by which factor either way, to see whether a descent comes back (numerics: a third is what the
 #: grid leaves open; a backlash may be far off where it is small).
@@ -217,12 +219,13 @@ class Search:
         finished = self._finished(others, self.flt.liveliest(ROWS))
         best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
         apart = disagreement(best, under_laws, self.box)
-        estimate = told(best, [*plausible(finished), *others], apart, self.box, self.fixed)
+        estimate = told(best, plausible(finished), apart, self.box, self.fixed)
         return estimate if np.any(np.isfinite(estimate.half[CORE])) else None
 
     def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
-        """Over more rows: the best two, then the best under other laws and with a third inertia; the lowest first."""
-        found = side_by_side(lambda one: polish(one, one.over(flt), self.box), _apart(others)[:2])
+        """Over more rows, which tell more of them apart: those that predict as well, then the best under other laws and
+        with a third inertia; the lowest first."""
+        found = side_by_side(lambda one: polish(one, one.over(flt), self.box), _apart(others, NEAR)[:POLISHED])
         best = min(found, key=_cost)
         laws = [law for law in LAWS if law != best.flt.law]
         found += side_by_side(
