@@ -12,10 +12,11 @@ from .likelihood import Candidate
 LEAST_RISE = 10.0
 #: Standard deviations of the blocks' mean rise above zero (numerics: by chance once in 300 recordings).
 SURE = 3.0
-#: Candidates are alike if their costs differ by less than the first number and a part of what the better is above the
-#: sensor's noise: where no candidate reaches that, none differs from another by so little. (Calibrated on development
-#: drives 0 to 5: what differed by less was within the intervals; and on 300 to 400, 2026-11-23: where the best is
-#: wrong, the next one that is more than a tenth away costs 0.2 times that more at most; where it is right, 0.47.)
+#: Candidates are alike if their costs differ by less than the first number and a part of the better one's, times the part
+#: of the innovations that the model does not explain: what a model lacks may make up for so much, and a model that lacks
+#: nothing makes up for nothing. (Calibrated on development drives 300 to 400, and on 36 of 800 to 1083, 2026-11-23: next
+#: to a wrong best another is that close, more than a tenth away, for 21 of 25 values; next to a right one that explains
+#: the recording for none of 62.)
 ALIKE, ALIKE_SHARE = 0.003, 0.35
 #: The same part where innovations are below the sensor's noise, so that nothing says how well a model can predict
 #: (calibrated on development drive 521: a wrong best was 0.03 of that better; 0.35 loses right values from coarse
@@ -27,7 +28,8 @@ BETTER_SHARE = 0.2
 
 def alike(one: Candidate, best: Candidate, share: float = ALIKE_SHARE) -> bool:
     """Whether a candidate's cost is about the best one's."""
-    return one.cost <= best.cost + ALIKE + max(share * best.cost, -BELOW_NOISE * best.cost)
+    unexplained = -np.expm1(-2.0 * abs(best.cost)) * best.cost
+    return bool(one.cost <= best.cost + ALIKE + max(share * unexplained, -BELOW_NOISE * best.cost))
 
 
 def clearly_better(one: Candidate, other: Candidate) -> bool:
