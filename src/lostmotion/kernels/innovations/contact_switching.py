@@ -338,8 +338,8 @@ def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offse
 
 @njit(**COMPILED)
 def innovations(
-    parameters, free, kinds, units, dt, law, finest, ramp, behind, sensors, counted, ratios, bounds, torque, measured,
-    level, spread, residuals, variances, jacobian,
+    parameters, free, kinds, units, dt, law, finest, ramp, behind, drifts, sensors, counted, ratios, bounds, torque,
+    measured, level, spread, residuals, variances, jacobian,
 ):  # fmt: skip
     """One pass of the filter over a recording, with the sensitivities to some parameters.
 
@@ -358,6 +358,8 @@ def innovations(
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
     behind : bool
         Whether a third mass is part of the load and sits behind the gap, else part of the motor and before it.
+    drifts : bool
+        Whether the unknown load torque is smooth: its slope changes at random, else itself.
     sensors : (s,) int array
         SPEED_MOTOR first.
     counted : bool
@@ -369,8 +371,9 @@ def innovations(
     torque, measured : (n,) and (n, s) arrays
     level : float
         Standard deviation of the first sensor, rad or rad/s.
-    spread : (3,) tuple
-        Standard deviation at the start of a piece of twist (rad), speeds (rad/s) and load torque (Nm), over ``level``.
+    spread : (4,) tuple
+        Standard deviation at the start of a piece of twist (rad), speeds (rad/s), load torque (Nm) and its slope
+        (Nm/s), over ``level``.
     residuals, variances : (n, s) arrays
         Filled with the innovations, and with their variances over that of the first sensor.
     jacobian : (m, n, s) array
@@ -379,8 +382,8 @@ def innovations(
     m, angled = free.size, counted
     for s in range(sensors.size):
         angled = angled or sensors[s] == ANGLE_MOTOR
-    third, load, angle, tail, head, n, nc = layout(parameters, angled, behind)
-    ends, kind = (tail, head), (ramp, behind, counted, angled)
+    third, load, slope_at, angle, tail, head, n, nc = layout(parameters, angled, behind, drifts)
+    ends, kind = (tail, head), (ramp, behind, drifts, counted, angled)
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, (finest + 1) * BLOCK
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
@@ -420,6 +423,8 @@ def innovations(
                 p[third * WIDE + third] = spread[0] ** 2
             if load > 0:
                 p[load * WIDE + load] = spread[2] ** 2
+            if slope_at > 0:
+                p[slope_at * WIDE + slope_at] = spread[3] ** 2
             if angle > 0:
                 p[angle * WIDE + angle] = 1.0
             base = measured[k, 0] if counted else 0.0

@@ -2,8 +2,8 @@
 
 States::
 
-    twist at the gap, speed_motor, speed_load, [twist before, speed of the third mass], [load torque], [angle_motor],
-    torque_actuator
+    twist at the gap, speed_motor, speed_load, [twist before, speed of the third mass], [load torque], [its slope],
+    [angle_motor], torque_actuator
 
 The last is known without error; the covariance is that of the others.
 """
@@ -30,7 +30,7 @@ from .two_mass import add_series, product
 VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
 
 #: States at most (layout). Columns of a transition are so long: loops of a known length become vector instructions.
-WIDE = 8
+WIDE = 9
 #: A transition's columns: states, then torque, gap edge, friction of motor and of load, and what a torque that changes
 #: within the sample does that its mean does not (of a whole sample alone).
 TORQUE, EDGE, MOTOR, LOAD, JUMP = range(WIDE, WIDE + 5)
@@ -52,17 +52,20 @@ _NO_LAG = 1e-6
 
 
 @njit(**COMPILED)
-def layout(q, angled, behind):
-    """Places among the states of third mass, load torque and angle (0: none), and of the speeds before and behind the
-    gap; states; states with a covariance. ``behind``: the third mass sits behind the gap, else before it."""
+def layout(q, angled, behind, drifts):
+    """Places among the states of third mass, load torque, its slope and angle (0: none), and of the speeds before and
+    behind the gap; states; states with a covariance. ``behind``: the third mass sits behind the gap, else before it;
+    ``drifts``: the load torque has a slope."""
     third = 3 if q[SHARE] > 0.0 else 0
     tail, head = third + 1 if third > 0 and not behind else 1, third + 1 if third > 0 and behind else 2
     nc = 5 if third > 0 else 3
     load = nc if q[TORQUE_RATE] > 0.0 else 0
     nc += 1 if load > 0 else 0
+    slope = nc if load > 0 and drifts else 0
+    nc += 1 if slope > 0 else 0
     angle = nc if angled else 0
     nc += 1 if angle > 0 else 0
-    return third, load, angle, tail, head, nc + 1, nc
+    return third, load, slope, angle, tail, head, nc + 1, nc
 
 
 @njit(**COMPILED)
@@ -99,7 +102,7 @@ def _shafts(q, behind):
 
 
 @njit(**COMPILED)
-def _continuous(q, dt, n, third, load, angle, tail, head, closed, law, block):
+def _continuous(q, dt, n, third, load, slope, angle, tail, head, closed, law, block):
     """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
     block[:] = 0.0
     jm, jl = q[INERTIA_MOTOR], q[INERTIA_LOAD]
@@ -123,6 +126,8 @@ def _continuous(q, dt, n, third, load, angle, tail, head, closed, law, block):
     block[2, 2] -= q[VISCOUS] / jl
     if load > 0:
         block[2, load] = 1.0 / jl
+    if slope > 0:
+        block[load, slope] = 1.0
     if angle > 0:
         block[angle, 1] = 1.0
     if q[LAG] > _NO_LAG * dt:
@@ -233,10 +238,11 @@ def _fill_jump(table, at, finest, n, part):
 def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise.
 
-    ``kind``: whether the torque is a ramp, a third mass sits behind the gap, the speed is counted, the angle a state.
+    ``kind``: whether the torque is a ramp, a third mass sits behind the gap, the load torque has a slope, the speed is
+    counted, the angle a state.
     """
-    ramp, behind, counted, angled = kind
-    third, load, angle, tail, head, n, nc = layout(q, angled, behind)
+    ramp, behind, drifts, counted, angled = kind
+    third, load, slope, angle, tail, head, n, nc = layout(q, angled, behind, drifts)
     block, density, own = np.zeros((n + 4, n + 4)), np.zeros((nc, nc)), np.zeros((nc, nc))
     # Torque noise that moves motor or load as fast as their rates say: a lone inertia that is seen by its speed, or by
     # its angle, has a filter of that bandwidth.
@@ -244,10 +250,11 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     density[1, 1], density[2, 2] = q[MOTOR_RATE] ** power * dt, q[LOAD_RATE] ** power * dt
     if third > 0:
         density[third + 1, third + 1] = density[2, 2] if behind else density[1, 1]
-    if load > 0:
-        density[load, load] = (q[TORQUE_RATE] / level) ** 2
+    if load > 0:  # the rate is that of the torque in a second, or of its slope
+        noisy = slope if slope > 0 else load
+        density[noisy, noisy] = (q[TORQUE_RATE] / level) ** 2
     for closed in range(2):
-        _continuous(q, dt, n, third, load, angle, tail, head, closed == 1, law, block)
+        _continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
         at = closed * (finest + 1) * BLOCK
         _transitions(block, density, dt, n, finest, table, at, own)
         _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))

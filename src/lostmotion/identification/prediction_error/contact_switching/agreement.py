@@ -10,8 +10,9 @@ from ....drivetrain import Drivetrain
 from ....errors import InvalidInput
 from .. import problems as problem
 from ..gain_schedule import Stage
+from ..gap.absent_gap import NEEDED
 from ..identifiability import Told
-from ..innovations import Predictor
+from ..innovations import NAMES, Predictor
 from .descents import NOISE_ALONE, POLES, Search, with_other_torque
 from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
@@ -81,9 +82,10 @@ def confirmed(
 
 
 def _stands(search: Search, fit: Fit) -> bool:
-    """Whether the fit is sure of what it tells, torsion is well above the noise, and only noise is left or nothing near
-    is better."""
-    if np.any(fit.told.half[fit.core] > APART):
+    """Whether the fit is sure of inertias, stiffness and backlash, torsion is well above the noise, and only noise is
+    left or nothing near is better."""
+    told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
+    if not told.issuperset(NEEDED) or np.any(fit.told.half[fit.core] > APART):
         return False
     own = within_intervals(
         search.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed, NOISE_ALONE

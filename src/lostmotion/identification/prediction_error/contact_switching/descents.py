@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from ..innovations import NAMES as TOLD
 from . import grid
 from .estimate import CORE, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
+from .gap_bound import bare
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
 from .refits import disagreement
@@ -147,7 +149,7 @@ class Search:
     def thirds(self, found: Sequence[Candidate]) -> list[Candidate]:
         """With a third inertia: the best few from every place; then the other starts where the best has it."""
         fits = sorted(found, key=_cost)
-        if fits[0].cost < NOISE_ALONE:
+        if abs(fits[0].cost) < NOISE_ALONE:
             return []
         few = _apart(fits, ELSEWHERE)[:FEW]
         tried = side_by_side(
@@ -164,7 +166,7 @@ class Search:
         """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
         found = [*side_by_side(self.descent, list(self.begun)), *self.from_grid()]
         best = _apart(sorted(found, key=_cost), ELSEWHERE)[:POLISHED]
-        found += side_by_side(lambda one: polish(one, one.flt, self.box), best)
+        found += self._polished(best)
         found += self.otherwise(found, best)
         found += self.thirds(found)
         found.append(
@@ -180,18 +182,20 @@ class Search:
         return found
 
     def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
-        """The best with the torque taken the other way or under another law of the contact, as long as one of them is
-        better; then the others likewise."""
+        """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""
         more: list[Candidate] = []
         while True:
             best = min([*found, *more], key=_cost)
-            better = min(self._polished([best], _other_choices(best.flt)), key=_cost)
+            choices = _other_choices(best)
+            tried = self._polished([choice(best) for choice in choices])
+            better = min(tried, key=_cost)
             if better.cost >= best.cost or alike(best, better):
                 return more
-            more += [better, *self._polished(others, [better.flt])]
+            choice = choices[tried.index(better)]
+            more += [better, *self._polished([choice(one) for one in others])]
 
-    def _polished(self, candidates: Sequence[Candidate], filters: Sequence[ContactFilter]) -> list[Candidate]:
-        return side_by_side(lambda pair: polish(*pair, self.box), list(product(candidates, filters)))
+    def _polished(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+        return side_by_side(lambda one: polish(one, one.flt, self.box), candidates)
 
     def displaced(self, best: Candidate) -> list[Candidate]:
         """Descents from beside the best: they come back, show a better place, or one that predicts as well."""
@@ -225,7 +229,9 @@ class Search:
     def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
         """Over more rows, which tell more of them apart: those that predict as well, then the best under other laws and
         with a third inertia; the lowest first."""
-        found = side_by_side(lambda one: polish(one, one.over(flt), self.box), _apart(others, NEAR)[:POLISHED])
+        found = side_by_side(
+            lambda one: polish(one, one.over(flt), self.box), _apart(others, NEAR)[:POLISHED]
+        )
         best = min(found, key=_cost)
         laws = [law for law in LAWS if law != best.flt.law]
         found += side_by_side(
@@ -244,10 +250,17 @@ def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
     return other if other.cost < candidate.cost and not alike(candidate, other) else None
 
 
-def _other_choices(flt: ContactFilter) -> list[ContactFilter]:
-    """The filter with one choice made otherwise: how the torque goes between rows, the law of the contact."""
-    laws = [replace(flt, law=law) for law in LAWS if law != flt.law]
-    return [replace(flt, ramp=not flt.ramp), *laws]
+def _other_choices(best: Candidate) -> list[Callable[[Candidate], Candidate]]:
+    """Each makes one choice otherwise than the best: how the torque goes between rows, how the load torque changes, the
+    law of the contact, and whether there is a gap."""
+
+    def with_filter(change: dict[str, Any]) -> Callable[[Candidate], Candidate]:
+        return lambda one: replace(one, flt=replace(one.flt, **change))
+
+    changes: list[dict[str, Any]] = [{"ramp": not best.flt.ramp}, {"drifts": not best.flt.drifts}]
+    changes += [{"law": law} for law in LAWS if law != best.flt.law]
+    gapless = [bare] if np.isfinite(best.theta[INDEX["backlash"]]) else []
+    return [*(with_filter(change) for change in changes), *gapless]
 
 
 def plausible(found: Sequence[Candidate]) -> list[Candidate]:

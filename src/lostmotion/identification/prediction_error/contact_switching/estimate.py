@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
 from ...statistics.block_covariance import sandwich, student_factor
+from ..gap.absent_gap import NEEDED
 from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from ..model_error import model_allowance
 from .filter import INDEX, NAMES
+from .gap_bound import gap_bound, without_gap
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .starts import lag, told_vector
@@ -39,12 +41,14 @@ NO_INFORMATION = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate."""
+    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate; and
+    the bound of a gap (rad), if it does without one."""
 
     theta: Array
     half: Array
     covariance: Array
     best: Candidate
+    gap_bound: float | None = None
 
 
 def distance(one: Candidate, other: Candidate) -> Array:
@@ -84,9 +88,7 @@ def told(
     # A smooth torque that is held acts as one that goes straight from row to row, half a row later.
     if best.flt.ramp:
         apart[-1] = max(apart[-1], np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt)))
-    # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
-    unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
-    half = student_factor(1) * error * np.hypot(1.0, COHERENT * unexplained)
+    half = student_factor(1) * error * beyond_chance(best)
     half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + _allowance(best) ** 2)
     # Places that predict as well and lie far apart are no interval, and neither is what noise and rows scatter as far.
     # Friction, damping and lag make up for what the model lacks.
@@ -102,7 +104,28 @@ def told(
     # Neither load nor spring: the rest fits many a drive. A spring before a load that does not answer is like a gap.
     if {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
         half[:] = np.inf
-    return Estimate(theta, half, covariance, best)
+    found = Estimate(theta, half, covariance, best)
+    return found if "backlash" in fixed or "backlash" not in lost else _without_gap(found, box)
+
+
+def _without_gap(found: Estimate, box: Box) -> Estimate:
+    """With the bound of a gap where inertias and stiffness are identified, and the recording shows no gap."""
+    if not np.all(np.isfinite(found.half[[TOLD.index(name) for name in NEEDED]])):
+        return found
+    gapless = without_gap(found.best, box)
+    bound = gap_bound(gapless, beyond_chance(gapless)) if gapless else None
+    if gapless is None or bound is None:
+        return found
+    theta = found.theta.copy()
+    theta[TOLD.index("backlash")] = -np.inf
+    return replace(found, theta=theta, best=gapless, gap_bound=bound)
+
+
+def beyond_chance(best: Candidate) -> float:
+    """By how much what is not explained widens what chance makes of an interval."""
+    # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
+    unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
+    return float(np.hypot(1.0, COHERENT * unexplained))
 
 
 def _allowance(best: Candidate) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,11 @@ KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2}
 EXACT = 3e-6
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
+#: Slope of a load torque at the start, in standard deviations of the torque in a second (numerics: a period of 2 s).
+DRIFT = 3.0
+#: Orders of differences (numerics: with seven rows in a period the third one of the motion may be 20 times the noise,
+#: the 16th is none of it).
+LEAST_ORDER, MOST_ORDER = 3, 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +89,8 @@ class ContactFilter:
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
     behind : bool
         Whether a third inertia is part of the load and sits behind the gap, else part of the motor and before it.
+    drifts : bool
+        Whether an unknown load torque is smooth: its slope changes at random, else itself.
     inertia : (float, float)
         Total inertia (kg m²) that the slow motion tells, and the half width of its logarithm; infinite: any.
     """
@@ -98,6 +106,7 @@ class ContactFilter:
     law: str = "viscoelastic"
     ramp: bool = False
     behind: bool = False
+    drifts: bool = False
     inertia: tuple[float, float] = (1.0, np.inf)
 
     @classmethod
@@ -162,12 +171,13 @@ class ContactFilter:
         residuals, variances, jacobian = np.zeros((n, 1)), np.ones((n, 1)), np.zeros((m, n, 1))
         with np.errstate(all="ignore"):
             twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
-        start = np.array([twist, 0.3 * self.speed_deviation, self.torque_deviation]) / self.level
+        torque = self.torque_deviation
+        start = np.array([twist, 0.3 * self.speed_deviation, torque, torque * DRIFT]) / self.level
         innovations(
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
             np.array([self._unit(PARAMETERS[NAMES[i]]) for i in free]),
-            self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind, np.zeros(1, dtype=np.int64),
+            self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind, self.drifts, np.zeros(1, dtype=np.int64),
             self.counted, np.ones(1), np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None],
             self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip
@@ -240,8 +250,12 @@ class ContactFilter:
 
 
 def white_noise(values: Array) -> float:
-    """Standard deviation of white noise in a smooth signal: from third differences, by their median."""
-    return float(np.median(np.abs(np.diff(values, 3)))) / 0.6745 / np.sqrt(20.0)
+    """Standard deviation of white noise in a smooth signal: from differences, by their median; of the order that sees
+    least of the motion."""
+    return min(
+        float(np.median(np.abs(np.diff(values, order)))) / 0.6745 / np.sqrt(comb(2 * order, order))
+        for order in range(LEAST_ORDER, MOST_ORDER + 1)
+    )
 
 
 def pole_of(theta: Array) -> float:

@@ -198,8 +198,9 @@ class Candidate:
     free: list[int]
 
     def over(self, rows: ContactFilter) -> ContactFilter:
-        """The filter over other rows, with what this candidate takes for torque and contact."""
-        return replace(rows, ramp=self.flt.ramp, behind=self.flt.behind, law=self.flt.law)
+        """The filter over other rows, with what this candidate takes for the torques and the contact."""
+        flt = self.flt
+        return replace(rows, ramp=flt.ramp, behind=flt.behind, drifts=flt.drifts, law=flt.law)
 
 
 def descend(

@@ -12,11 +12,11 @@ from .likelihood import Candidate
 LEAST_RISE = 10.0
 #: Standard deviations of the blocks' mean rise above zero (numerics: by chance once in 300 recordings).
 SURE = 3.0
-#: Candidates are alike if their costs differ by less than the first number and a part of the better one's, times the part
-#: of the innovations that the model does not explain: what a model lacks may make up for so much, and a model that lacks
-#: nothing makes up for nothing. (Calibrated on development drives 300 to 400, and on 36 of 800 to 1083, 2026-11-23: next
-#: to a wrong best another is that close, more than a tenth away, for 21 of 25 values; next to a right one that explains
-#: the recording for none of 62.)
+#: Candidates are alike if their costs differ by less than the first number and a part of the better one's, times the
+#: part of the innovations that the model does not explain: what a model lacks may make up for so much, and one that
+#: lacks nothing makes up for nothing. (Calibrated on development drives 300 to 400, and on 36 of 800 to 1083,
+#: 2026-11-23: next to a wrong best another is that close, more than a tenth away, for 21 of 25 values; next to a right
+#: one that explains the recording for none of 62.)
 ALIKE, ALIKE_SHARE = 0.003, 0.35
 #: The same part where innovations are below the sensor's noise, so that nothing says how well a model can predict
 #: (calibrated on development drive 521: a wrong best was 0.03 of that better; 0.35 loses right values from coarse

@@ -69,7 +69,8 @@ def parts_of(candidate: Candidate) -> Parts:
         "a gap" if v["backlash"] * v["stiffness"] > GAP * torque else "no gap",
         _friction(v["coulomb"], v["coulomb_motor"]),
         "friction that differs by direction" if uneven > SYMMETRIC * friction > 0.0 else "",
-        "a constant load torque" if abs(v["load_torque"]) > LOAD * torque else "",
+        "a slow load torque" if flt.drifts else "",
+        "a constant load torque" if abs(v["load_torque"]) > LOAD * torque and not flt.drifts else "",
         f"the {flt.law.replace('_', '-')} contact" if flt.law != "viscoelastic" else "",
         "a torque that goes straight from row to row" if flt.ramp else "",
     ]

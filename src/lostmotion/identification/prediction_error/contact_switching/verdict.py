@@ -106,9 +106,12 @@ class Fit:
         predictor = replace(self.predictor, base=self.predictor.base.with_parameters(**friction))
         theta = self._nameplate()
         theta[free] = found.theta[free]
+        if found.gap_bound is not None:
+            theta[NAMES.index("backlash")] = -np.inf
         lost = tuple(i for i in range(len(NAMES)) if i not in free)
         stage = _at(predictor, replace(self.stage, free=free, unexcited=lost), theta)
-        return predictor, stage, Told(theta, found.covariance[np.ix_(free, free)], found.half[free]), []
+        told = Told(theta, found.covariance[np.ix_(free, free)], found.half[free], found.gap_bound)
+        return predictor, stage, told, []
 
     def _nameplate(self) -> Array:
         return to_theta([getattr(self.start, name) for name in NAMES], self.predictor.dt)
