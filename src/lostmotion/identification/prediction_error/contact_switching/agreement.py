@@ -15,12 +15,14 @@ from ..identifiability import Told
 from ..innovations import NAMES, Predictor
 from .descents import NOISE_ALONE, POLES, Search, with_other_torque
 from .estimate import APART, EXPLAINED
-from .filter import ContactFilter
+from .filter import INDEX, ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, polish
 from .likelihood_ratio import alike, clearly_better
 from .verdict import Fit, Outcome
 
+#: Distance from the end of an interval within which a value is at it (numerics: rounding).
+EDGE = 1e-9
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
 #: innovations (calibrated on development drives 0 to 30: where it is less, another fit may predict as well).
 TORSION = 0.25
@@ -96,7 +98,18 @@ def _stands(search: Search, fit: Fit) -> bool:
         return False
     if abs(own.cost) < NOISE_ALONE:
         return True
-    return not any(clearly_better(one, own) for one in search.near(own))
+    near = search.near(own)
+    if _at_an_edge(own, search, fit):
+        near.append(search.freed(own))
+    return not any(clearly_better(one, own) for one in near)
+
+
+def _at_an_edge(own: Candidate, search: Search, fit: Fit) -> bool:
+    """Whether a value that the fit tells would be likelier outside its interval."""
+    inside = intervals(fit.stage, fit.told, search.box)
+    places = [INDEX[NAMES[i]] for i in fit.stage.free]
+    room = np.minimum(own.theta - inside.lower, inside.upper - own.theta)[places]
+    return bool(np.any(room <= EDGE))
 
 
 def _cost(one: Candidate) -> float:

@@ -18,7 +18,7 @@ from .estimate import CORE, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .gap_bound import bare
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
-from .likelihood_ratio import alike
+from .likelihood_ratio import alike, plausible_beside
 from .refits import disagreement
 from .slow_motion import SlowMotion
 from .starts import free_places, rigid_start, starts
@@ -137,6 +137,10 @@ class Search:
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
         return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 
+    def freed(self, fit: Candidate) -> Candidate:
+        """The same without the fit's intervals."""
+        return self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
+
     def near(self, fit: Candidate) -> list[Candidate]:
         """What lies next to the fit: a descent from it, and with a third inertia if it has none."""
         found = self.descent("fitted")
@@ -169,9 +173,7 @@ class Search:
         found += self._polished(best)
         found += self.otherwise(found, best)
         found += self.thirds(found)
-        found.append(
-            self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
-        )
+        found.append(self.freed(fit))
         for _ in range(DISPLACEMENTS):
             before = min(found, key=_cost)
             if not _stands_out(found):  # nothing will be told, whatever lies beside it
@@ -264,9 +266,9 @@ def _other_choices(best: Candidate) -> list[Callable[[Candidate], Candidate]]:
 
 
 def plausible(found: Sequence[Candidate]) -> list[Candidate]:
-    """Candidates that predict about as well as the best, which comes first."""
+    """Candidates that may be right: those that predict about as well as the best, which comes first."""
     found = sorted(found, key=_cost)
-    return [one for one in found if alike(one, found[0])]
+    return [one for one in found if plausible_beside(one, found[0])]
 
 
 def _stands_out(found: Sequence[Candidate]) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -196,6 +196,12 @@ class Candidate:
     cost: float
     flt: ContactFilter
     free: list[int]
+
+    @property
+    def structure(self) -> tuple[Hashable, ...]:
+        """What the model consists of, but for the gap."""
+        flt, third = self.flt, bool(np.isfinite(self.theta[INDEX["share"]]))
+        return flt.law, flt.ramp, flt.drifts, third, third and flt.behind
 
     def over(self, rows: ContactFilter) -> ContactFilter:
         """The filter over other rows, with what this candidate takes for the torques and the contact."""

@@ -10,8 +10,8 @@ from .likelihood import Candidate
 #: Rise of the log likelihood below which no candidate is better (numerics: ten more parameters raise it by five where
 #: there is nothing to find).
 LEAST_RISE = 10.0
-#: Standard deviations of the blocks' mean rise above zero (numerics: by chance once in 300 recordings).
-SURE = 3.0
+#: Standard deviations of the blocks' mean rise above zero (numerics: by chance once in 90 recordings).
+SURE = 2.5
 #: Candidates are alike if their costs differ by less than the first number and a part of the better one's, times the
 #: part of the innovations that the model does not explain: what a model lacks may make up for so much, and one that
 #: lacks nothing makes up for nothing. (Calibrated on development drives 300 to 400, and on 36 of 800 to 1083,
@@ -30,6 +30,13 @@ def alike(one: Candidate, best: Candidate, share: float = ALIKE_SHARE) -> bool:
     """Whether a candidate's cost is about the best one's."""
     unexplained = -np.expm1(-2.0 * abs(best.cost)) * best.cost
     return bool(one.cost <= best.cost + ALIKE + max(share * unexplained, -BELOW_NOISE * best.cost))
+
+
+def plausible_beside(one: Candidate, best: Candidate) -> bool:
+    """Whether a candidate may be right although another predicts better: of the same structure if it is alike, of
+    another if it comes near. Each structure lacks something else, and makes up for it otherwise."""
+    near = one.cost <= best.cost + ALIKE + ALIKE_SHARE * best.cost
+    return alike(one, best) or (near and one.structure != best.structure)
 
 
 def clearly_better(one: Candidate, other: Candidate) -> bool:
