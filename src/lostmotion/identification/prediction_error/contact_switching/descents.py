@@ -52,8 +52,9 @@ FREED_STEPS = 10
 LITTLE = 10.0
 #: Part of the rows of a descent that show whether the fit stands, and rows at least (numerics: 20 torsional periods).
 GLIMPSE, LEAST = 4, 2000
-#: Steps from a point of the grid; descents that go on to the end; displacements of the best at most (numerics).
-FIRST_STEPS, POLISHED, DISPLACEMENTS = 8, 6, 2
+#: Steps from a point of the grid at each noise level; descents that go on to the end; displacements of the best at most
+#: (numerics).
+FIRST_STEPS, POLISHED, DISPLACEMENTS = 3, 6, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,13 +114,13 @@ class Search:
         return descend(name, self.part, self.begun[name], free, self.box, first)
 
     def from_grid(self) -> list[Candidate]:
-        """Short descents from the best of each plane of the grid."""
+        """Short descents from the best of each plane of the grid, from a noise level at which the cost is smooth."""
         free = free_places(self.start, self.fixed)
 
         def short(numbered: tuple[int, Array]) -> Candidate:
-            number, theta = numbered
-            theta, _ = minimise(self.coarse, theta, free, self.box, FIRST_STEPS)
-            return Candidate(f"grid {number}", theta, self.part.run(theta).cost, self.part, free)
+            name, theta = f"grid {numbered[0]}", numbered[1]
+            theta = descend(name, self.coarse, theta, free, self.box, iterations=FIRST_STEPS).theta
+            return Candidate(name, theta, self.part.run(theta).cost, self.part, free)
 
         return side_by_side(short, list(enumerate(grid.best(self.part, self.start, self.fixed))))
 
