@@ -83,6 +83,23 @@ def test_little_doubt_about_the_load_costs_little(plant: lm.Drivetrain, values: 
     assert flt.run(flt.theta(true | {"backlash": 0.101})).cost < own + 0.3
 
 
+def test_a_load_torque_with_a_slope_follows_a_slow_one(plant: lm.Drivetrain, values: dict[str, float]):
+    """A sine of 2 s: as a random walk the filter is always behind it."""
+    torque = lm.signals.excitation(2.0, 2e-4, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    load = 3.0 * np.sin(np.pi * 2e-4 * np.arange(torque.size))
+    run = lm.simulate(plant, torque_motor=torque, torque_load=load, dt=2e-4)
+    speed = run["speed_motor"] + 1e-3 * np.random.default_rng(1).standard_normal(torque.size)
+    flt = ContactFilter.of(Predictor(torque, speed, 2e-4, False, plant, skip=0), 100.0)
+
+    def least(drifts: bool) -> float:
+        rates = np.geomspace(1e-3, 10.0, 9) * flt.torque_deviation
+        each = replace(flt, drifts=drifts)
+        return min(each.run(each.theta(values | {"torque_rate": rate})).cost for rate in rates)
+
+    assert least(True) == pytest.approx(0.0, abs=0.1)
+    assert least(True) < least(False) - 0.01
+
+
 def test_a_total_inertia_beyond_that_of_the_slow_motion_costs_more(
     flt: ContactFilter, values: dict[str, float]
 ):

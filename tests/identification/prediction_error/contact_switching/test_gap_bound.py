@@ -1,0 +1,61 @@
+"""A drive without a gap: up to which size the recording would not show one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, NAMES, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.gap_bound import (
+    bare,
+    gap_bound,
+    without_gap,
+)
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.innovations import Predictor
+
+DT = 2e-4
+FREE = [INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness", "damping", "coulomb", "lag")]
+
+
+def candidate(plant: lm.Drivetrain, gap: float, seed: int = 1) -> tuple[Candidate, Box]:
+    """The true values of a drive with this gap (rad), which has a small one in the model, too."""
+    drive = plant.with_parameters(backlash=gap)
+    torque = lm.signals.excitation(1.0, DT, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(drive, torque_motor=torque, dt=DT)
+    speed = run["speed_motor"] + 0.01 * np.random.default_rng(seed).standard_normal(torque.size)
+    flt = ContactFilter.of(Predictor(torque, speed, DT, False, drive, skip=0), 100.0)
+    true = {name: value for name, value in drive.parameters().items() if name in NAMES}
+    theta = flt.theta(true | {"backlash": max(gap, 1e-6), "motor_rate": 3.0, "load_rate": 1.0})
+    free = sorted([*FREE, INDEX["backlash"]])
+    return Candidate("truth", theta, flt.run(theta).cost, flt, free), Box.around(flt, theta, 100.0)
+
+
+def test_without_a_gap_the_bound_is_small(plant: lm.Drivetrain):
+    best, box = candidate(plant, 0.0)
+    gapless = without_gap(best, box)
+    assert gapless is not None and np.isinf(gapless.theta[INDEX["backlash"]])
+    bound = gap_bound(gapless, 1.0)
+    assert bound is not None and 0.0 < bound < 0.02 * 0.012
+    # Intervals that are twice as wide make it larger.
+    wider = gap_bound(gapless, 2.0)
+    assert wider is not None and bound < wider < 2.0 * bound + 1e-9
+
+
+def test_the_bound_holds_for_gaps_about_as_large(plant: lm.Drivetrain):
+    """Once and three times what would not show: the bound is above them, or the gap is seen. One in six may miss."""
+    holds = []
+    for seed in (1, 2, 3):
+        without = gap_bound(bare(candidate(plant, 0.0, seed)[0]), 1.0)
+        assert without is not None
+        for gap in (without, 3.0 * without):
+            small, box = candidate(plant, gap, seed)
+            gapless = without_gap(small, box)
+            above = gap_bound(gapless, 1.0) if gapless else None
+            holds.append(above is None or above > gap)
+    assert sum(holds) >= len(holds) - 1
+
+
+def test_a_gap_that_shows_is_not_left_out(plant: lm.Drivetrain):
+    best, box = candidate(plant, 0.012)
+    assert without_gap(best, box) is None
