@@ -15,14 +15,12 @@ from ..identifiability import Told
 from ..innovations import NAMES, Predictor
 from .descents import NOISE_ALONE, POLES, Search, with_other_torque
 from .estimate import APART, EXPLAINED
-from .filter import INDEX, ContactFilter
+from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, polish
 from .likelihood_ratio import alike, clearly_better
 from .verdict import Fit, Outcome
 
-#: Distance from the end of an interval within which a value is at it (numerics: rounding).
-EDGE = 1e-9
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
 #: innovations (calibrated on development drives 0 to 30: where it is less, another fit may predict as well).
 TORSION = 0.25
@@ -85,31 +83,21 @@ def confirmed(
 
 def _stands(search: Search, fit: Fit) -> bool:
     """Whether the fit is sure of inertias, stiffness and backlash, torsion is well above the noise, and only noise is
-    left or nothing near is better."""
+    left or nothing near is better and says otherwise."""
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
     if not told.issuperset(NEEDED) or np.any(fit.told.half[fit.core] > APART):
         return False
     own = within_intervals(
         search.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed, NOISE_ALONE
     )
-    if abs(own.cost) >= EXPLAINED and fit.excess(search.flt) > UNEXPLAINED:
+    if fit.excess(search.flt) > UNEXPLAINED:
         return False
     if search.rigid().cost < own.cost + TORSION:
         return False
     if abs(own.cost) < NOISE_ALONE:
         return True
-    near = search.near(own)
-    if _at_an_edge(own, search, fit):
-        near.append(search.freed(own))
-    return not any(clearly_better(one, own) for one in near)
-
-
-def _at_an_edge(own: Candidate, search: Search, fit: Fit) -> bool:
-    """Whether a value that the fit tells would be likelier outside its interval."""
-    inside = intervals(fit.stage, fit.told, search.box)
-    places = [INDEX[NAMES[i]] for i in fit.stage.free]
-    room = np.minimum(own.theta - inside.lower, inside.upper - own.theta)[places]
-    return bool(np.any(room <= EDGE))
+    better = [one for one in search.near(own) if clearly_better(one, own)]
+    return not np.any(fit.shift(better)[fit.core] > 0.0)
 
 
 def _cost(one: Candidate) -> float:

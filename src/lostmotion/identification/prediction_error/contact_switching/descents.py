@@ -138,10 +138,6 @@ class Search:
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
         return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 
-    def freed(self, fit: Candidate) -> Candidate:
-        """The same without the fit's intervals."""
-        return self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
-
     def near(self, fit: Candidate) -> list[Candidate]:
         """What lies next to the fit: a descent from it, and with a third inertia if it has none."""
         found = self.descent("fitted")
@@ -174,7 +170,9 @@ class Search:
         found += self._polished(best)
         found += self.otherwise(found, best)
         found += self.thirds(found)
-        found.append(self.freed(fit))
+        found.append(
+            self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
+        )
         for _ in range(DISPLACEMENTS):
             before = min(found, key=_cost)
             if not _stands_out(found):  # nothing will be told, whatever lies beside it

@@ -10,8 +10,8 @@ from .likelihood import Candidate
 #: Rise of the log likelihood below which no candidate is better (numerics: ten more parameters raise it by five where
 #: there is nothing to find).
 LEAST_RISE = 10.0
-#: Standard deviations of the blocks' mean rise above zero (numerics: by chance once in 90 recordings).
-SURE = 2.5
+#: Standard deviations of the blocks' mean rise above zero (numerics: by chance once in 300 recordings).
+SURE = 3.0
 #: Candidates are alike if their costs differ by less than the first number and a part of the better one's, times the
 #: part of the innovations that the model does not explain: what a model lacks may make up for so much, and one that
 #: lacks nothing makes up for nothing. (Calibrated on development drives 300 to 400, and on 36 of 800 to 1083,
