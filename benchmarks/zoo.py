@@ -25,9 +25,9 @@ from zoo_tables import Scores, picture, summary, tables
 
 import lostmotion as lm
 from lostmotion.errors import LostMotionError
-from lostmotion.identification.prediction_error.contact_switching.total_inertia import of_slow_motion
 from lostmotion.identification.prediction_error.identifiability import NOT_EXCITED
 from lostmotion.identification.prediction_error.innovations import Predictor
+from lostmotion.identification.prediction_error.slow_motion.total_inertia import of_slow_motion
 
 
 def identified(seed: int, longest: int, second: bool, total: bool) -> dict[str, Any] | None:

@@ -19,7 +19,6 @@ from .channel_innovations import ChannelPredictor
 from .contact_switching.agreement import confirmed
 from .contact_switching.likelihood import Candidate
 from .contact_switching.structure import structure_of
-from .contact_switching.total_inertia import of_slow_motion, total_inertia
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descent, fit
 from .gap.absent_gap import better_without
 from .identifiability import Told, higher_mode, told
@@ -28,6 +27,7 @@ from .intermediate_inertia import with_joint_piece
 from .noise_levels import refine
 from .result import Identification, Prediction, Structure
 from .segments import Pieces, join
+from .slow_motion.total_inertia import of_slow_motion, total_inertia
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ def identify(
     too little of the speed, nothing is identified (``warnings``).
 
     The total inertia is identified where nothing else is, from the motion far below the zero
-    (``contact_switching.total_inertia``).
+    (``slow_motion.total_inertia``).
 
     Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
     sticking, with friction at both ends, a delay and an unknown load torque (``contact_switching.descents``). The fit

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.total_inertia import (
-    of_slow_motion,
-    total_inertia,
-)
 from lostmotion.identification.prediction_error.gain_schedule import Bandwidth, Stage
 from lostmotion.identification.prediction_error.identifiability import Told
 from lostmotion.identification.prediction_error.innovations import NAMES, Predictor
+from lostmotion.identification.prediction_error.slow_motion.total_inertia import (
+    of_slow_motion,
+    total_inertia,
+)
 from lostmotion.identification.statistics.block_covariance import student_factor
 from lostmotion.identification.statistics.levenberg_marquardt import Fit
 

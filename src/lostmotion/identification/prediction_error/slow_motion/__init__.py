@@ -1,0 +1,1 @@
+"""What the slow motion of a recording tells, in which the drive turns as one body."""
