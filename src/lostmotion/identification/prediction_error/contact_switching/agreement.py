@@ -87,11 +87,11 @@ def _stands(search: Search, fit: Fit) -> bool:
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
     if not told.issuperset(NEEDED) or np.any(fit.told.half[fit.core] > APART):
         return False
+    if fit.excess(search.flt) > UNEXPLAINED:
+        return False
     own = within_intervals(
         search.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed, NOISE_ALONE
     )
-    if fit.excess(search.flt) > UNEXPLAINED:
-        return False
     if search.rigid().cost < own.cost + TORSION:
         return False
     if abs(own.cost) < NOISE_ALONE:

@@ -116,9 +116,7 @@ def _without_gap(found: Estimate, box: Box) -> Estimate:
     bound = gap_bound(gapless, beyond_chance(gapless)) if gapless else None
     if gapless is None or bound is None:
         return found
-    theta = found.theta.copy()
-    theta[TOLD.index("backlash")] = -np.inf
-    return replace(found, theta=theta, best=gapless, gap_bound=bound)
+    return replace(found, best=gapless, gap_bound=bound)
 
 
 def beyond_chance(best: Candidate) -> float:

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...statistics.block_covariance import Blocks, covariance, student_factor
+from ...statistics.block_covariance import student_factor
+from ..gap.absent_gap import FIRST, ROUNDS, shown
 from .filter import INDEX
 from .likelihood import Box, Candidate, inverse_hessian, minimise
 from .likelihood_ratio import alike
@@ -14,9 +15,6 @@ from .likelihood_ratio import alike
 PLACE = INDEX["backlash"]
 #: Gauss–Newton steps without the gap (numerics: what a small gap changes).
 STEPS = 4
-#: First gap whose effect is looked at, over the wind-up at the torque's deviation, and rounds in which it becomes the
-#: bound itself (numerics: a small gap acts in proportion to its size).
-FIRST, ROUNDS = 0.01, 2
 
 
 def bare(candidate: Candidate) -> Candidate:
@@ -51,13 +49,9 @@ def gap_bound(gapless: Candidate, wider: float) -> float | None:
         if not np.any(effect):
             return None
         jacobian, rest = np.vstack([run.jacobian[:, : flt.rows], effect]), run.weighted[: flt.rows]
-        blocks = Blocks.of(jacobian, rest)
-        variances = (
-            covariance(blocks.influences)[-1, -1],
-            inverse_hessian(jacobian)[-1, -1] * np.mean(rest**2),
-        )
-        chance = student_factor(1) * wider * float(np.sqrt(max(variances)))
-        gap *= max(float(blocks.step[-1]), 0.0) + chance
+        step, coloured = shown(jacobian, rest)
+        white = float(np.sqrt(inverse_hessian(jacobian)[-1, -1] * np.mean(rest**2)))
+        gap *= step + student_factor(1) * wider * max(coloured, white)
         if not gap * stiffness < float(np.max(np.abs(flt.torque))):
             return None
     return gap

@@ -13,6 +13,7 @@ from ....errors import Problem
 from ...statistics.levenberg_marquardt import sum_of_squares
 from .. import problems as problem
 from ..gain_schedule import Stage
+from ..gap.absent_gap import without_gap
 from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
@@ -107,7 +108,7 @@ class Fit:
         theta = self._nameplate()
         theta[free] = found.theta[free]
         if found.gap_bound is not None:
-            theta[NAMES.index("backlash")] = -np.inf
+            theta = without_gap(theta)
         lost = tuple(i for i in range(len(NAMES)) if i not in free)
         stage = _at(predictor, replace(self.stage, free=free, unexcited=lost), theta)
         told = Told(theta, found.covariance[np.ix_(free, free)], found.half[free], found.gap_bound)

@@ -73,8 +73,12 @@ def _bound(predictor: Predictor, stage: Stage, bandwidth: Bandwidth, gap: float)
     """The bound, rad, by the effect of a gap of this size."""
     residual = predictor.residual(stage.fit.theta, bandwidth)
     jacobian = predictor.jacobian(stage.fit.theta, bandwidth, stage.free, residual)
-    effect = effect_of_gap(predictor, stage, bandwidth, gap)
-    blocks = Blocks.of(np.vstack([jacobian, effect]), residual)
-    deviation = float(np.sqrt(covariance(blocks.influences)[-1, -1]))
+    step, deviation = shown(np.vstack([jacobian, effect_of_gap(predictor, stage, bandwidth, gap)]), residual)
     wider = JOINED if predictor.joined else 1.0
-    return gap * (max(float(blocks.step[-1]), 0.0) + wider * student_factor(1) * deviation)
+    return gap * (step + wider * student_factor(1) * deviation)
+
+
+def shown(jacobian: Array, residual: Array) -> tuple[float, float]:
+    """How much of the last row's effect the innovations show, at least none, and the standard deviation of that."""
+    blocks = Blocks.of(jacobian, residual)
+    return max(float(blocks.step[-1]), 0.0), float(np.sqrt(covariance(blocks.influences)[-1, -1]))
