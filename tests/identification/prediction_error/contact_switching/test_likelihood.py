@@ -25,6 +25,20 @@ def test_sensitivities_lead_back_to_the_truth(flt: ContactFilter, values: dict[s
     assert cost == flt.run(found).cost < flt.run(theta).cost
 
 
+def test_at_a_bound_the_others_go_on(flt: ContactFilter, values: dict[str, float]):
+    """The stiffness may not come back: the others end where they would if it were not free."""
+    truth = flt.theta(values)
+    box, place = Box.around(flt, truth, 10.0), INDEX["stiffness"]
+    box.lower[place] = truth[place] + 0.02
+    theta = truth.copy()
+    theta[CORE] += (0.05, -0.05, 0.02, -0.05)
+    found, cost = minimise(flt, theta, CORE, box, 10)
+    others = [one for one in CORE if one != place]
+    expected, least = minimise(flt, theta, others, box, 20)
+    assert found[place] == box.lower[place]
+    assert cost < least + 0.01 and np.max(np.abs(found - expected)[CORE]) < 3e-3
+
+
 def test_a_direction_without_information_leaves_the_others_alone():
     """An asymmetry where there is no friction, say."""
     jacobian = np.random.default_rng(1).standard_normal((3, 100))

@@ -54,7 +54,7 @@ LITTLE = 10.0
 GLIMPSE, LEAST = 4, 2000
 #: Steps from a point of the grid at each noise level; descents that go on to the end; displacements of the best at most
 #: (numerics).
-FIRST_STEPS, POLISHED, DISPLACEMENTS = 3, 6, 2
+FIRST_STEPS, POLISHED, DISPLACEMENTS = 3, 3, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,10 +131,11 @@ class Search:
         return descend("rigid", part, theta, free, self.box)
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
-        """The fit with friction at both ends, asymmetry and delay, within a box."""
+        """The fit with friction at both ends, asymmetry, delay and a third inertia's own damping, within a box."""
         # Friction of the motor from a little on, so that the fit is not left.
         theta = np.where(np.isfinite(fit.theta), fit.theta, self.begun["fitted"] - np.log(LITTLE))
-        free = sorted({*free_places(self.start, self.fixed), *fit.free})
+        third = [INDEX["loss"]] if INDEX["share"] in fit.free else []
+        free = sorted({*free_places(self.start, self.fixed), *fit.free, *third})
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
         return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 

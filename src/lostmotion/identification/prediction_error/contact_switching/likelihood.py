@@ -12,21 +12,18 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
 from ..innovations import THREADS
-from .filter import INDEX, ContactFilter, Run, pole_of
+from .filter import INDEX, ContactFilter, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-#: Leverage that a row may have in a step, in multiples of the mean one (numerics): all, then ever less. A row after an
-#: impact may have a thousand times the sensitivity of others, and be right in a small neighbourhood alone.
-LEVERAGES = (np.inf, 10.0, 1.0)
 #: Radius of the trust region in θ: first, largest and smallest, and by how much it shrinks after a failure (numerics).
 RADIUS, LARGEST, SMALLEST, SHRINK = 0.5, 1.0, 1e-4, 0.2
-#: Radii that are tried for each leverage in a step (numerics).
-TRIES = 3
-#: A step that lowers the cost by less is the last one; by less than the second, other leverages are tried (numerics).
-GAIN, LARGE_GAIN = 1e-4, 0.02
+#: Radii that are tried in a step (numerics: narrow valleys need a hundredth of a step across them).
+TRIES = 5
+#: A step that lowers the cost by less is the last one (numerics).
+GAIN = 1e-4
 
 #: First noise level of a descent over the motion's own, that from values that were fitted already, and the factor from
 #: level to level (numerics).
@@ -36,11 +33,12 @@ RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
 #: Rounds of fitting the parameters and the rates in turn at most; a round that lowers the cost by less is the last one.
 #: (Numerics: what the filter follows with an unknown torque it does not follow with its parameters, so that both
 #: change together, and slowly.)
-ROUNDS, ROUND_GAIN = 10, 1e-3
+ROUNDS, ROUND_GAIN = 3, 1e-3
 #: What has bounds of its own, wherever a descent starts.
 BOUNDED = ("lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss")
-#: Constant load torque at most, over the torque's standard deviation (numerics).
-MOST_LOAD = 5.0
+#: Constant load torque at most, over the torque's standard deviation; loss factor of the shaft beyond a third inertia
+#: over that at the gap, either way (numerics: hardly damped steel beside rubber).
+MOST_LOAD, MOST_LOSS = 5.0, 1e4
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +63,7 @@ class Box:
         for name, least, most in (
             ("share", 2e-3, 0.95),
             ("compliance", 0.01, 0.99),
-            ("loss", 1.0 / far, far),
+            ("loss", 1.0 / MOST_LOSS, MOST_LOSS),
         ):
             lower[INDEX[name]], upper[INDEX[name]] = np.log(least), np.log(most)
         return cls(lower, upper)
@@ -92,69 +90,34 @@ def minimise(
 ) -> tuple[Array, float]:
     """θ and cost after Gauss–Newton steps over the free entries of θ in a trust region, one at least.
 
-    Rows of great leverage count less in further attempts at a step; the cost that judges it always has all rows.
+    What is at a bound and wants beyond it stays there: the others' steps are those without it.
     """
-    cost, radius, order = np.inf, dict.fromkeys(LEVERAGES, RADIUS), list(LEVERAGES)
+    cost, radius = np.inf, RADIUS
+    lower, upper = box.lower[free], box.upper[free]
     for _ in range(iterations):
         run = flt.run(theta, free)
         cost = run.cost
-        step = _best_step(flt, theta, run, free, box, radius, order)
-        if step is None:
+        if not np.all(np.isfinite(run.jacobian)):
             break
-        theta, cost, leverage = step
-        order = [leverage, *(one for one in LEVERAGES if one != leverage)]
+        hessian, gradient = normal_equations(run.jacobian, run.weighted)
+        moves = np.where(gradient > 0.0, theta[free] > lower, theta[free] < upper)
+        if not np.any(moves):
+            break
+        for attempt in range(TRIES):
+            step, trial = np.zeros(len(free)), theta.copy()
+            step[moves] = _step(hessian[np.ix_(moves, moves)], gradient[moves], radius)
+            trial[free] = np.clip(theta[free] + step, lower, upper)
+            reached = flt.run(trial).cost
+            if reached < cost:
+                radius = min(radius * (1.0 if attempt else 2.0), LARGEST)
+                break
+            radius = max(radius * SHRINK, SMALLEST)
+        else:
+            break
+        theta, cost = trial, reached
         if run.cost - cost < GAIN:
             break
     return theta, cost
-
-
-def _best_step(
-    flt: ContactFilter,
-    theta: Array,
-    run: Run,
-    free: list[int],
-    box: Box,
-    radius: dict[float, float],
-    order: list[float],
-) -> tuple[Array, float, float] | None:
-    """θ, cost and leverage of the best of the attempts; None if none lowers the cost. Radii are updated."""
-    if not np.all(np.isfinite(run.jacobian)):
-        return None
-    best: tuple[Array, float, float] | None = None
-    for leverage in order:
-        weight = _weights(run.jacobian, leverage)
-        weight[flt.rows :] = 1.0  # what the slow motion tells is no row of an impact
-        hessian, gradient = normal_equations(run.jacobian * np.sqrt(weight), run.weighted * np.sqrt(weight))
-        for attempt in range(TRIES):
-            trial = theta.copy()
-            trial[free] += _step(hessian, gradient, radius[leverage])
-            trial[free] = np.clip(trial[free], box.lower[free], box.upper[free])
-            cost = flt.run(trial).cost
-            if cost < run.cost:
-                if best is None or cost < best[1]:
-                    best = (trial, cost, leverage)
-                radius[leverage] = min(radius[leverage] * (1.0 if attempt else 2.0), LARGEST)
-                break
-            radius[leverage] = max(radius[leverage] * SHRINK, SMALLEST)
-        if best is not None and run.cost - best[1] > LARGE_GAIN:
-            break
-    return best
-
-
-def _weights(jacobian: Array, leverage: float) -> Array:
-    """(n,) weights such that no row has more than ``leverage`` times the mean leverage."""
-    weight = np.ones(jacobian.shape[1])
-    if np.isinf(leverage):
-        return weight
-    for _ in range(2):
-        inverse = inverse_hessian(jacobian * np.sqrt(weight))
-        own = (
-            np.einsum("ik,ik->k", jacobian, np.einsum("ij,jk->ik", inverse, jacobian))
-            * weight.size
-            / len(jacobian)
-        )
-        weight = np.minimum(1.0, leverage / np.maximum(own, 1e-300))
-    return weight
 
 
 def inverse_hessian(jacobian: Array) -> Array:
