@@ -44,7 +44,7 @@ def material(
 
 
 def recorded(
-    seconds: float = 5.0,
+    seconds: float = 2.0,
     torque_load: float = 0.0,
     sign: float = 1.0,
     step: float = 0.0,

@@ -457,6 +457,14 @@ def innovations(
                     gain[i] *= growth
                 for i in range(nc * WIDE):
                     p[i] *= growth
+                if s == 0 and variance < wanted:
+                    # The motor sticks for the filter, but moves: its motion starts anew from what is measured.
+                    missing, where = wanted - variance, angle if counted else 1
+                    p[where * WIDE + where] += missing
+                    gain[where] += missing
+                    if counted:
+                        p[WIDE + 1] += missing / (dt * dt)
+                    variance = wanted
             residuals[k, s], variances[k, s] = e, variance
             for j in range(nc):
                 _add(gain, 0, -gain[j] / variance, p, j * WIDE)

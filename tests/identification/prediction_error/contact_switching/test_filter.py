@@ -12,6 +12,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
     INDEX,
     PARAMETERS,
     ContactFilter,
+    Run,
     white_noise,
 )
 from lostmotion.identification.prediction_error.innovations import Predictor
@@ -115,12 +116,41 @@ def test_a_total_inertia_beyond_that_of_the_slow_motion_costs_more(
     for place, slope in zip(free, run.jacobian[:, -1], strict=True):
         moved = theta.copy()
         moved[place] += step
-        weights = [
-            one.weighted[-1] / np.sqrt(np.mean(one.weighted[:-1] ** 2)) for one in (beyond.run(moved), run)
-        ]
-        assert (weights[0] - weights[1]) / step == pytest.approx(
-            slope / np.sqrt(np.mean(run.weighted[:-1] ** 2)), rel=1e-3, abs=1e-4
-        )
+        weights = [one.weighted[-1] / size(one) for one in (beyond.run(moved), run)]
+        assert (weights[0] - weights[1]) / step == pytest.approx(slope / size(run), rel=1e-3, abs=1e-4)
+
+
+def size(run: Run) -> float:
+    """Of the innovations over what the filter thinks; what is beyond one is charged."""
+    return float(np.sqrt(min(np.mean(run.weighted[:-1] ** 2), 1.0)))
+
+
+def test_innovations_that_the_filter_does_not_expect_are_charged(
+    flt: ContactFilter, values: dict[str, float]
+):
+    """Under a noisy torque a rate that knows of it does better. Divided out, a filter that is lost in all rows did."""
+    per_row = flt.dt**2 if flt.counted else flt.dt
+    noise = 300.0 * flt.floor * values["inertia_motor"] / per_row
+    noisy = replace(flt, torque=flt.torque + noise * np.random.default_rng(2).standard_normal(flt.rows))
+    low, high = (noisy.run(flt.theta(values | {"motor_rate": rate})).cost for rate in (30.0, 1e6))
+    assert high < low - 0.5 and high < np.log(300.0)
+
+
+@pytest.mark.parametrize("counted", [False, True])
+def test_a_motion_that_the_filter_excludes_is_followed_again(
+    plant: lm.Drivetrain, values: dict[str, float], counted: bool
+):
+    """Its motor sticks for certain where the drive's moves. Single rows cost a thousand, or it was lost for good."""
+    dt = 2e-4
+    torque = 3.0 * np.sin(4.0 * np.pi * dt * np.arange(5000))
+    run = lm.simulate(plant, torque_motor=torque, dt=dt)
+    speed = run["speed_motor"] + 1e-3 * np.random.default_rng(1).standard_normal(torque.size)
+    if counted:
+        speed = np.diff(np.floor(run["angle_motor"] / 1e-5), prepend=0.0) * 1e-5 / dt
+    flt = ContactFilter.of(Predictor(torque, speed, dt, counted, plant, skip=0), 100.0)
+    low = dict.fromkeys(("motor_rate", "load_rate", "torque_rate"), 1e-6)
+    innovations = flt.run(flt.theta(values | low | {"coulomb_motor": 2.0})).weighted
+    assert np.max(np.abs(innovations)) < 3.01
 
 
 def test_costs_under_different_noise_levels_compare(flt: ContactFilter, values: dict[str, float]):

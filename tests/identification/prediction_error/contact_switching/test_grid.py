@@ -8,7 +8,12 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching import grid
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, pole_of
-from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, descend
+from lostmotion.identification.prediction_error.contact_switching.likelihood import (
+    Box,
+    Candidate,
+    descend,
+    polish,
+)
 from lostmotion.identification.prediction_error.contact_switching.starts import free_places
 
 
@@ -50,5 +55,6 @@ def test_a_descent_from_the_grid_finds_the_drive(
         return descend("grid", part, first, free, Box.around(part, first, 100.0), iterations=3)
 
     found = min((end(first) for first in grid.best(part, nameplate, ())), key=lambda one: one.cost)
+    found = polish(found, part, Box.around(part, found.theta, 100.0))
     assert pole_of(found.theta) == pytest.approx(plant.pole_frequency, rel=0.01)
     assert found.cost < 0.3

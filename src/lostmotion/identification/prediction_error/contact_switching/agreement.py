@@ -83,7 +83,7 @@ def confirmed(
 
 def _stands(search: Search, fit: Fit) -> bool:
     """Whether the fit is sure of inertias, stiffness and backlash, torsion is well above the noise, and only noise is
-    left or nothing near is better and says otherwise."""
+    left or nothing near predicts better and says otherwise of any value."""
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
     if not told.issuperset(NEEDED) or np.any(fit.told.half[fit.core] > APART):
         return False
@@ -96,8 +96,9 @@ def _stands(search: Search, fit: Fit) -> bool:
         return False
     if abs(own.cost) < NOISE_ALONE:
         return True
-    better = [one for one in search.near(own) if clearly_better(one, own)]
-    return not np.any(fit.shift(better)[fit.core] > 0.0)
+    # Over so few rows hardly anything is clearly better: friction at the wrong end never was.
+    better = [one for one in search.near(own) if one.cost < own.cost and not alike(own, one, 0.0)]
+    return not np.any(fit.shift(better) > 0.0)
 
 
 def _cost(one: Candidate) -> float:

@@ -101,8 +101,10 @@ def told(
         if name in fixed or held or not half[i] < np.log(NOT_EXCITED) or _other_does_as_well(best, name):
             half[i] = np.inf
     lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)}
-    # Neither load nor spring: the rest fits many a drive. A spring before a load that does not answer is like a gap.
-    if {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
+    # Neither load nor spring: the rest fits many a drive, and so does one value alone. A spring before a load that does
+    # not answer is like a gap.
+    alone = sum(TOLD[i] not in lost for i in CORE) < 2
+    if alone or {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
         half[:] = np.inf
     found = Estimate(theta, half, covariance, best)
     return found if "backlash" in fixed or "backlash" not in lost else _without_gap(found, box)

@@ -184,7 +184,8 @@ class ContactFilter:
         with np.errstate(all="ignore"):
             scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))
             weighted = residuals[:, 0] * scale
-            size = np.mean(weighted**2)
+            # Innovations larger than the filter thinks are charged, not divided out: else it would do best lost.
+            size = min(float(np.mean(weighted**2)), 1.0)
             rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variances[:, 0]))
             beyond, slope = self._beyond_slow_motion(q[INDEX["inertia_motor"]], q[INDEX["inertia_load"]])
             rows += np.log(self.level / self.floor) + 0.5 * np.log1p(beyond**2)
