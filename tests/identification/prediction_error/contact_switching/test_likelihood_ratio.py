@@ -10,7 +10,9 @@ import pytest
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, Run
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
 from lostmotion.identification.prediction_error.contact_switching.likelihood_ratio import (
+    CHANCE_RIGID,
     alike,
+    chance_of,
     clearly_better,
 )
 
@@ -51,15 +53,25 @@ def test_a_single_event_decides_nothing(flt: ContactFilter, monkeypatch: pytest.
     assert not clearly_better(best, of_rows(flt, moment, monkeypatch))
 
 
-def test_a_few_moments_do_not_hide_that_nearly_all_blocks_rise(
-    flt: ContactFilter, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("usual", "moments"),
+    [(0.03, {2: 1.3, 9: 0.9, 16: 1.0, 0: -0.14}), (-0.01, {0: 0.7, 1: 0.8, 12: 0.9, 13: 3.0, 14: 1.0, 15: 0.06})],
+    ids=["most blocks rise", "the rest falls a little"],
+)  # fmt: skip
+def test_a_rigid_drive_is_excluded_by_few_moments_that_agree(
+    flt: ContactFilter, monkeypatch: pytest.MonkeyPatch, usual: float, moments: dict[int, float]
 ):
-    """A rigid drive "predicted as well" as the right one, which was better in 18 of 20 blocks: by much in four."""
-    rises = np.full(20, 0.03)
-    rises[[2, 9, 15, 16]], rises[[0, 12]] = (1.3, 0.9, 0.3, 1.0), (-0.14, -0.002)
+    """By Student's test it "predicted as well" on two drives: the large rises made the deviation."""
+    rises = np.full(20, usual)
+    rises[list(moments)] = list(moments.values())
     base = np.full(20_000, 0.1)
-    best, other = (of_rows(flt, rows, monkeypatch) for rows in (base, base + np.repeat(rises, 1000)))
-    assert clearly_better(best, other) and not clearly_better(other, best)
+    best, rigid = (of_rows(flt, rows, monkeypatch) for rows in (base, base + np.repeat(rises, 1000)))
+    assert clearly_better(best, rigid, CHANCE_RIGID) and not clearly_better(rigid, best, CHANCE_RIGID)
+
+
+def test_the_chance_of_signs():
+    assert chance_of(np.ones(4)) == chance_of(np.array([3.0, 1.0, 2.0, 0.5])) == pytest.approx(1 / 16)
+    assert chance_of(np.array([1.0, -1.0])) == pytest.approx(0.75)
 
 
 def test_what_is_infinitely_unlikely_is_worse(flt: ContactFilter, values: dict[str, float]):

@@ -18,7 +18,7 @@ from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, polish
-from .likelihood_ratio import alike, clearly_better
+from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
 from .verdict import Fit, Outcome
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
@@ -64,7 +64,7 @@ def confirmed(
     rigid = search.rigid(best)
     rigid = polish(rigid, rigid.flt, search.box)
     compared += [own, *rivals, rigid]
-    if not clearly_better(best, rigid):
+    if not clearly_better(best, rigid, CHANCE_RIGID):
         return fit.nothing(problem.rigid())
     better, explained = [one for one in rivals if clearly_better(one, own)], abs(best.cost) < EXPLAINED
     # Whatever predicts alike may be right as well.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import wilcoxon
+from numpy.typing import NDArray
 
 from ...statistics.block_covariance import BLOCKS
 from .likelihood import Candidate
@@ -11,8 +11,9 @@ from .likelihood import Candidate
 #: Rise of the log likelihood below which no candidate is better (numerics: ten more parameters raise it by five where
 #: there is nothing to find).
 LEAST_RISE = 10.0
-#: Chance that the blocks of two that predict alike rank as high (numerics: three standard deviations).
-CHANCE = 0.00135
+#: Chance that blocks of two that predict alike rise as much (numerics: three standard deviations); of a rigid drive
+#: (numerics: five blocks that all say so).
+CHANCE, CHANCE_RIGID = 0.00135, 0.05
 #: Candidates are alike if their costs differ by less than the first number and a part of the better one's, times the
 #: part of the innovations that the model does not explain: what a model lacks may make up for so much, and one that
 #: lacks nothing makes up for nothing. (Calibrated on development drives 300 to 400, and on 36 of 800 to 1083,
@@ -40,11 +41,10 @@ def plausible_beside(one: Candidate, best: Candidate) -> bool:
     return alike(one, best) or (near and one.structure != best.structure)
 
 
-def clearly_better(one: Candidate, other: Candidate) -> bool:
+def clearly_better(one: Candidate, other: Candidate, chance: float = CHANCE) -> bool:
     """Whether the first is likelier by more than model errors make up for, and in most blocks of the rows of both.
 
-    Blocks of the recording instead of rows: where no model is right, its errors last longer than a sample. Their ranks
-    instead of their mean (Wilcoxon's test): a few blocks that rise much must not hide that nearly all rise. Source:
+    Blocks of the recording instead of rows: where no model is right, its errors last longer than a sample. Source:
     Vuong (1989), Likelihood ratio tests for model selection and non-nested hypotheses, Econometrica 57, section 5.
     """
     if alike(other, one, BETTER_SHARE):
@@ -53,4 +53,16 @@ def clearly_better(one: Candidate, other: Candidate) -> bool:
         return bool(np.isfinite(one.cost))
     rise = other.flt.run(other.theta).rows - one.flt.run(one.theta).rows
     blocks = np.array([np.mean(block) for block in np.array_split(rise, BLOCKS)])
-    return bool(np.sum(rise) > LEAST_RISE and wilcoxon(blocks, alternative="greater").pvalue < CHANCE)
+    return bool(np.sum(rise) > LEAST_RISE and chance_of(blocks) < chance)
+
+
+def chance_of(rises: NDArray[np.float64]) -> float:
+    """Chance of so large a sum if each rise were as likely a fall: the share of all choices of signs.
+
+    A few that rise much do not hide that nearly all rise, as their deviation in Student's test would. Source: Fisher
+    (1935), The design of experiments, section 21.
+    """
+    sums = np.zeros(1)
+    for rise in rises:
+        sums = np.concatenate([sums + rise, sums - rise])
+    return float(np.mean(sums >= np.sum(rises) - 1e-9 * np.sum(np.abs(rises))))
