@@ -40,6 +40,15 @@ def test_what_is_displaced_from_the_truth_comes_back(search: Search, best: Candi
     assert np.max(distance(lowest, best)[:5]) < 0.01
 
 
+def test_descents_from_the_grid_are_judged_by_one_likelihood(search: Search):
+    """Half of them come down with innovations divided out: their cost would be too low beside the others'."""
+    found = search.from_grid()
+    assert len({one.start for one in found}) == len(found) > 20
+    for one in found:
+        assert one.flt.charged and one.flt.rows == search.part.rows
+        assert one.cost == pytest.approx(one.flt.run(one.theta).cost, abs=1e-12)
+
+
 def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(search: Search, best: Candidate):
     """This recording's is a command: a ramp is no better, and from a ramp the search comes back to it."""
     assert with_other_torque(best, search.box) is None

@@ -111,18 +111,28 @@ class Search:
     def descent(self, name: str) -> Candidate:
         """From one of the starts."""
         free, first = free_places(self.start, self.fixed), FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
-        return descend(name, self.part, self.begun[name], free, self.box, first)
+        uncharged = replace(self.part, charged=False)
+        return _judged(descend(name, uncharged, self.begun[name], free, self.box, first), self.part)
 
     def from_grid(self) -> list[Candidate]:
-        """Short descents from the best of each plane of the grid, from a noise level at which the cost is smooth."""
+        """Short descents from the best of each plane of the grid, from a noise level at which the cost is smooth.
+
+        By the likelihood, and with innovations that are too large divided out: on some drives only one comes through.
+        """
         free = free_places(self.start, self.fixed)
 
-        def short(numbered: tuple[int, Array]) -> Candidate:
-            name, theta = f"grid {numbered[0]}", numbered[1]
-            theta = descend(name, self.coarse, theta, free, self.box, iterations=FIRST_STEPS).theta
-            return Candidate(name, theta, self.part.run(theta).cost, self.part, free)
+        def short(numbered: tuple[int, tuple[bool, Array]]) -> Candidate:
+            number, (charged, theta) = numbered
+            coarse = replace(self.coarse, charged=charged)
+            found = descend(f"grid {number}", coarse, theta, free, self.box, iterations=FIRST_STEPS)
+            return _judged(found, self.part)
 
-        return side_by_side(short, list(enumerate(grid.best(self.part, self.start, self.fixed))))
+        begun = [
+            (charged, theta)
+            for charged in (False, True)
+            for theta in grid.best(replace(self.part, charged=charged), self.start, self.fixed)
+        ]
+        return side_by_side(short, list(enumerate(begun)))
 
     def rigid(self, like: Candidate | None = None) -> Candidate:
         """One inertia with friction and lag; the torque as another candidate takes it."""
@@ -244,6 +254,12 @@ class Search:
             place = Place(*self.piece) if self.piece else places()[0]
             found.append(replace(self._third(best, place), start="third inertia"))
         return sorted(found, key=_cost)
+
+
+def _judged(found: Candidate, flt: ContactFilter) -> Candidate:
+    """The end of a descent by its likelihood over other rows."""
+    at = replace(flt, level=found.flt.level)
+    return replace(found, cost=at.run(found.theta).cost, flt=at)
 
 
 def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:

@@ -93,6 +93,9 @@ class ContactFilter:
         Whether an unknown load torque is smooth: its slope changes at random, else itself.
     inertia : (float, float)
         Total inertia (kg m²) that the slow motion tells, and the half width of its logarithm; infinite: any.
+    charged : bool
+        Whether innovations larger than the filter thinks are charged. Else they are divided out: the cost of a filter
+        that is lost is low and flat. That is no likelihood, but descents come through.
     """
 
     torque: Array
@@ -108,6 +111,7 @@ class ContactFilter:
     behind: bool = False
     drifts: bool = False
     inertia: tuple[float, float] = (1.0, np.inf)
+    charged: bool = True
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -184,8 +188,7 @@ class ContactFilter:
         with np.errstate(all="ignore"):
             scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))
             weighted = residuals[:, 0] * scale
-            # Innovations larger than the filter thinks are charged, not divided out: else it would do best lost.
-            size = min(float(np.mean(weighted**2)), 1.0)
+            size = min(float(np.mean(weighted**2)), 1.0 if self.charged else np.inf)
             rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variances[:, 0]))
             beyond, slope = self._beyond_slow_motion(q[INDEX["inertia_motor"]], q[INDEX["inertia_load"]])
             rows += np.log(self.level / self.floor) + 0.5 * np.log1p(beyond**2)

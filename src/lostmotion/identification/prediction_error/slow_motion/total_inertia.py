@@ -37,9 +37,9 @@ SIGN_CUTOFF = 4.0
 FEWEST, AVERAGED, AVERAGED_SHARE = 8, 12, 0.25
 #: Rounds of fit and weights; least power that is left over the torque's, and least half width (numerics).
 ROUNDS, LEAST_LEFT, EXACT = 8, 1e-12, 1e-9
-#: Half width of the 95 % interval over what standard errors and bands say (calibrated on calibration drives 10100 to
-#: 10140 and 10200 to 10320, 2026-11-23, see docs/benchmarks/zoo.md).
-SURE = 2.2
+#: Half width of the 95 % interval over what standard errors and bands say (calibrated on calibration drives 10200 to
+#: 10320 and development drives 1000 to 1399, 2026-11-24, see docs/benchmarks/zoo.md).
+SURE = 2.9
 
 
 def total_inertia(slow: tuple[float, float], stage: Stage, told: Told) -> tuple[float, Interval] | None:
