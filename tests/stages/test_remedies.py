@@ -98,7 +98,7 @@ def test_friction_of_the_motor_that_the_nameplate_left_out(monkeypatch: pytest.M
     """``coulomb_motor`` under [nameplate], for the fit; the second estimator finds it without."""
     assert coulomb_error(find_parameters(material(recorded(coulomb_motor=1.0), START))) < 0.02
     without_second_estimator(monkeypatch)
-    recording = recorded(coulomb_motor=1.0)
+    recording = recorded(5.0, coulomb_motor=1.0)
     without = find_parameters(material(recording, START))
     assert "coulomb_motor under [nameplate]" in told(without, "coulomb_motor").remedy
     helped = find_parameters(material(recording, START | {"coulomb_motor": 1.0}))

@@ -83,7 +83,7 @@ def confirmed(
 
 def _stands(search: Search, fit: Fit) -> bool:
     """Whether the fit is sure of inertias, stiffness and backlash, torsion is well above the noise, and only noise is
-    left or nothing near predicts better and says otherwise of any value."""
+    left or nothing near is better and says otherwise: a descent of these or of friction, a third inertia of these."""
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
     if not told.issuperset(NEEDED) or np.any(fit.told.half[fit.core] > APART):
         return False
@@ -96,9 +96,13 @@ def _stands(search: Search, fit: Fit) -> bool:
         return False
     if abs(own.cost) < NOISE_ALONE:
         return True
-    # Over so few rows hardly anything is clearly better: friction at the wrong end never was.
-    better = [one for one in search.near(own) if one.cost < own.cost and not alike(own, one, 0.0)]
-    return not np.any(fit.shift(better) > 0.0)
+    descent, *thirds = search.near(own)
+    if np.any(fit.shift([one for one in thirds if clearly_better(one, own)])[fit.core] > 0.0):
+        return False
+    # The descent may have friction at either end. Over so few rows hardly anything is clearly better: friction at the
+    # wrong end never was.
+    better = [descent] if descent.cost < own.cost and not alike(own, descent, 0.0) else []
+    return not np.any(fit.shift(better)[fit.core | fit.friction] > 0.0)
 
 
 def _cost(one: Candidate) -> float:

@@ -59,6 +59,11 @@ class Fit:
         """Which of the identified values are inertias, stiffness and backlash."""
         return np.isin(self.stage.free, CORE)
 
+    @property
+    def friction(self) -> NDArray[np.bool_]:
+        """Which of the identified values are friction."""
+        return np.isin(self.stage.free, [NAMES.index(name) for name in ("coulomb", "viscous")])
+
     def contradicted_by(self, found: Sequence[Candidate]) -> bool:
         """Whether inertias, stiffness or backlash of candidates are too far away for one interval."""
         shift = self.shift(found)
