@@ -100,10 +100,10 @@ def _stands(search: Search, fit: Fit) -> bool:
     if np.any(fit.shift([one for one in thirds if clearly_better(one, own)])[fit.core] > 0.0):
         return False
     # The descent may have friction at either end. Over so few rows hardly anything is clearly better: friction at the
-    # wrong end never was. It has no third inertia: where the fit has one, as well is enough.
-    better = not alike(own, descent, 0.0) and descent.cost < own.cost
-    against = better or (search.piece is not None and alike(descent, own, 0.0))
-    return not (against and np.any(fit.shift([descent])[fit.core | fit.friction] > 0.0))
+    # wrong end never was.
+    if descent.cost < own.cost and not alike(own, descent, 0.0):
+        return not np.any(fit.shift([descent])[fit.core | fit.friction] > 0.0)
+    return True
 
 
 def _cost(one: Candidate) -> float:

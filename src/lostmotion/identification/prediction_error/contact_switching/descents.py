@@ -100,13 +100,19 @@ class Search:
         return cls(flt, flt.liveliest(rows), start, fitted, fixed, piece, begun, box)
 
     def glimpse(self) -> Search:
-        """The same over a few torsional periods."""
-        return replace(self, part=self.flt.liveliest(max(LEAST, self.part.rows // GLIMPSE)))
+        """The same over a few torsional periods, with innovations that are too large divided out.
+
+        On drives like the virtual rig, with more inertias than the model, the charge makes a right fit look poor there.
+        """
+        part = self.flt.liveliest(max(LEAST, self.part.rows // GLIMPSE))
+        return replace(self, part=replace(part, charged=False))
 
     @property
     def coarse(self) -> ContactFilter:
         """A few torsional periods with impacts that are placed less finely, for first descents."""
-        return replace(self.glimpse().part, halvings=min(self.part.halvings, grid.HALVINGS))
+        return replace(
+            self.glimpse().part, halvings=min(self.part.halvings, grid.HALVINGS), charged=self.part.charged
+        )
 
     def descent(self, name: str) -> Candidate:
         """From one of the starts."""
