@@ -322,11 +322,8 @@ def test_a_mode_beyond_the_model() -> None:
     recording = lm.Recording(run.time, {"torque_motor": run["torque_motor"], "speed_motor": speed})
     asked = material(recording, START, torque_limit=40.0)
     found = find_parameters(asked)
-    for name in (
-        "inertia_motor",
-        "inertia_load",
-        "backlash",
-    ):  # its shaft hardly damps: a loss factor of its own
+    # Its shaft hardly damps: a loss factor of its own.
+    for name in ("inertia_motor", "inertia_load", "backlash"):
         true = plant.inertias[0] + plant.inertias[1] if name == "inertia_motor" else KNOWN[name]
         assert found.table[name]["value"] == pytest.approx(true, rel=0.005), name
     assert (

@@ -125,12 +125,12 @@ class Search:
 
         By the likelihood, and with innovations that are too large divided out: on some drives only one comes through.
         """
-        free = free_places(self.start, self.fixed)
+        free, coarse = free_places(self.start, self.fixed), self.coarse
 
         def short(numbered: tuple[int, tuple[bool, Array]]) -> Candidate:
             number, (charged, theta) = numbered
-            coarse = replace(self.coarse, charged=charged)
-            found = descend(f"grid {number}", coarse, theta, free, self.box, iterations=FIRST_STEPS)
+            rows = replace(coarse, charged=charged)
+            found = descend(f"grid {number}", rows, theta, free, self.box, iterations=FIRST_STEPS)
             return _judged(found, self.part)
 
         begun = [
