@@ -193,8 +193,8 @@ def test_an_elastic_drive_whose_torsion_does_not_show():
 
 @pytest.mark.parametrize("seed", [1, 27, 1301])
 def test_drives_of_the_zoo_that_were_wrong(seed: int):
-    """A rigid drive; one whose descent ended far off; one whose fit stood at first sight with the motor's friction at the
-    load and a backlash 63 % too small. ``benchmarks/zoo.py`` has the many."""
+    """A rigid drive; one whose descent ended far off; one whose fit stood at first sight, with the motor's friction at
+    the load and a backlash 63 % too small. ``benchmarks/zoo.py`` has the many."""
     drive = lm.rig.drive(seed)
     found = lm.identify(drive.recording, start=drive.nameplate)
     assert set(found.intervals) & set(drive.absent) == set()
