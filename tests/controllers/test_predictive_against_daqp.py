@@ -102,7 +102,7 @@ class MixedInteger:
     """
 
     #: Units of twist, speeds, torques, so that all numbers are alike; the large numbers for states and for excesses.
-    #: With larger ones, and without some cost of every variable, DAQP finds false infeasibilities.
+    #: With larger ones, with its presolve, or without some cost of every variable, DAQP finds false infeasibilities.
     UNITS = np.array([2e-3, 1.0, 1.0, LIMIT, LIMIT])
     LARGE, LARGE_EXCESS, RIDGE = 20.0, 2e3, 1e-3
 
@@ -206,6 +206,7 @@ class MixedInteger:
         x, value, flag, _ = daqp.solve(
             self.hessian + self.RIDGE * np.eye(self.size), self.gradient, np.array(self.rows),
             np.concatenate([high, self.bounds]), np.concatenate([low, np.full(len(self.rows), -1e30)]), sense,
+            presolve=0,
         )  # fmt: skip
         assert flag == 1
         return value - 0.5 * self.RIDGE * x @ x + self.constant, 1 + int(np.argmax(x[binary]))

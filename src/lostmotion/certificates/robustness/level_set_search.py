@@ -102,18 +102,24 @@ class _Search:
     def _smallest(self, problem: LevelSetProblem, name: str, output: Output) -> tuple[float, LevelSet] | None:
         """The smallest peak over all decays, proved; None if it is not smaller than the one that is known."""
         own, below = replace(problem, output=output), self.found.get(name, inf)
-        best, rate_of_best, first = 0.0, Fraction(0), self.fastest.get(name)
+        tried: list[tuple[float, int, Fraction]] = []
+        first = self.fastest.get(name)
         # The more is known, the faster the best decay.
         for i in range(len(DECAYS)) if first is None else range(first, min(first + 2, len(DECAYS))):
             rate = Fraction(DECAYS[i] * self.slowest) * self.loop.loop.dt / self.substeps
             if self.loop.sampled and rate * self.substeps > 2:
                 break  # the share of equation 31 would be negative, and V might leave its level at a sample
             found = self._gain(replace(own, rate=rate).floats(), MARGINS[0])
-            if found is not None and found[0] > best:
-                best, rate_of_best, self.fastest[name] = found[0], rate, i
-        if not best > 0.0 or 1.0 / sqrt(best) > (1.0 - 0.1 * LEAST_GAIN) * below:
-            return None
-        return self._proved(replace(own, rate=rate_of_best), below)
+            if found is not None and found[0] > 0.0:
+                tried.append((found[0], i, rate))
+        # Of an infeasible decay the solver may promise the most.
+        for gain, i, rate in sorted(tried, reverse=True):
+            if 1.0 / sqrt(gain) > (1.0 - 0.1 * LEAST_GAIN) * below:
+                return None
+            if (proved := self._proved(replace(own, rate=rate), below)) is not None:
+                self.fastest[name] = i
+                return proved
+        return None
 
     def _gain(self, problem: LevelSetProblem, margin: float) -> tuple[float, dict[str, Array]] | None:
         """Gain over level, and the unknowns, in floats."""
