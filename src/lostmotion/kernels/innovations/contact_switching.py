@@ -17,6 +17,7 @@ import math
 import numpy as np
 
 from ..jit import njit
+from .sliding_friction import friction_slope, mean_friction
 from .transitions import (
     BACKLASH,
     BLOCK,
@@ -37,6 +38,7 @@ from .transitions import (
     NO_GAP,
     NUMBERS,
     PART,
+    RISES,
     STIFFNESS,
     TORQUE,
     WHOLE,
@@ -70,25 +72,6 @@ def _add(a, at, factor, out, to):
 
 
 @njit(forceinline=True, **COMPILED)
-def _friction(before, free, per_torque, forwards, backwards):
-    """Mean torque of a Coulomb friction over a piece, and whether its inertia is at rest in the end.
-
-    ``before``: speed at the beginning; ``free``: at the end without this friction; ``per_torque``: what a friction of
-    1 Nm adds. It acts against the motion until that ends, then holds if its level suffices.
-    """
-    slipping, moving = 0.0, 0.0
-    if before != 0.0:
-        slipping = forwards if before > 0.0 else -backwards
-        end = free + slipping * per_torque
-        if end * before > 0.0:
-            return slipping, False
-        moving = before / (before - end)
-    holding = (before - free) / per_torque
-    limited = min(max(holding, -backwards), forwards)
-    return moving * slipping + (1.0 - moving) * limited, limited == holding
-
-
-@njit(forceinline=True, **COMPILED)
 def _moved(t, at, c, of, n, x, torque, jump, edge, out):
     """State after a piece with the transition at t[at …] and a model's numbers at c[of …].
 
@@ -105,10 +88,10 @@ def _moved(t, at, c, of, n, x, torque, jump, edge, out):
         )
     for j in range(n):
         _add(t, at + j * WIDE, x[j], out, 0)
-    levels = of + LEVELS
-    motor, motor_rests = _friction(x[1], out[1], t[motor_at + 1], c[levels], c[levels + 1])
+    i, j = of + LEVELS, of + RISES
+    motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[j], c[j + 1])
     free = out[2] + t[motor_at + 2] * motor
-    load, load_rests = _friction(x[2], free, t[load_at + 2], c[levels + 2], c[levels + 3])
+    load, load_rests = mean_friction(x[2], free, t[load_at + 2], c[i + 2], c[i + 3], c[j + 2], c[j + 3])
     for i in range(WIDE):
         out[i] += motor * t[motor_at + i] + load * t[load_at + i]
     # Exactly at rest: rounding is no motion.
@@ -120,32 +103,39 @@ def _moved(t, at, c, of, n, x, torque, jump, edge, out):
 
 
 @njit(**COMPILED)
-def _errors(t, at, nc, stuck, f, to):
-    """Columns of f from f[to] on: how an error of the state goes on over a piece, less what sticks."""
-    for j in range(nc):
+def _errors(t, at, n, stuck, slopes, f, to):
+    """Columns of f from f[to] on: how an error of the state goes on over a piece, less what sticks.
+
+    ``slopes``: change of the friction of motor and load with the speed.
+    """
+    for j in range(n):
         for i in range(WIDE):
-            f[to + j * WIDE + i] = t[at + j * WIDE + i] if i < nc else 0.0
+            f[to + j * WIDE + i] = t[at + j * WIDE + i] if i < n else 0.0
+    for which in range(2):
+        if slopes[which] != 0.0:
+            for i in range(n):
+                f[to + (1 + which) * WIDE + i] += slopes[which] * t[at + (MOTOR + which) * WIDE + i]
     for which in range(2):
         if stuck & (1 << which):
             row, column = 1 + which, at + (MOTOR + which) * WIDE
-            for j in range(nc):
+            for j in range(n):
                 share = f[to + j * WIDE + row] / t[column + row]
-                for i in range(nc):
+                for i in range(n):
                     f[to + j * WIDE + i] -= share * t[column + i]
                 f[to + j * WIDE + row] = 0.0
 
 
 @njit(**COMPILED)
-def _follow(t, at, nc, stuck, share, f, work):
+def _follow(t, at, n, stuck, slopes, share, f, work):
     """f = (1 − share)·f + share·(errors over the piece)·f; work has room for f and a column."""
     room = WIDE * WIDE
-    _errors(t, at, nc, stuck, work, 0)
-    for j in range(nc):
+    _errors(t, at, n, stuck, slopes, work, 0)
+    for j in range(n):
         for i in range(WIDE):
             work[room + i] = 0.0
-        for k in range(nc):
+        for k in range(n):
             _add(work, k * WIDE, f[j * WIDE + k], work, room)
-        for i in range(nc):
+        for i in range(n):
             f[j * WIDE + i] += share * (work[room + i] - f[j * WIDE + i])
 
 
@@ -169,9 +159,19 @@ def _turned(c, of, x, y):
     )
 
 
+@njit(forceinline=True, **COMPILED)
+def _slopes(c, of, x, y):
+    """Change of the friction of motor and load with the speed, over a piece from state x to y."""
+    i, j = of + LEVELS, of + RISES
+    return (
+        friction_slope(x[1], y[1], c[i], c[i + 1], c[j], c[j + 1]),
+        friction_slope(x[2], y[2], c[i + 2], c[i + 3], c[j + 2], c[j + 3]),
+    )
+
+
 @njit(**COMPILED)
 def _through(
-    t, begin, c, of, finest, held, ramp, n, nc, ends, law, torque, jump, contact, rest, x, y, errors, f, work
+    t, begin, c, of, finest, held, ramp, n, ends, law, torque, jump, contact, rest, x, y, errors, f, work
 ):
     """A sample in which something changes, from event to event.
 
@@ -183,7 +183,7 @@ def _through(
     lead, half, part = c[of + LEAD], c[of + HALF], -1.0 if ramp else c[of + PART]
     tail, head = ends
     if errors:
-        for j in range(nc):
+        for j in range(n):
             for i in range(WIDE):
                 f[j * WIDE + i] = 1.0 if i == j else 0.0
     left, closed, level = 1 << finest, 0, min(1, finest)
@@ -216,7 +216,7 @@ def _through(
                 min(max((edge - z_before) / (z_after - z_before), 0.0), 1.0) if z_after != z_before else 1.0
             )
         if errors:
-            _follow(t, at, nc, stuck, share, f, work)
+            _follow(t, at, n, stuck, _slopes(c, of, x, y), share, f, work)
         for i in range(n):
             x[i] += share * (y[i] - x[i])
         if after != contact:
@@ -224,7 +224,7 @@ def _through(
             at = begin + ((finest + 1 if contact != 0 else 0) + finest) * BLOCK
             stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
             if errors:
-                _follow(t, at, nc, stuck, 1.0 - share, f, work)
+                _follow(t, at, n, stuck, _slopes(c, of, x, y), 1.0 - share, f, work)
             for i in range(n):
                 x[i] += (1.0 - share) * (y[i] - x[i])
         rest = stuck
@@ -345,7 +345,7 @@ def innovations(
 
     Parameters
     ----------
-    parameters : (20,) array
+    parameters : (24,) array
         See ``transitions``.
     free, kinds : (m,) int arrays
         Places of the parameters whose sensitivities are wanted, and how they enter θ, see ``_changed``.
@@ -396,7 +396,7 @@ def innovations(
         fill_model(q, dt, law, finest, kind, level, models[j + 1], numbers[j + 1], other)
     _sensor_rows(parameters, sensors, counted, law, third, angle, tail, head, rows, offsets)
     for which in range(8):
-        _errors(models.reshape(-1), (which >> 2) * whole, nc, which & 3, errors, which * square)
+        _errors(models.reshape(-1), (which >> 2) * whole, n, which & 3, (0.0, 0.0), errors, which * square)
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
     lead, half = c[LEAD], c[HALF]
     x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
@@ -493,35 +493,40 @@ def innovations(
             doubt = level * math.sqrt(max(variance, 0.0))
             if doubt <= abs(travel) or abs(abs(z) - half) >= _DOUBT * doubt + abs(travel):
                 doubt = 0.0
-        before, rested, quiet, at = contact, rest, False, closed * whole
+        before, rested, quiet, at, slopes = contact, rest, False, closed * whole, (0.0, 0.0)
         if doubt > 0.0:
             weight, edge, extra = _mean_gap(z + travel, half, doubt)
             _blend(t, 0, whole, weight, mixed)
             rest = _moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
+            slopes = _slopes(c, 0, x, y)
             for i in range(n):
                 x[i] = y[i]
             z = x[0] + lead * (x[tail] - x[head])
             contact = 1 if z > half else -1 if z < -half else 0
-            _errors(mixed, 0, nc, rest, f, 0)
+            _errors(mixed, 0, n, rest, slopes, f, 0)
         else:
             rest = _moved(t, at, c, 0, n, x, u, jump, contact * half, y)
             z = y[0] + lead * (y[tail] - y[head])
             quiet = _next_contact(contact, z, y[0], half, gap_law) == contact and not _turned(c, 0, x, y)
             quiet = quiet and rest == rested and (rest == 0 or held == 0)
             if quiet:
+                slopes = _slopes(c, 0, x, y)
                 for i in range(n):
                     x[i] = y[i]
             else:
                 contact, rest, weight = _through(
-                    t, 0, c, 0, finest, held, ramp, n, nc, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
+                    t, 0, c, 0, finest, held, ramp, n, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
                 )  # fmt: skip
-        if quiet:
+        if quiet and slopes[0] == 0.0 and slopes[1] == 0.0:
             where = (4 * closed + rest) * square
-            _times(errors, where, nc, slope, m, next_slope)
+            _times(errors, where, n, slope, m, next_slope)
             _times(errors, where, nc, p, nc, work)
             _times_turned(work, errors, where, nc, noise, closed, p)
         else:
-            _times(f, 0, nc, slope, m, next_slope)
+            if quiet:
+                weight = closed
+                _errors(t, at, n, rest, slopes, f, 0)
+            _times(f, 0, n, slope, m, next_slope)
             _times(f, 0, nc, p, nc, work)
             _times_turned(work, f, 0, nc, noise, 1 if weight > 0.5 else 0, p)
             if doubt > 0.0:
@@ -542,12 +547,12 @@ def innovations(
                 for i in range(n):
                     gain[i] = old[i]
                 _through(
-                    t, begin, c, of, finest, held, ramp, n, nc, ends, gap_law, u, jump, before, rested, gain, y, False,
+                    t, begin, c, of, finest, held, ramp, n, ends, gap_law, u, jump, before, rested, gain, y, False,
                     f, work,
                 )  # fmt: skip
                 for i in range(n):
                     y[i] = gain[i]
-            for i in range(nc):
+            for i in range(n):
                 next_slope[j * WIDE + i] += (y[i] - x[i]) * (1.0 / _STEP)
         for i in range(m * WIDE):
             slope[i] = next_slope[i]

@@ -24,7 +24,8 @@ from .two_mass import add_series, product
 (
     INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS, COULOMB_MOTOR, VISCOUS_MOTOR, LAG,
     DELAY, ASYMMETRY, ASYMMETRY_MOTOR, LOAD_TORQUE, SHARE, COMPLIANCE, LOSS, MOTOR_RATE, LOAD_RATE, TORQUE_RATE,
-) = range(20)  # fmt: skip
+    RISE, FADE, RISE_MOTOR, FADE_MOTOR,
+) = range(24)  # fmt: skip
 
 #: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
 VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
@@ -38,8 +39,9 @@ TORQUE, EDGE, MOTOR, LOAD, JUMP = range(WIDE, WIDE + 5)
 BLOCK = (WIDE + 5) * WIDE
 
 #: Places among a model's numbers (layout): lead of the gap's argument (s), half the gap (rad), Coulomb levels (Nm) of
-#: the motor forwards and backwards and of the load, constant load torque (Nm), delay in whole samples and its rest.
-LEAD, HALF, LEVELS, CONSTANT, WHOLE, PART, NUMBERS = 0, 1, 2, 6, 7, 8, 9
+#: the motor forwards and backwards and of the load, rise of the friction towards rest and the speed over which it fades
+#: (rad/s) of the motor and of the load, constant load torque (Nm), delay in whole samples and its rest.
+LEAD, HALF, LEVELS, RISES, CONSTANT, WHOLE, PART, NUMBERS = 0, 1, 2, 6, 10, 11, 12, 13
 
 COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
@@ -267,6 +269,8 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     c[LEVELS + 1] = q[COULOMB_MOTOR] * (1.0 - q[ASYMMETRY_MOTOR])
     c[LEVELS + 2] = q[COULOMB] * (1.0 + q[ASYMMETRY])
     c[LEVELS + 3] = q[COULOMB] * (1.0 - q[ASYMMETRY])
+    c[RISES], c[RISES + 1] = q[RISE_MOTOR], q[FADE_MOTOR]
+    c[RISES + 2], c[RISES + 3] = q[RISE], q[FADE]
     c[CONSTANT] = q[LOAD_TORQUE]
     c[WHOLE] = math.floor(q[DELAY] / dt)
     c[PART] = q[DELAY] / dt - c[WHOLE]

@@ -232,6 +232,25 @@ def test_a_measured_torque_goes_straight_from_row_to_row(plant: lm.Drivetrain):
     assert flt.run(theta).cost > 1.0
 
 
+@pytest.mark.parametrize("counted", [False, True])
+def test_sensitivities_are_those_of_the_innovations(plant: lm.Drivetrain, counted: bool):
+    """Of an exact recording, whose innovations are none: that the gains change as well does not show. That of the lag
+    was a third of it."""
+    plant = plant.with_parameters(backlash=0.0, coulomb=0.0)
+    torque = lm.signals.excitation(1.0, 2e-4, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    run = lm.simulate(plant, torque_motor=torque, dt=2e-4)
+    exact, floor = run["angle_motor" if counted else "speed_motor"], 1e-5 if counted else 1e-2
+    flt = ContactFilter(torque, exact.copy(), 2e-4, counted, floor, floor, 6, (0, torque.size))
+    known = {name: value for name, value in plant.parameters().items() if name in PARAMETERS}
+    theta = flt.theta(known | {"motor_rate": 100.0, "load_rate": 30.0})
+    names = [n for n in (*known, "delay", "load_torque") if np.isfinite(theta[INDEX[n]])]
+    for name, slope in zip(names, flt.run(theta, [INDEX[n] for n in names]).jacobian, strict=True):
+        moved = theta.copy()
+        moved[INDEX[name]] += 1e-4
+        measured = (flt.run(moved).weighted - flt.run(theta).weighted) / 1e-4
+        assert np.linalg.norm(slope - measured) < 0.02 * np.linalg.norm(measured), name
+
+
 def test_a_lag_of_next_to_nothing_is_none(plant: lm.Drivetrain):
     """A pole far beyond all others would take their digits."""
     linear, held = plant.with_parameters(backlash=0.0, coulomb=0.0, lag=0.0), command()

@@ -71,9 +71,12 @@ def confirmed(
     others = [*better, *(one for one in rivals if alike(one, best))]
     excess = 0.0 if explained else fit.excess(flt)
     doubtful = bool(better) or not stage.free or excess > UNEXPLAINED or fit.contradicted_by(others)
-    if doubtful and (found := search.estimate(rivals)) is not None:
-        compared.insert(0, found.best)
-        return fit.replaced_by(found)
+    if doubtful or explained:
+        found = search.estimate(rivals)
+        # Of two that agree, the one that knows all of it better.
+        if found is not None and (doubtful or np.all(found.half[stage.free] <= told.half)):
+            compared.insert(0, found.best)
+            return fit.replaced_by(found)
     if excess > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
     if not stage.free:
@@ -82,10 +85,13 @@ def confirmed(
 
 
 def _stands(search: Search, fit: Fit) -> bool:
-    """Whether the fit is sure of inertias, stiffness and backlash, torsion is well above the noise, and only noise is
-    left or nothing near is better and says otherwise: a descent of these or of friction, a third inertia of these."""
+    """Whether the fit is sure of inertias, stiffness, backlash and Coulomb friction, torsion is well above the noise,
+    and only noise is left or nothing near is better and says otherwise: a descent of these or of friction, a third
+    inertia of these."""
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
-    if not told.issuperset(NEEDED) or np.any(fit.told.half[fit.core] > APART):
+    # A load torque that the fit does not have leaves it unsure of Coulomb friction.
+    sure = fit.core | (np.array(fit.stage.free) == NAMES.index("coulomb"))
+    if not told.issuperset(NEEDED) or np.any(fit.told.half[sure] > APART):
         return False
     if fit.excess(search.flt) > UNEXPLAINED:
         return False

@@ -20,11 +20,13 @@ from .gap_bound import bare
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike, plausible_beside
 from .refits import disagreement
+from .rising_friction import FADES, rises, with_rising_friction
 from .slow_motion import SlowMotion
 from .starts import free_places, rigid_start, starts
-from .third_inertia import Place, places, with_third_inertia
+from .third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
 
 Array = NDArray[np.float64]
+Choice = Callable[[Candidate], Candidate]
 
 #: Torsional periods of the rows that the descents run over, and rows at least and at most; rows of the last fits
 #: (numerics: a pass over them takes some 10 ms).
@@ -192,25 +194,29 @@ class Search:
         )
         for _ in range(DISPLACEMENTS):
             before = min(found, key=_cost)
+            found = list(map(split_at_the_softest_shaft, found))
             if not _stands_out(found):  # nothing will be told, whatever lies beside it
                 break
             found += self.displaced(before)
             if alike(before, min(found, key=_cost)):
                 break
-        return found
+        return list(map(split_at_the_softest_shaft, found))
 
     def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
         """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""
         more: list[Candidate] = []
         while True:
             best = min([*found, *more], key=_cost)
-            choices = _other_choices(best)
-            tried = self._polished([choice(best) for choice in choices])
+            choices = _other_choices(best, self.box)
+            tried = self._chosen([(choice, best) for choice in choices])
             better = min(tried, key=_cost)
             if better.cost >= best.cost or alike(best, better):
                 return more
             choice = choices[tried.index(better)]
-            more += [better, *self._polished([choice(one) for one in others])]
+            more += [better, *self._chosen([(choice, one) for one in others])]
+
+    def _chosen(self, pairs: Sequence[tuple[Choice, Candidate]]) -> list[Candidate]:
+        return self._polished(side_by_side(lambda pair: pair[0](pair[1]), pairs))
 
     def _polished(self, candidates: Sequence[Candidate]) -> list[Candidate]:
         return side_by_side(lambda one: polish(one, one.flt, self.box), candidates)
@@ -259,7 +265,7 @@ class Search:
         if Place.of(best) is None:
             place = Place(*self.piece) if self.piece else places()[0]
             found.append(replace(self._third(best, place), start="third inertia"))
-        return sorted(found, key=_cost)
+        return sorted(map(split_at_the_softest_shaft, found), key=_cost)
 
 
 def _judged(found: Candidate, flt: ContactFilter) -> Candidate:
@@ -274,17 +280,20 @@ def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
     return other if other.cost < candidate.cost and not alike(candidate, other) else None
 
 
-def _other_choices(best: Candidate) -> list[Callable[[Candidate], Candidate]]:
+def _other_choices(best: Candidate, box: Box) -> list[Choice]:
     """Each makes one choice otherwise than the best: how the torque goes between rows, how the load torque changes, the
-    law of the contact, and whether there is a gap."""
+    law of the contact, whether there is a gap, and whether friction rises towards rest."""
 
-    def with_filter(change: dict[str, Any]) -> Callable[[Candidate], Candidate]:
+    def with_filter(change: dict[str, Any]) -> Choice:
         return lambda one: replace(one, flt=replace(one.flt, **change))
+
+    def rising(fade: float) -> Choice:
+        return lambda one: with_rising_friction(one, fade, box)
 
     changes: list[dict[str, Any]] = [{"ramp": not best.flt.ramp}, {"drifts": not best.flt.drifts}]
     changes += [{"law": law} for law in LAWS if law != best.flt.law]
     gapless = [bare] if np.isfinite(best.theta[INDEX["backlash"]]) else []
-    return [*(with_filter(change) for change in changes), *gapless]
+    return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if not rises(best))]
 
 
 def plausible(found: Sequence[Candidate]) -> list[Candidate]:

@@ -18,7 +18,7 @@ from .filter import INDEX, NAMES
 from .gap_bound import gap_bound, without_gap
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
-from .starts import lag, told_vector
+from .starts import lag, told_slopes, told_vector
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def scatter(candidate: Candidate) -> tuple[Array, Array]:
     if not np.all(np.isfinite(run.jacobian)):  # numbers that grow without bound tell nothing
         return np.zeros((len(TOLD), len(TOLD))), np.full(len(TOLD), np.inf)
     size = np.linalg.norm(run.jacobian, axis=1)
-    shown, parts = size > NO_INFORMATION * np.max(size), _gather(candidate)
+    shown, parts = size > NO_INFORMATION * np.max(size), told_slopes(candidate)
     jacobian, gather = run.jacobian[shown], parts[:, shown]
     silent = parts.any(axis=1) & ~gather.any(axis=1)
     white = inverse_hessian(jacobian) * np.mean(run.weighted**2)
@@ -98,7 +98,14 @@ def told(
     for i, name in enumerate(TOLD):
         place = INDEX[name]
         held = name != "lag" and not box.lower[place] + 1e-9 < best.theta[place] < box.upper[place] - 1e-9
-        if name in fixed or held or not half[i] < np.log(NOT_EXCITED) or _other_does_as_well(best, name):
+        absent = not np.isfinite(theta[i])
+        if (
+            name in fixed
+            or held
+            or absent
+            or not half[i] < np.log(NOT_EXCITED)
+            or _other_does_as_well(best, name)
+        ):
             half[i] = np.inf
     lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)}
     # Neither load nor spring: the rest fits many a drive, and so does one value alone. A spring before a load that does
@@ -146,19 +153,6 @@ def _allowance(best: Candidate) -> Array:
     mode = np.sqrt(np.max(np.linalg.eigvals(stiffness / inertias[:, None]).real)) / (2.0 * np.pi)
     left = np.sqrt(-np.expm1(-2.0 * max(best.cost, 0.0)))
     return left * model_allowance(TOLD, drivetrain, best.flt.dt, float(mode), sampled=True, joint=True)
-
-
-def _gather(candidate: Candidate) -> Array:
-    """(8, m) derivatives of the told parameters by the free ones: a delay counts as lag."""
-    gather = np.zeros((len(TOLD), len(candidate.free)))
-    values, dt = candidate.flt.values(candidate.theta), candidate.flt.dt
-    own, total = values[INDEX["lag"]] + dt, lag(candidate) + dt
-    for column, place in enumerate(candidate.free):
-        if NAMES[place] == "delay":
-            gather[-1, column] = dt / total
-        elif NAMES[place] in TOLD:
-            gather[TOLD.index(NAMES[place]), column] = own / total if NAMES[place] == "lag" else 1.0
-    return gather
 
 
 def _other_does_as_well(candidate: Candidate, name: str) -> bool:

@@ -23,6 +23,7 @@ PARAMETERS = {
     "coulomb": "log", "viscous": "log", "coulomb_motor": "log", "viscous_motor": "log", "lag": "lag",
     "delay": "samples", "asymmetry": "plain", "asymmetry_motor": "plain", "load_torque": "torque", "share": "log",
     "compliance": "log", "loss": "log", "motor_rate": "log", "load_rate": "log", "torque_rate": "log",
+    "rise": "plain", "fade": "log", "rise_motor": "plain", "fade_motor": "log",
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
@@ -40,6 +41,8 @@ DRIFT = 3.0
 #: Orders of differences (numerics: with seven rows in a period the third one of the motion may be 20 times the noise,
 #: the 16th is none of it).
 LEAST_ORDER, MOST_ORDER = 3, 16
+#: Rows whose speeds stand for all (numerics).
+SOME = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +219,20 @@ class ContactFilter:
         return (away - np.copysign(half, away)) / half, slope
 
     @cached_property
+    def speeds(self) -> Array:
+        """Sizes of the motor speed at some thousand rows, rad/s."""
+        if not self.counted:
+            size = np.abs(self.measured)
+        else:
+            size = np.abs(self.measured[self._span :] - self.measured[: -self._span]) / (self._span * self.dt)
+        return np.asarray(size[:: max(1, size.size // SOME)])
+
+    @property
+    def _span(self) -> int:
+        """Rows over which counts make a speed."""
+        return max(1, min(20, self.rows // 10))
+
+    @cached_property
     def torque_deviation(self) -> float:
         """Standard deviation of the motor torque, Nm."""
         return float(np.std(self.torque))
@@ -225,8 +242,9 @@ class ContactFilter:
         """Standard deviation of the motor speed, rad/s."""
         if not self.counted:
             return float(np.std(self.measured))
-        span = max(1, min(20, self.rows // 10))
-        return float(np.std((self.measured[span:] - self.measured[:-span]) / (span * self.dt)))
+        return float(
+            np.std((self.measured[self._span :] - self.measured[: -self._span]) / (self._span * self.dt))
+        )
 
     def theta(self, values: Mapping[str, float]) -> Array:
         """Parameter vector of values, SI, zero where there is none; −inf for the logarithm of zero."""

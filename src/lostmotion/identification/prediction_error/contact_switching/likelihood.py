@@ -35,15 +35,21 @@ RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
 #: change together, and slowly.)
 ROUNDS, ROUND_GAIN = 3, 1e-3
 #: What has bounds of its own, wherever a descent starts.
-BOUNDED = ("lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss")
+BOUNDED = (
+    "lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss",
+    "rise", "fade", "rise_motor", "fade_motor",
+)  # fmt: skip
 #: Constant load torque at most, over the torque's standard deviation; loss factor of the shaft beyond a third inertia
 #: over that at the gap, either way (numerics: hardly damped steel beside rubber).
 MOST_LOAD, MOST_LOSS = 5.0, 1e4
+#: Rise of a friction towards rest at most, and the speeds over which it fades, over the speed's standard deviation
+#: (numerics: a slower one is not seen, a faster one is viscous).
+MOST_RISE, FADES = 3.0, (3e-3, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Bounds of θ, (20,) each."""
+    """Bounds of θ, one for each of ``PARAMETERS``."""
 
     lower: Array
     upper: Array
@@ -66,6 +72,10 @@ class Box:
             ("loss", 1.0 / MOST_LOSS, MOST_LOSS),
         ):
             lower[INDEX[name]], upper[INDEX[name]] = np.log(least), np.log(most)
+        for end in ("", "_motor"):
+            lower[INDEX[f"rise{end}"]], upper[INDEX[f"rise{end}"]] = 0.0, MOST_RISE
+            fade = INDEX[f"fade{end}"]
+            lower[fade], upper[fade] = np.log(np.array(FADES) * flt.speed_deviation)
         return cls(lower, upper)
 
     def including(self, theta: Array, far: float) -> Box:
@@ -164,7 +174,8 @@ class Candidate:
     def structure(self) -> tuple[Hashable, ...]:
         """What the model consists of, but for the gap."""
         flt, third = self.flt, bool(np.isfinite(self.theta[INDEX["share"]]))
-        return flt.law, flt.ramp, flt.drifts, third, third and flt.behind
+        rises = INDEX["rise"] in self.free or INDEX["rise_motor"] in self.free
+        return flt.law, flt.ramp, flt.drifts, third, third and flt.behind, rises
 
     def over(self, rows: ContactFilter) -> ContactFilter:
         """The filter over other rows, with what this candidate takes for the torques and the contact."""

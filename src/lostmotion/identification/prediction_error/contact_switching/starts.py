@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from ..initial_values import DAMPING_RATIO
 from ..innovations import NAMES as TOLD
 from .filter import INDEX, ContactFilter
 from .likelihood import Candidate
+from .rising_friction import friction_lines
 
 Array = NDArray[np.float64]
 
@@ -23,6 +25,8 @@ AT_MOTOR, RATE, TORQUE_RATE = 0.3, 0.5, 1e-3
 COULOMB, VISCOUS, GAP, LAG = 0.03, 0.01, 0.5, 0.5
 
 
+#: Step of differences in θ (numerics: far above rounding, far below any interval).
+STEP = 1e-6
 #: Part of a rigid drive's inertia that the model has as a load (numerics: far below what the motor's is known to).
 LEFT = 1e-3
 
@@ -106,5 +110,20 @@ def lag(candidate: Candidate) -> float:
 def told_vector(candidate: Candidate) -> Array:
     """Parameter vector in the order of ``innovations.NAMES``."""
     theta = candidate.theta[[INDEX[name] for name in TOLD]]
+    lines = friction_lines(candidate)
+    with np.errstate(divide="ignore"):
+        for name in ("coulomb", "viscous"):
+            theta[TOLD.index(name)] = np.log(lines[name])
     theta[-1] = np.log(lag(candidate) + candidate.flt.dt)
     return theta
+
+
+def told_slopes(candidate: Candidate) -> Array:
+    """(8, m) derivatives of that vector by the free parameters; zero where it is not finite."""
+    base, columns = told_vector(candidate), []
+    for place in candidate.free:
+        theta = candidate.theta.copy()
+        theta[place] += STEP
+        with np.errstate(invalid="ignore"):
+            columns.append((told_vector(replace(candidate, theta=theta)) - base) / STEP)
+    return np.nan_to_num(np.array(columns).T, nan=0.0, posinf=0.0, neginf=0.0)

@@ -12,10 +12,10 @@ from .filter import NAMES
 from .likelihood import Candidate
 from .likelihood_ratio import alike
 
-#: Shares of all Coulomb friction below which one end has none, and below which it is the same in both directions; of
-#: the torque's deviation from which a load torque counts; of the wind-up at that deviation from which a gap does
-#: (option: too little to be named).
-ONE_END, SYMMETRIC, LOAD, GAP = 0.05, 0.05, 0.02, 0.01
+#: Shares of all Coulomb friction below which one end has none, it is the same in both directions, it does not rise
+#: towards rest; of the torque's deviation from which a load torque counts; of the wind-up at that deviation from which
+#: a gap does (option: too little to be named).
+ONE_END, SYMMETRIC, RISING, LOAD, GAP = 0.05, 0.05, 0.05, 0.02, 0.01
 
 Parts = tuple[str, ...]
 
@@ -63,12 +63,14 @@ def parts_of(candidate: Candidate) -> Parts:
     torque = flt.torque_deviation
     friction = v["coulomb"] + v["coulomb_motor"]
     uneven = abs(v["asymmetry"]) * v["coulomb"] + abs(v["asymmetry_motor"]) * v["coulomb_motor"]
+    rising = v["rise"] * v["coulomb"] + v["rise_motor"] * v["coulomb_motor"]
     rigid = candidate.start == "rigid"
     parts = [
         "one rigid mass" if rigid else _masses(v["share"], flt.behind),
         "a gap" if v["backlash"] * v["stiffness"] > GAP * torque else "no gap",
         _friction(v["coulomb"], v["coulomb_motor"]),
         "friction that differs by direction" if uneven > SYMMETRIC * friction > 0.0 else "",
+        "friction that rises towards rest" if rising > RISING * friction > 0.0 else "",
         "a slow load torque" if flt.drifts else "",
         "a constant load torque" if abs(v["load_torque"]) > LOAD * torque and not flt.drifts else "",
         f"the {flt.law.replace('_', '-')} contact" if flt.law != "viscoelastic" else "",

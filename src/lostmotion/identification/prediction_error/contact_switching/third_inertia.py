@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from .filter import INDEX, ContactFilter
+from .gap_bound import bare
 from .likelihood import FITTED_LEVEL, Box, Candidate, descend
+from .likelihood_ratio import alike
 from .starts import with_values
 
 #: Steps of a descent at each noise level (numerics).
@@ -45,3 +47,28 @@ def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, 
     theta = with_values(candidate.theta, flt, share=place.share, compliance=place.compliance, loss=place.loss)
     free = sorted({*candidate.free, INDEX["share"], INDEX["compliance"], INDEX["loss"]})
     return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
+
+
+def split_at_the_softest_shaft(candidate: Candidate) -> Candidate:
+    """The same three inertias with motor and load divided at the softer shaft, where no gap shows which is the joint.
+
+    Without a gap, a third inertia before it and one behind it are two names for one drive.
+    """
+    place = Place.of(candidate)
+    if place is None or place.compliance <= 0.5:
+        return candidate
+    values = candidate.flt.values(candidate.theta)
+    motor, load, stiffness = (
+        float(values[INDEX[name]]) for name in ("inertia_motor", "inertia_load", "stiffness")
+    )
+    piece = place.share * (load if place.behind else motor)
+    moved = -piece if place.behind else piece
+    whole, share = (motor - moved, load + moved), piece / (piece + (motor if place.behind else load))
+    theta = with_values(
+        bare(candidate).theta, candidate.flt, inertia_motor=whole[0], inertia_load=whole[1], share=share,
+        stiffness=stiffness * (1.0 / motor + 1.0 / load) / (1.0 / whole[0] + 1.0 / whole[1]),
+        compliance=1.0 - place.compliance, loss=1.0 / place.loss,
+    )  # fmt: skip
+    flt = replace(candidate.flt, behind=not place.behind)
+    other = replace(bare(candidate), theta=theta, flt=flt, cost=flt.run(theta).cost)
+    return other if alike(other, candidate) else candidate

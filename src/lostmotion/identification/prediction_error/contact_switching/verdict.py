@@ -18,8 +18,9 @@ from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
 from .estimate import APART, CORE, Estimate
-from .filter import INDEX, ContactFilter
+from .filter import ContactFilter
 from .likelihood import Candidate
+from .rising_friction import friction_lines
 from .starts import told_vector
 
 Array = NDArray[np.float64]
@@ -107,8 +108,8 @@ class Fit:
         free = [i for i in range(len(NAMES)) if np.isfinite(found.half[i])]
         if not free:
             return self.nothing(problem.contradicted())
-        values = found.best.flt.values(found.best.theta)
-        friction = {name: float(values[INDEX[name]]) for name in ("coulomb_motor", "viscous_motor")}
+        lines = friction_lines(found.best)
+        friction = {name: lines[name] for name in ("coulomb_motor", "viscous_motor")}
         predictor = replace(self.predictor, base=self.predictor.base.with_parameters(**friction))
         theta = self._nameplate()
         theta[free] = found.theta[free]

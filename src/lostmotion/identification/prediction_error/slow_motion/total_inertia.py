@@ -46,13 +46,14 @@ def total_inertia(slow: tuple[float, float], stage: Stage, told: Told) -> tuple[
     """Value and 95 % interval, kg m2; None where neither the fit nor the slow motion tells it.
 
     ``slow`` is what the slow motion says, see ``of_slow_motion``; the sum of motor and load, where both are
-    identified, takes its place if it is known better and does not contradict it.
+    identified, takes its place if it is known better. Where they contradict each other, the interval has room for both.
     """
     value, half = slow
     if {0, 1} <= set(stage.free):
         total, own = _sum(stage, told)
-        if np.isinf(half) or (own < half and abs(np.log(total / value)) < own + half):
-            value, half = total, own
+        apart = 0.0 if np.isinf(half) else abs(float(np.log(total / value)))
+        if own < half:
+            value, half = total, own if apart < own + half else float(np.hypot(own, apart))
     if not half < np.log(NOT_EXCITED):
         return None
     return value, (float(value * np.exp(-half)), float(value * np.exp(half)))

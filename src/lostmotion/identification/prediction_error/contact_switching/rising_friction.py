@@ -1,0 +1,56 @@
+"""Friction that rises towards rest (Stribeck): where descents with it start, and the line that it is told as."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .filter import INDEX, NAMES
+from .likelihood import FITTED_LEVEL, Box, Candidate, descend
+
+#: Rise over the Coulomb level, and speeds over which it fades, over the speed's standard deviation, with which descents
+#: start (numerics).
+RISE, FADES = 0.2, (0.03, 0.3)
+#: Steps of a descent at each noise level (numerics).
+STEPS = 4
+#: The two ends of the drivetrain, as their parameters' names end.
+ENDS = ("", "_motor")
+
+
+def rises(candidate: Candidate) -> bool:
+    """Whether the rise is fitted."""
+    return any(INDEX[f"rise{end}"] in candidate.free for end in ENDS)
+
+
+def with_rising_friction(candidate: Candidate, fade: float, box: Box) -> Candidate:
+    """The candidate with friction, where that is free, that rises from the speed ``fade`` on, over its deviation.
+
+    Its descent comes down from a higher noise level, where the cost is smooth: a rise lies beyond where a fit without
+    one leads.
+    """
+    flt, theta, added = candidate.flt, candidate.theta.copy(), []
+    for end in ENDS:
+        if INDEX[f"coulomb{end}"] in candidate.free:
+            added += [INDEX[f"rise{end}"], INDEX[f"fade{end}"]]
+            theta[added[-2:]] = RISE, np.log(fade * flt.speed_deviation)
+    free, lowest = sorted({*candidate.free, *added}), replace(flt, level=flt.floor)
+    found = descend(candidate.start, lowest, theta, free, box, FITTED_LEVEL, STEPS)
+    return replace(found, flt=flt)
+
+
+def friction_lines(candidate: Candidate) -> dict[str, float]:
+    """Coulomb (Nm) and viscous friction (Nm s/rad) of either end: the line closest to the curve at the recorded speeds.
+
+    A viscous friction below zero is none.
+    """
+    values = dict(zip(NAMES, map(float, candidate.flt.values(candidate.theta)), strict=True))
+    lines: dict[str, float] = {}
+    for end in ENDS:
+        coulomb, viscous, rise = (values[f"{name}{end}"] for name in ("coulomb", "viscous", "rise"))
+        if coulomb * rise > 0.0:
+            speeds = candidate.flt.speeds
+            slope, offset = np.polyfit(speeds, rise * coulomb * np.exp(-speeds / values[f"fade{end}"]), 1)
+            coulomb, viscous = coulomb + float(offset), max(viscous + float(slope), 0.0)
+        lines |= {f"coulomb{end}": coulomb, f"viscous{end}": viscous}
+    return lines

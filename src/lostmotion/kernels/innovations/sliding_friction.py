@@ -1,0 +1,60 @@
+"""Coulomb friction that rises towards rest, over a piece in which the speed changes steadily, for the filter.
+
+Level · (1 + rise · exp(−|speed| / fade)). Source: Bo, Pavelescu (1982), The friction–speed relation and its influence
+on the critical velocity of stick–slip motion, Wear 82, 277–289, with exponent one.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..jit import njit
+
+COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+#: Speeds over the fading speed that differ by less are one (numerics: the quotient's rounding).
+_ONE = 1e-4
+
+
+@njit(forceinline=True, **COMPILED)
+def _mean_rise(first, last, rise, fade):
+    """Mean of rise · exp(−|speed| / fade) while the speed goes from first to last, without turning."""
+    if rise == 0.0:
+        return 0.0
+    near, far = abs(first) / fade, abs(last) / fade
+    if abs(far - near) < _ONE:
+        return rise * math.exp(-0.5 * (near + far))
+    return rise * (math.exp(-near) - math.exp(-far)) / (far - near)
+
+
+@njit(forceinline=True, **COMPILED)
+def mean_friction(before, free, per_torque, forwards, backwards, rise, fade):
+    """Mean torque of a friction over a piece, and whether its inertia is at rest in the end.
+
+    ``before``: speed at the beginning; ``free``: at the end without this friction; ``per_torque``: what a friction of
+    1 Nm adds. It acts against the motion until that ends, then holds if its level suffices.
+    """
+    slipping, moving = 0.0, 0.0
+    if before != 0.0:
+        slipping = forwards if before > 0.0 else -backwards
+        end = free + slipping * per_torque
+        slipping *= 1.0 + _mean_rise(before, end if end * before > 0.0 else 0.0, rise, fade)
+        end = free + slipping * per_torque
+        if end * before > 0.0:
+            return slipping, False
+        moving = before / (before - end)
+    holding, most = (before - free) / per_torque, 1.0 + rise
+    limited = min(max(holding, -backwards * most), forwards * most)
+    return moving * slipping + (1.0 - moving) * limited, limited == holding
+
+
+@njit(forceinline=True, **COMPILED)
+def friction_slope(first, last, forwards, backwards, rise, fade):
+    """Change of the friction with the speed, Nm s/rad, between two speeds; 0 where it does not slide all the way."""
+    if rise == 0.0 or first * last <= 0.0:
+        return 0.0
+    level, near, far = forwards if first > 0.0 else backwards, abs(first) / fade, abs(last) / fade
+    if abs(far - near) < _ONE:
+        return -level * rise / fade * math.exp(-0.5 * (near + far))
+    return -level * rise / fade * (math.exp(-near) - math.exp(-far)) / (far - near)

@@ -1,0 +1,80 @@
+"""Friction that rises towards rest: the filter follows it, a descent finds it, and it is told as a line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_switching.descents import _other_choices
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.rising_friction import (
+    friction_lines,
+    rises,
+    with_rising_friction,
+)
+from lostmotion.identification.prediction_error.contact_switching.starts import told_slopes, told_vector
+
+DT, RISE, FADE = 2e-4, 0.4, 2.0
+FREE = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash", "coulomb", "viscous")
+
+
+@pytest.fixture(scope="module")
+def rubbing(plant: lm.Drivetrain) -> ContactFilter:
+    """20 bits of the exact drive whose friction rises by 40 % towards rest, in a random motion through rest."""
+    speeds = FADE * np.concatenate([np.linspace(0.0, 6.0, 200), [20.0]])
+    curve = tuple((float(w), float(plant.coulomb * RISE * np.exp(-w / FADE))) for w in speeds[:-1])
+    friction = lm.Friction(plant.coulomb, plant.viscous, stribeck=(*curve, (float(speeds[-1]), 0.0)))
+    chain = replace(plant, frictions=(lm.Friction(), friction))
+    torque = lm.signals.excitation(1.5, DT, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    count = 2.0 * np.pi / 2**20
+    angle = np.floor(lm.simulate(chain, torque_motor=torque, dt=DT)["angle_motor"] / count) * count
+    floor = count / np.sqrt(12.0)
+    return ContactFilter(torque, angle, DT, True, floor, floor, 7, (0, torque.size))
+
+
+@pytest.fixture(scope="module")
+def constant(rubbing: ContactFilter, values: dict[str, float]) -> Candidate:
+    """The true values but for the rise."""
+    theta, free = rubbing.theta(values), sorted(INDEX[name] for name in FREE)
+    return Candidate("truth", theta, rubbing.run(theta).cost, rubbing, free)
+
+
+def test_the_filter_follows_it(rubbing: ContactFilter, values: dict[str, float], constant: Candidate):
+    theta = rubbing.theta(values | {"rise": RISE, "fade": FADE, "motor_rate": 100.0, "load_rate": 30.0})
+    assert rubbing.run(theta).cost == pytest.approx(0.0, abs=0.1)
+    assert constant.cost > 0.5
+
+
+def test_a_descent_finds_it(constant: Candidate, values: dict[str, float]):
+    box = Box.around(constant.flt, constant.theta, 30.0)
+    without = polish(constant, constant.flt, box)
+    found = polish(with_rising_friction(without, 0.3, box), constant.flt, box)
+    assert found.cost < 0.1 < 0.4 < without.cost
+    assert rises(found) and not rises(without) and found.structure != without.structure
+    told = dict(zip(INDEX, found.flt.values(found.theta), strict=True))
+    assert told["rise"] == pytest.approx(RISE, rel=0.05) and told["fade"] == pytest.approx(FADE, rel=0.05)
+    for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
+        assert told[name] == pytest.approx(values[name], rel=0.005)
+    # Once it rises there is nothing to choose.
+    assert len(_other_choices(without, box)) == len(_other_choices(found, box)) + 2
+
+
+def test_it_is_told_as_the_line_closest_to_it_at_the_recorded_speeds(constant: Candidate):
+    theta, flt = constant.theta.copy(), constant.flt
+    theta[[INDEX["rise"], INDEX["fade"]]] = RISE, np.log(FADE)
+    rising = replace(constant, theta=theta, free=sorted({*constant.free, INDEX["rise"], INDEX["fade"]}))
+    coulomb, viscous = np.exp(theta[[INDEX["coulomb"], INDEX["viscous"]]])
+    torque = coulomb * (1.0 + RISE * np.exp(-flt.speeds / FADE)) + viscous * flt.speeds
+    line = np.linalg.lstsq(np.column_stack([np.ones(torque.size), flt.speeds]), torque, rcond=None)[0]
+    lines = friction_lines(rising)
+    assert [lines["coulomb"], lines["viscous"]] == pytest.approx([line[0], max(line[1], 0.0)])
+    assert coulomb < lines["coulomb"] < (1.0 + RISE) * coulomb and lines["viscous"] < viscous
+    assert np.exp(told_vector(rising)[5]) == pytest.approx(lines["coulomb"])
+    # What the rise is known to belongs to the interval of the line.
+    slopes = told_slopes(rising)
+    assert slopes[5, rising.free.index(INDEX["rise"])] > 0.0
+    assert slopes[0] == pytest.approx([1.0 if place == 0 else 0.0 for place in rising.free], abs=1e-6)
