@@ -18,7 +18,7 @@ from . import problems as problem
 from .channel_innovations import ChannelPredictor
 from .contact_switching.agreement import confirmed
 from .contact_switching.likelihood import Candidate
-from .contact_switching.structure import structure_of
+from .contact_switching.structures.in_words import structure_of
 from .gain_schedule import LADDER, Box, Progress, Stage, bandwidth_for, descent, fit
 from .gap.absent_gap import better_without
 from .identifiability import Told, higher_mode, told

@@ -1,4 +1,4 @@
-"""Coulomb friction that rises towards rest, over a piece in which the speed changes steadily, for the filter.
+"""Coulomb friction that rises towards rest, over a sub-step in which the speed changes steadily, for the filter.
 
 Level · (1 + rise · exp(−|speed| / fade)). Source: Bo, Pavelescu (1982), The friction–speed relation and its influence
 on the critical velocity of stick–slip motion, Wear 82, 277–289, with exponent one.
@@ -30,7 +30,7 @@ def _mean_rise(first, last, rise, fade):
 
 @njit(forceinline=True, **COMPILED)
 def mean_friction(before, free, per_torque, forwards, backwards, rise, fade):
-    """Mean torque of a friction over a piece, and whether its inertia is at rest in the end.
+    """Mean torque of a friction over a sub-step, and whether its inertia is at rest in the end.
 
     ``before``: speed at the beginning; ``free``: at the end without this friction; ``per_torque``: what a friction of
     1 Nm adds. It acts against the motion until that ends, then holds if its level suffices.

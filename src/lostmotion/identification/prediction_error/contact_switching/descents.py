@@ -16,14 +16,14 @@ from ..innovations import NAMES as TOLD
 from . import grid
 from .estimate import CORE, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
-from .gap_bound import bare
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike, plausible_beside
 from .refits import disagreement
-from .rising_friction import FADES, rises, with_rising_friction
 from .slow_motion import SlowMotion
 from .starts import free_places, rigid_start, starts
-from .third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
+from .structures.no_gap import bare
+from .structures.rising_friction import FADES, rises, with_rising_friction
+from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
 
 Array = NDArray[np.float64]
 Choice = Callable[[Candidate], Candidate]
@@ -122,24 +122,19 @@ class Search:
         uncharged = replace(self.part, charged=False)
         return _judged(descend(name, uncharged, self.begun[name], free, self.box, first), self.part)
 
-    def from_grid(self) -> list[Candidate]:
+    def from_grid(self, charged: bool) -> list[Candidate]:
         """Short descents from the best of each plane of the grid, from a noise level at which the cost is smooth.
 
-        By the likelihood, and with innovations that are too large divided out: on some drives only one comes through.
+        ``charged``: by the likelihood, else with innovations that are too large divided out.
         """
-        free, coarse = free_places(self.start, self.fixed), self.coarse
+        free, rows = free_places(self.start, self.fixed), replace(self.coarse, charged=charged)
 
-        def short(numbered: tuple[int, tuple[bool, Array]]) -> Candidate:
-            number, (charged, theta) = numbered
-            rows = replace(coarse, charged=charged)
-            found = descend(f"grid {number}", rows, theta, free, self.box, iterations=FIRST_STEPS)
-            return _judged(found, self.part)
+        def short(numbered: tuple[int, Array]) -> Candidate:
+            number, theta = numbered
+            name = f"grid {number}{' charged' if charged else ''}"
+            return _judged(descend(name, rows, theta, free, self.box, iterations=FIRST_STEPS), self.part)
 
-        begun = [
-            (charged, theta)
-            for charged in (False, True)
-            for theta in grid.best(replace(self.part, charged=charged), self.start, self.fixed)
-        ]
+        begun = grid.best(replace(self.part, charged=charged), self.start, self.fixed)
         return side_by_side(short, list(enumerate(begun)))
 
     def rigid(self, like: Candidate | None = None) -> Candidate:
@@ -184,10 +179,13 @@ class Search:
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
-        found = [*side_by_side(self.descent, list(self.begun)), *self.from_grid()]
-        best = _apart(sorted(found, key=_cost), ELSEWHERE)[:POLISHED]
-        found += self._polished(best)
-        found += self.otherwise(found, best)
+        found = [*side_by_side(self.descent, list(self.begun)), *self.from_grid(charged=False)]
+        found += self._polished(_few(found))
+        # On some drives descents come through by the likelihood alone.
+        if abs(min(found, key=_cost).cost) > NOISE_ALONE:
+            more = self.from_grid(charged=True)
+            found += [*more, *self._polished(_few(more))]
+        found += self.otherwise(found, _few(found))
         found += self.thirds(found)
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
@@ -266,6 +264,11 @@ class Search:
             place = Place(*self.piece) if self.piece else places()[0]
             found.append(replace(self._third(best, place), start="third inertia"))
         return sorted(map(split_at_the_softest_shaft, found), key=_cost)
+
+
+def _few(found: Sequence[Candidate]) -> list[Candidate]:
+    """The best that lie apart."""
+    return _apart(sorted(found, key=_cost), ELSEWHERE)[:POLISHED]
 
 
 def _judged(found: Candidate, flt: ContactFilter) -> Candidate:

@@ -15,10 +15,10 @@ from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from ..model_error import model_allowance
 from .filter import INDEX, NAMES
-from .gap_bound import gap_bound, without_gap
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .starts import lag, told_slopes, told_vector
+from .structures.no_gap import gap_bound, without_gap
 
 Array = NDArray[np.float64]
 

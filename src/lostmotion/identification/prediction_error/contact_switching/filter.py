@@ -255,6 +255,12 @@ class ContactFilter:
         """Values of a parameter vector, SI."""
         return np.array([self._back(kind, t) for kind, t in zip(PARAMETERS.values(), theta, strict=True)])
 
+    def changed(self, theta: Array, **values: float) -> Array:
+        """The parameter vector with other values, SI."""
+        other, places = theta.copy(), [INDEX[name] for name in values]
+        other[places] = self.theta(values)[places]
+        return other
+
     def _forth(self, kind: str, value: float) -> float:
         if kind == "lag":
             return float(np.log(value + self.dt))

@@ -13,7 +13,7 @@ from ..initial_values import DAMPING_RATIO
 from ..innovations import NAMES as TOLD
 from .filter import INDEX, ContactFilter
 from .likelihood import Candidate
-from .rising_friction import friction_lines
+from .structures.rising_friction import friction_lines
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ def starts(
     nameplate = flt.theta(start_values(flt, start, start, fixed))
     starts = {"fitted": flt.theta(start_values(flt, fitted, start, fixed)), "nameplate": nameplate}
     if "lag" not in fixed:
-        starts["no lag"] = with_values(nameplate, flt, lag=0.1 * flt.dt)
+        starts["no lag"] = flt.changed(nameplate, lag=0.1 * flt.dt)
     return starts
 
 
@@ -92,13 +92,6 @@ def start_values(
     else:
         given |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
     return given | {"motor_rate": RATE * pole, "load_rate": RATE * pole, "torque_rate": TORQUE_RATE * torque}
-
-
-def with_values(theta: Array, flt: ContactFilter, **values: float) -> Array:
-    other = theta.copy()
-    for name, value in values.items():
-        other[INDEX[name]] = flt.theta({name: value})[INDEX[name]]
-    return other
 
 
 def lag(candidate: Candidate) -> float:

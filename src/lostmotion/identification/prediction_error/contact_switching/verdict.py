@@ -20,8 +20,8 @@ from ..warnings import NEGLIGIBLE
 from .estimate import APART, CORE, Estimate
 from .filter import ContactFilter
 from .likelihood import Candidate
-from .rising_friction import friction_lines
 from .starts import told_vector
+from .structures.rising_friction import friction_lines
 
 Array = NDArray[np.float64]
 Outcome = tuple[Predictor, Stage, Told, list[Problem]]

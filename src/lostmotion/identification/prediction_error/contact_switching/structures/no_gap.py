@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...statistics.block_covariance import student_factor
-from ..gap.absent_gap import FIRST, ROUNDS, shown
-from .filter import INDEX
-from .likelihood import Box, Candidate, inverse_hessian, minimise
-from .likelihood_ratio import alike
+from ....statistics.block_covariance import student_factor
+from ...gap.absent_gap import FIRST, ROUNDS, shown
+from ..filter import INDEX
+from ..likelihood import Box, Candidate, inverse_hessian, minimise
+from ..likelihood_ratio import alike
 
 PLACE = INDEX["backlash"]
 #: Gauss–Newton steps without the gap (numerics: what a small gap changes).

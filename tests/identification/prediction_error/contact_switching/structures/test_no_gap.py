@@ -6,7 +6,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, NAMES, ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.gap_bound import (
+from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import (
     bare,
     gap_bound,
     without_gap,

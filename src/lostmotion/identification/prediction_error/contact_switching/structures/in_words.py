@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..gain_schedule import Stage
-from ..innovations import NAMES as TOLD
-from ..innovations import Predictor
-from ..result import Structure
-from .filter import NAMES
-from .likelihood import Candidate
-from .likelihood_ratio import alike
+from ...gain_schedule import Stage
+from ...innovations import NAMES as TOLD
+from ...innovations import Predictor
+from ...result import Structure
+from ..filter import NAMES
+from ..likelihood import Candidate
+from ..likelihood_ratio import alike
 
 #: Shares of all Coulomb friction below which one end has none, it is the same in both directions, it does not rise
 #: towards rest; of the torque's deviation from which a load torque counts; of the wind-up at that deviation from which

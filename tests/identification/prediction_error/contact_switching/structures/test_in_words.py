@@ -10,7 +10,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
-from lostmotion.identification.prediction_error.contact_switching.structure import parts_of
+from lostmotion.identification.prediction_error.contact_switching.structures.in_words import parts_of
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.identification.prediction_error.result import Structure
 

@@ -10,7 +10,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.third_inertia import (
+from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import (
     Place,
     places,
     split_at_the_softest_shaft,

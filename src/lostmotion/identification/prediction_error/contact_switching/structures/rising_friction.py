@@ -1,4 +1,4 @@
-"""Friction that rises towards rest (Stribeck): where descents with it start, and the line that it is told as."""
+"""Friction that rises towards rest (Stribeck): where descents with it start, and the line that stands for it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .filter import INDEX, NAMES
-from .likelihood import FITTED_LEVEL, Box, Candidate, descend
+from ..filter import INDEX, NAMES
+from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
 
 #: Rise over the Coulomb level, and speeds over which it fades, over the speed's standard deviation, with which descents
 #: start (numerics).

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .filter import INDEX, ContactFilter
-from .gap_bound import bare
-from .likelihood import FITTED_LEVEL, Box, Candidate, descend
-from .likelihood_ratio import alike
-from .starts import with_values
+from ..filter import INDEX, ContactFilter
+from .no_gap import bare
+from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
+from ..likelihood_ratio import alike
 
 #: Steps of a descent at each noise level (numerics).
 STEPS = 4
@@ -44,7 +43,7 @@ def places() -> list[Place]:
 def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, box: Box) -> Candidate:
     """The candidate with a third inertia over some rows; its descent comes down from a higher noise level."""
     flt = replace(candidate.over(rows), behind=place.behind)
-    theta = with_values(candidate.theta, flt, share=place.share, compliance=place.compliance, loss=place.loss)
+    theta = flt.changed(candidate.theta, share=place.share, compliance=place.compliance, loss=place.loss)
     free = sorted({*candidate.free, INDEX["share"], INDEX["compliance"], INDEX["loss"]})
     return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
 
@@ -64,8 +63,8 @@ def split_at_the_softest_shaft(candidate: Candidate) -> Candidate:
     piece = place.share * (load if place.behind else motor)
     moved = -piece if place.behind else piece
     whole, share = (motor - moved, load + moved), piece / (piece + (motor if place.behind else load))
-    theta = with_values(
-        bare(candidate).theta, candidate.flt, inertia_motor=whole[0], inertia_load=whole[1], share=share,
+    theta = candidate.flt.changed(
+        bare(candidate).theta, inertia_motor=whole[0], inertia_load=whole[1], share=share,
         stiffness=stiffness * (1.0 / motor + 1.0 / load) / (1.0 / whole[0] + 1.0 / whole[1]),
         compliance=1.0 - place.compliance, loss=1.0 / place.loss,
     )  # fmt: skip

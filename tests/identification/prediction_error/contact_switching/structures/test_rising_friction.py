@@ -11,7 +11,7 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.descents import _other_choices
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.rising_friction import (
+from lostmotion.identification.prediction_error.contact_switching.structures.rising_friction import (
     friction_lines,
     rises,
     with_rising_friction,

@@ -1,0 +1,1 @@
+"""What a model may have besides two masses, and which structure one has in words."""
