@@ -6,12 +6,12 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, NAMES, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import (
     bare,
     gap_bound,
     without_gap,
 )
-from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 DT = 2e-4

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..filter import INDEX, ContactFilter
-from .no_gap import bare
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
 from ..likelihood_ratio import alike
+from .no_gap import bare
 
 #: Steps of a descent at each noise level (numerics).
 STEPS = 4
