@@ -17,6 +17,7 @@ import math
 import numpy as np
 
 from ..jit import njit
+from ..numerics.vectors import LANES, address, fused, load, read, splat, store
 from .sliding_friction import friction_slope, mean_friction
 from .transitions import (
     BACKLASH,
@@ -61,14 +62,40 @@ _LOST, _MOST = 3.0, 1e6
 _STEP = 1e-6
 #: A piece over which a friction that holds is constant, rad of the torsional period (numerics: 1e-3 of its change).
 _SHORT = 0.1
+_NOTHING = np.zeros(WIDE)
 _ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
 
 
 @njit(forceinline=True, **COMPILED)
 def _add(a, at, factor, out, to):
     """Column of ``out`` at ``to`` += factor · column of ``a`` at ``at``."""
-    for i in range(WIDE):
-        out[to + i] += factor * a[at + i]
+    source, target, eight = address(a), address(out), splat(factor)
+    store(target, to, fused(eight, load(source, at), load(target, to)))
+    store(target, to + LANES, fused(eight, load(source, at + LANES), load(target, to + LANES)))
+
+
+@njit(forceinline=True, **COMPILED)
+def _combine(f, at, n, b, first, stride, base, base_at, out, to):
+    """Column of ``out`` = column of ``base`` + Σ b[first + k·stride] · (column k of f), k from 0 to n − 1.
+
+    The sum stays in registers: numba's own loop stores it after each term, as the arrays might overlap, and waits.
+    """
+    columns, factors, start, target = address(f), address(b), address(base), address(out)
+    low, high = load(start, base_at), load(start, base_at + LANES)
+    for k in range(n):
+        factor, place = splat(read(factors, first + k * stride)), at + k * WIDE
+        low = fused(factor, load(columns, place), low)
+        high = fused(factor, load(columns, place + LANES), high)
+    store(target, to, low)
+    store(target, to + LANES, high)
+
+
+@njit(forceinline=True, **COMPILED)
+def _copy(a, out):
+    """A column."""
+    source, target = address(a), address(out)
+    store(target, 0, load(source, 0))
+    store(target, LANES, load(source, LANES))
 
 
 @njit(forceinline=True, **COMPILED)
@@ -79,21 +106,18 @@ def _moved(t, at, c, of, n, x, torque, jump, edge, out):
     sticks, plus 2 if the load does.
     """
     motor_at, load_at, constant = at + MOTOR * WIDE, at + LOAD * WIDE, c[of + CONSTANT]
-    for i in range(WIDE):
-        out[i] = (
-            torque * t[at + TORQUE * WIDE + i]
-            + jump * t[at + JUMP * WIDE + i]
-            + edge * t[at + EDGE * WIDE + i]
-            - constant * t[load_at + i]
-        )
-    for j in range(n):
-        _add(t, at + j * WIDE, x[j], out, 0)
+    _combine(t, at, n, x, 0, 1, _NOTHING, 0, out, 0)
+    _add(t, at + TORQUE * WIDE, torque, out, 0)
+    _add(t, at + EDGE * WIDE, edge, out, 0)
+    _add(t, load_at, -constant, out, 0)
+    if jump != 0.0:
+        _add(t, at + JUMP * WIDE, jump, out, 0)
     i, j = of + LEVELS, of + RISES
     motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[j], c[j + 1])
     free = out[2] + t[motor_at + 2] * motor
-    load, load_rests = mean_friction(x[2], free, t[load_at + 2], c[i + 2], c[i + 3], c[j + 2], c[j + 3])
-    for i in range(WIDE):
-        out[i] += motor * t[motor_at + i] + load * t[load_at + i]
+    held, load_rests = mean_friction(x[2], free, t[load_at + 2], c[i + 2], c[i + 3], c[j + 2], c[j + 3])
+    _add(t, motor_at, motor, out, 0)
+    _add(t, load_at, held, out, 0)
     # Exactly at rest: rounding is no motion.
     if motor_rests:
         out[1] = 0.0
@@ -131,11 +155,8 @@ def _follow(t, at, n, stuck, slopes, share, f, work):
     room = WIDE * WIDE
     _errors(t, at, n, stuck, slopes, work, 0)
     for j in range(n):
+        _combine(work, 0, n, f, j * WIDE, 1, _NOTHING, 0, work, room)
         for i in range(WIDE):
-            work[room + i] = 0.0
-        for k in range(n):
-            _add(work, k * WIDE, f[j * WIDE + k], work, room)
-        for i in range(n):
             f[j * WIDE + i] += share * (work[room + i] - f[j * WIDE + i])
 
 
@@ -217,7 +238,7 @@ def _through(
             )
         if errors:
             _follow(t, at, n, stuck, _slopes(c, of, x, y), share, f, work)
-        for i in range(n):
+        for i in range(WIDE):
             x[i] += share * (y[i] - x[i])
         if after != contact:
             contact = after
@@ -225,7 +246,7 @@ def _through(
             stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
             if errors:
                 _follow(t, at, n, stuck, _slopes(c, of, x, y), 1.0 - share, f, work)
-            for i in range(n):
+            for i in range(WIDE):
                 x[i] += (1.0 - share) * (y[i] - x[i])
         rest = stuck
         closed += size if contact != 0 else 0
@@ -261,21 +282,14 @@ def _blend(t, open, closed, weight, mixed):
 def _times(f, at, nc, b, count, out):
     """out = f·b for ``count`` columns of b; f begins at f[at]."""
     for column in range(count):
-        to = column * WIDE
-        for i in range(WIDE):
-            out[to + i] = b[to] * f[at + i]
-        for k in range(1, nc):
-            _add(f, at + k * WIDE, b[to + k], out, to)
+        _combine(f, at, nc, b, column * WIDE, 1, _NOTHING, 0, out, column * WIDE)
 
 
 @njit(forceinline=True, **COMPILED)
 def _times_turned(a, f, at, nc, noise, closed, p):
     """p = a·fᵀ + noise; f begins at f[at]."""
     for r in range(nc):
-        for i in range(WIDE):
-            p[r * WIDE + i] = noise[closed, r * WIDE + i]
-        for k in range(nc):
-            _add(a, k * WIDE, f[at + k * WIDE + r], p, r * WIDE)
+        _combine(a, 0, nc, f, at + r, WIDE, noise, (closed * WIDE + r) * WIDE, p, r * WIDE)
         # Rounding must not make it unsymmetric: that would grow.
         for i in range(r):
             p[r * WIDE + i] = p[i * WIDE + r]
@@ -337,6 +351,22 @@ def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offse
 
 
 @njit(**COMPILED)
+def _start(third, unknown, slope_at, angle, spread, p):
+    """Covariance p of a motion of which nothing is known but its size, see ``innovations``."""
+    p[:] = 0.0
+    p[0] = spread[0] ** 2
+    p[WIDE + 1] = p[2 * WIDE + 2] = spread[1] ** 2
+    if third > 0:
+        p[third * WIDE + third], p[(third + 1) * WIDE + third + 1] = spread[0] ** 2, spread[1] ** 2
+    if unknown > 0:
+        p[unknown * WIDE + unknown] = spread[2] ** 2
+    if slope_at > 0:
+        p[slope_at * WIDE + slope_at] = spread[3] ** 2
+    if angle > 0:
+        p[angle * WIDE + angle] = 1.0
+
+
+@njit(**COMPILED)
 def innovations(
     parameters, free, kinds, units, dt, law, finest, ramp, behind, drifts, sensors, counted, ratios, bounds, torque,
     measured, level, spread, residuals, variances, jacobian,
@@ -382,12 +412,12 @@ def innovations(
     m, angled = free.size, counted
     for s in range(sensors.size):
         angled = angled or sensors[s] == ANGLE_MOTOR
-    third, load, slope_at, angle, tail, head, n, nc = layout(parameters, angled, behind, drifts)
+    third, unknown, slope_at, angle, tail, head, n, nc = layout(parameters, angled, behind, drifts)
     ends, kind = (tail, head), (ramp, behind, drifts, counted, angled)
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, (finest + 1) * BLOCK
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
-    noise, other, errors = np.zeros((2, square)), np.zeros((2, square)), np.zeros(8 * square)
+    noise, other, errors = np.zeros(2 * square), np.zeros(2 * square), np.zeros(8 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
     fill_model(parameters, dt, law, finest, kind, level, models[0], numbers[0], noise)
     for j in range(m):
@@ -410,28 +440,22 @@ def innovations(
             piece += 1
             contact, rest = 1 if gap_law == NO_GAP else 0, 0
             x[:] = 0.0
-            p[:] = 0.0
             slope[:] = 0.0
             end = bounds[piece + 1] - 1
             x[1] = (measured[min(k + 1, end), 0] - measured[k, 0]) / dt if counted else measured[k, 0]
             x[2] = x[1]
             x[n - 1] = torque[k]
-            p[0] = spread[0] ** 2
-            p[WIDE + 1] = p[2 * WIDE + 2] = spread[1] ** 2
             if third > 0:
-                x[third + 1], p[(third + 1) * WIDE + third + 1] = x[1], spread[1] ** 2
-                p[third * WIDE + third] = spread[0] ** 2
-            if load > 0:
-                p[load * WIDE + load] = spread[2] ** 2
-            if slope_at > 0:
-                p[slope_at * WIDE + slope_at] = spread[3] ** 2
-            if angle > 0:
-                p[angle * WIDE + angle] = 1.0
+                x[third + 1] = x[1]
+            _start(third, unknown, slope_at, angle, spread, p)
             base = measured[k, 0] if counted else 0.0
         elif counted:
             # The angle is that since the last count: a small number, whose differences are fine.
             x[angle] -= measured[k, 0] - base
             base = measured[k, 0]
+        # What grew far may lose its digits in a correction, and with them all sense.
+        if p[0] < 0.0 or p[WIDE + 1] < 0.0 or p[2 * WIDE + 2] < 0.0:
+            _start(third, unknown, slope_at, angle, spread, p)
         closed = 1 if contact != 0 else 0
         for s in range(sensors.size):
             e = measured[k, s] - offsets[s] * contact * half
@@ -450,8 +474,9 @@ def innovations(
             wanted = (e / (_LOST * level)) ** 2
             if wanted > variance:
                 growth = (wanted - ratios[s]) / max(variance - ratios[s], 1e-12)
-                # Far beyond what a start knows of the load nothing but rounding is left.
-                growth = min(growth, max(_MOST * spread[1] ** 2 / max(p[2 * WIDE + 2], 1e-300), 1.0))
+                # Far beyond what a start knows of twist and load nothing but rounding is left.
+                known = max(p[0] / spread[0] ** 2, p[2 * WIDE + 2] / spread[1] ** 2, 1e-300)
+                growth = min(growth, max(_MOST / known, 1.0))
                 variance = ratios[s] + growth * (variance - ratios[s])
                 for i in range(WIDE):
                     gain[i] *= growth
@@ -466,17 +491,17 @@ def innovations(
                         p[WIDE + 1] += missing / (dt * dt)
                     variance = wanted
             residuals[k, s], variances[k, s] = e, variance
+            per = 1.0 / variance
             for j in range(nc):
-                _add(gain, 0, -gain[j] / variance, p, j * WIDE)
-                x[j] += gain[j] / variance * e
+                _add(gain, 0, -gain[j] * per, p, j * WIDE)
+                x[j] += gain[j] * per * e
             for j in range(m):
                 total = 0.0
                 for i in range(nc):
                     total += rows[closed, s, i] * slope[j * WIDE + i]
                 jacobian[j, k, s] = -total
-                _add(gain, 0, -total / variance, slope, j * WIDE)
-        for i in range(WIDE):
-            old[i] = x[i]
+                _add(gain, 0, -total * per, slope, j * WIDE)
+        _copy(x, old)
         u, jump = _delayed(torque, k, c, 0, ramp)
         rate = x[tail] - x[head]
         z = x[0] + lead * rate
@@ -499,8 +524,7 @@ def innovations(
             _blend(t, 0, whole, weight, mixed)
             rest = _moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
             slopes = _slopes(c, 0, x, y)
-            for i in range(n):
-                x[i] = y[i]
+            _copy(y, x)
             z = x[0] + lead * (x[tail] - x[head])
             contact = 1 if z > half else -1 if z < -half else 0
             _errors(mixed, 0, n, rest, slopes, f, 0)
@@ -511,8 +535,7 @@ def innovations(
             quiet = quiet and rest == rested and (rest == 0 or held == 0)
             if quiet:
                 slopes = _slopes(c, 0, x, y)
-                for i in range(n):
-                    x[i] = y[i]
+                _copy(y, x)
             else:
                 contact, rest, weight = _through(
                     t, 0, c, 0, finest, held, ramp, n, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
@@ -544,15 +567,14 @@ def innovations(
                 _blend(t, begin, begin + whole, weight, mixed)
                 _moved(mixed, 0, c, of, n, old, u, jump, edge, y)
             else:
-                for i in range(n):
-                    gain[i] = old[i]
+                _copy(old, gain)
                 _through(
                     t, begin, c, of, finest, held, ramp, n, ends, gap_law, u, jump, before, rested, gain, y, False,
                     f, work,
                 )  # fmt: skip
-                for i in range(n):
-                    y[i] = gain[i]
-            for i in range(n):
-                next_slope[j * WIDE + i] += (y[i] - x[i]) * (1.0 / _STEP)
+                _copy(gain, y)
+            for i in range(WIDE):
+                y[i] -= x[i]
+            _add(y, 0, 1.0 / _STEP, next_slope, j * WIDE)
         for i in range(m * WIDE):
             slope[i] = next_slope[i]

@@ -262,7 +262,7 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
         _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
         for i in range(nc):
             for j in range(nc):
-                noise[closed, i * WIDE + j] = own[i, j]
+                noise[(closed * WIDE + i) * WIDE + j] = own[i, j]
     c[LEAD] = 0.0 if law == DEAD_ZONE else _shafts(q, behind)[2]
     c[HALF] = 0.5 * q[BACKLASH]
     c[LEVELS] = q[COULOMB_MOTOR] * (1.0 + q[ASYMMETRY_MOTOR])
