@@ -60,8 +60,9 @@ _DOUBT = 3.0
 _LOST, _MOST = 3.0, 1e6
 #: Step of the differences in θ: far above rounding, far below any interval (numerics).
 _STEP = 1e-6
-#: A piece over which a friction that holds is constant, rad of the torsional period (numerics: 1e-3 of its change).
-_SHORT = 0.1
+#: A piece over which a friction that holds is constant, rad of the torsional period (numerics: 1e-3 of its change), and
+#: halvings for it at most (numerics: with six samples in a period; a model of a faster mode is no drive's).
+_SHORT, _MOST_HELD = 0.1, 4
 _NOTHING = np.zeros(WIDE)
 _ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
 
@@ -323,7 +324,7 @@ def _held(q, dt, finest):
     """Halvings until a piece is short against the torsional period: so long a friction that holds is constant."""
     angle = math.sqrt(q[STIFFNESS] * (1.0 / q[INERTIA_MOTOR] + 1.0 / q[INERTIA_LOAD])) * dt
     halvings = 0
-    while halvings < finest and angle > _SHORT:
+    while halvings < min(finest, _MOST_HELD) and angle > _SHORT:
         angle *= 0.5
         halvings += 1
     return halvings

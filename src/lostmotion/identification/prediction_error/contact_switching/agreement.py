@@ -13,11 +13,12 @@ from ..gain_schedule import Stage
 from ..gap.absent_gap import NEEDED
 from ..identifiability import Told
 from ..innovations import NAMES, Predictor
-from .descents import NOISE_ALONE, POLES, Search, with_other_torque
+from .choices import with_other_torque
+from .descents import NOISE_ALONE, POLES, Search
 from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals
-from .likelihood import Candidate, polish
+from .likelihood import Candidate
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
 from .verdict import Fit, Outcome
 
@@ -62,7 +63,6 @@ def confirmed(
     own = with_other_torque(own, inside) or own
     best = min(own, *rivals, key=_cost)
     rigid = search.rigid(best)
-    rigid = polish(rigid, rigid.flt, search.box)
     compared += [own, *rivals, rigid]
     if not clearly_better(best, rigid, CHANCE_RIGID):
         return fit.nothing(problem.rigid())
@@ -85,15 +85,15 @@ def confirmed(
 
 
 def _stands(search: Search, fit: Fit) -> bool:
-    """Whether the fit is sure of inertias, stiffness, backlash and Coulomb friction, torsion is well above the noise,
-    and only noise is left or nothing near is better and says otherwise: a descent of these or of friction, a third
-    inertia of these."""
+    """Whether the fit is sure of inertias, stiffness, backlash and Coulomb friction, near what the nameplate says,
+    torsion is well above the noise, and only noise is left or nothing near is better and says otherwise: a descent of
+    these or of friction, a third inertia of these."""
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
     # A load torque that the fit does not have leaves it unsure of Coulomb friction.
     sure = fit.core | (np.array(fit.stage.free) == NAMES.index("coulomb"))
     if not told.issuperset(NEEDED) or np.any(fit.told.half[sure] > APART):
         return False
-    if fit.excess(search.flt) > UNEXPLAINED:
+    if fit.excess(search.flt) > UNEXPLAINED or fit.beyond_nameplate():
         return False
     own = within_intervals(
         search.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed, NOISE_ALONE
@@ -102,14 +102,13 @@ def _stands(search: Search, fit: Fit) -> bool:
         return False
     if abs(own.cost) < NOISE_ALONE:
         return True
-    descent, *thirds = search.near(own)
+    descents, thirds = search.near(own)
     if np.any(fit.shift([one for one in thirds if clearly_better(one, own)])[fit.core] > 0.0):
         return False
-    # The descent may have friction at either end. Over so few rows hardly anything is clearly better: friction at the
+    # Descents may have friction at either end. Over so few rows hardly anything is clearly better: friction at the
     # wrong end never was.
-    if descent.cost < own.cost and not alike(own, descent, 0.0):
-        return not np.any(fit.shift([descent])[fit.core | fit.friction] > 0.0)
-    return True
+    better = [one for one in descents if one.cost < own.cost and not alike(own, one, 0.0)]
+    return not np.any(fit.shift(better)[fit.core | fit.friction] > 0.0)
 
 
 def _cost(one: Candidate) -> float:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from ....drivetrain import Drivetrain
 from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from . import grid
+from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
@@ -21,12 +21,9 @@ from .likelihood_ratio import alike, plausible_beside
 from .refits import disagreement
 from .slow_motion import SlowMotion
 from .starts import free_places, rigid_start, starts
-from .structures.no_gap import bare
-from .structures.rising_friction import FADES, rises, with_rising_friction
 from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
 
 Array = NDArray[np.float64]
-Choice = Callable[[Candidate], Candidate]
 
 #: Torsional periods of the rows that the descents run over, and rows at least and at most; rows of the last fits
 #: (numerics: a pass over them takes some 10 ms).
@@ -138,10 +135,12 @@ class Search:
         return side_by_side(short, list(enumerate(begun)))
 
     def rigid(self, like: Candidate | None = None) -> Candidate:
-        """One inertia with friction and lag; the torque as another candidate takes it."""
+        """One inertia with friction and lag; beside another candidate with its torque and with fitted rates."""
         theta, free = rigid_start(self.flt, self.start)
-        part = replace(self.part, ramp=like is not None and like.flt.ramp)
-        return descend("rigid", part, theta, free, self.box)
+        found = descend(
+            "rigid", replace(self.part, ramp=like is not None and like.flt.ramp), theta, free, self.box
+        )
+        return found if like is None else polish(found, found.flt, self.box)
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
         """The fit with friction at both ends, asymmetry, delay and a third inertia's own damping, within a box."""
@@ -152,10 +151,10 @@ class Search:
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
         return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 
-    def near(self, fit: Candidate) -> list[Candidate]:
-        """What lies next to the fit: a descent from it, and with a third inertia if it has none."""
-        found = self.descent("fitted")
-        return [polish(found, found.flt, self.box), *([] if self.piece else self.thirds([fit]))]
+    def near(self, fit: Candidate) -> tuple[list[Candidate], list[Candidate]]:
+        """Descents from the fit and from the nameplate; the fit with a third inertia if it has none."""
+        found = side_by_side(self.descent, ["fitted", "nameplate"])
+        return self._polished(found), [] if self.piece else self.thirds([fit])
 
     def _third(self, candidate: Candidate, place: Place) -> Candidate:
         found = with_third_inertia(candidate, place, self.coarse, self.box)
@@ -185,6 +184,8 @@ class Search:
         if abs(min(found, key=_cost).cost) > NOISE_ALONE:
             more = self.from_grid(charged=True)
             found += [*more, *self._polished(_few(more))]
+        if alike(self.rigid(min(found, key=_cost)), min(found, key=_cost)):
+            return found  # no torsion shows
         found += self.otherwise(found, _few(found))
         found += self.thirds(found)
         found.append(
@@ -205,7 +206,7 @@ class Search:
         more: list[Candidate] = []
         while True:
             best = min([*found, *more], key=_cost)
-            choices = _other_choices(best, self.box)
+            choices = other_choices(best, self.box)
             tried = self._chosen([(choice, best) for choice in choices])
             better = min(tried, key=_cost)
             if better.cost >= best.cost or alike(best, better):
@@ -250,7 +251,7 @@ class Search:
 
     def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
         """Over more rows, which tell more of them apart: those that predict as well, then the best under other laws and
-        with a third inertia; the lowest first."""
+        with parts that it does not have; the lowest first."""
         found = side_by_side(
             lambda one: polish(one, one.over(flt), self.box), _apart(others, NEAR)[:POLISHED]
         )
@@ -260,9 +261,8 @@ class Search:
             lambda law: replace(polish(best, replace(best.flt, law=law), self.box), start=law), laws
         )
         best = min(found, key=_cost)
-        if Place.of(best) is None:
-            place = Place(*self.piece) if self.piece else places()[0]
-            found.append(replace(self._third(best, place), start="third inertia"))
+        begun = side_by_side(lambda part: part(best), other_parts(best, self.coarse, self.box, self.piece))
+        found += side_by_side(lambda one: polish(one, one.over(flt), self.box), begun)
         return sorted(map(split_at_the_softest_shaft, found), key=_cost)
 
 
@@ -275,28 +275,6 @@ def _judged(found: Candidate, flt: ContactFilter) -> Candidate:
     """The end of a descent by its likelihood over other rows."""
     at = replace(flt, level=found.flt.level)
     return replace(found, cost=at.run(found.theta).cost, flt=at)
-
-
-def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
-    """The candidate with the torque as a ramp instead of held, or the other way; None where that is no better."""
-    other = polish(candidate, replace(candidate.flt, ramp=not candidate.flt.ramp), box)
-    return other if other.cost < candidate.cost and not alike(candidate, other) else None
-
-
-def _other_choices(best: Candidate, box: Box) -> list[Choice]:
-    """Each makes one choice otherwise than the best: how the torque goes between rows, how the load torque changes, the
-    law of the contact, whether there is a gap, and whether friction rises towards rest."""
-
-    def with_filter(change: dict[str, Any]) -> Choice:
-        return lambda one: replace(one, flt=replace(one.flt, **change))
-
-    def rising(fade: float) -> Choice:
-        return lambda one: with_rising_friction(one, fade, box)
-
-    changes: list[dict[str, Any]] = [{"ramp": not best.flt.ramp}, {"drifts": not best.flt.drifts}]
-    changes += [{"law": law} for law in LAWS if law != best.flt.law]
-    gapless = [bare] if np.isfinite(best.theta[INDEX["backlash"]]) else []
-    return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if not rises(best))]
 
 
 def plausible(found: Sequence[Candidate]) -> list[Candidate]:

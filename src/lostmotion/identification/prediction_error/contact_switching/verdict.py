@@ -13,13 +13,14 @@ from ....errors import Problem
 from ...statistics.levenberg_marquardt import sum_of_squares
 from .. import problems as problem
 from ..gain_schedule import Stage
-from ..gap.absent_gap import without_gap
+from ..gap.absent_gap import NEEDED, without_gap
 from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
 from .estimate import APART, CORE, Estimate
 from .filter import ContactFilter
 from .likelihood import Candidate
+from .slow_motion import NAMEPLATE
 from .starts import told_vector
 from .structures.rising_friction import friction_lines
 
@@ -64,6 +65,12 @@ class Fit:
     def friction(self) -> NDArray[np.bool_]:
         """Which of the identified values are friction."""
         return np.isin(self.stage.free, [NAMES.index(name) for name in ("coulomb", "viscous")])
+
+    def beyond_nameplate(self) -> bool:
+        """Whether an inertia or the stiffness is further from the nameplate's than that is right within."""
+        core = [i for i in self.stage.free if NAMES[i] in NEEDED]
+        away = np.abs(self.told.theta[core] - self._nameplate()[core])
+        return bool(np.any(away > np.log(NAMEPLATE)))
 
     def contradicted_by(self, found: Sequence[Candidate]) -> bool:
         """Whether inertias, stiffness or backlash of candidates are too far away for one interval."""

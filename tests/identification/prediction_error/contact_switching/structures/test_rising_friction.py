@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.descents import _other_choices
+from lostmotion.identification.prediction_error.contact_switching.choices import other_choices
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.starts import told_slopes, told_vector
@@ -60,7 +60,7 @@ def test_a_descent_finds_it(constant: Candidate, values: dict[str, float]):
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
         assert told[name] == pytest.approx(values[name], rel=0.005)
     # Once it rises there is nothing to choose.
-    assert len(_other_choices(without, box)) == len(_other_choices(found, box)) + 2
+    assert len(other_choices(without, box)) == len(other_choices(found, box)) + 2
 
 
 def test_it_is_told_as_the_line_closest_to_it_at_the_recorded_speeds(constant: Candidate):

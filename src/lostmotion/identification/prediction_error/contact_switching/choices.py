@@ -1,0 +1,71 @@
+"""A candidate with one of its choices made otherwise, or with a part that it does not have."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from .filter import INDEX, LAWS, ContactFilter
+from .likelihood import Box, Candidate, polish
+from .likelihood_ratio import alike
+from .structures.no_gap import bare
+from .structures.rising_friction import FADES, rises, with_rising_friction
+from .structures.third_inertia import Place, places, with_third_inertia
+
+Choice = Callable[[Candidate], Candidate]
+
+
+def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
+    """The candidate with the torque as a ramp instead of held, or the other way; None where that is no better."""
+    other = polish(candidate, replace(candidate.flt, ramp=not candidate.flt.ramp), box)
+    return other if other.cost < candidate.cost and not alike(candidate, other) else None
+
+
+def other_choices(best: Candidate, box: Box) -> list[Choice]:
+    """Each makes one choice otherwise than the best: how the torque goes between rows, how the load torque changes, the
+    law of the contact, whether there is a gap, and whether friction rises towards rest."""
+
+    def with_filter(change: dict[str, Any]) -> Choice:
+        return lambda one: replace(one, flt=replace(one.flt, **change))
+
+    def rising(fade: float) -> Choice:
+        return lambda one: with_rising_friction(one, fade, box)
+
+    changes: list[dict[str, Any]] = [{"ramp": not best.flt.ramp}, {"drifts": not best.flt.drifts}]
+    changes += [{"law": law} for law in LAWS if law != best.flt.law]
+    gapless = [bare] if np.isfinite(best.theta[INDEX["backlash"]]) else []
+    return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if not rises(best))]
+
+
+def other_parts(
+    best: Candidate, rows: ContactFilter, box: Box, known: tuple[float, float] | None
+) -> list[Choice]:
+    """Each gives the best, over some rows, a part that it does not have: a third inertia before or behind the gap, or
+    friction that rises towards rest. What predicts as well with it may be right.
+
+    ``known``: share and compliance of a third inertia before the gap, if they were found.
+    """
+
+    def third(side: list[Place]) -> Choice:
+        def add(one: Candidate) -> Candidate:
+            tried = [with_third_inertia(one, place, rows, box) for place in side]
+            return replace(min(tried, key=lambda found: found.cost), start="third inertia")
+
+        return add
+
+    def rising(fade: float) -> Choice:
+        return lambda one: replace(
+            with_rising_friction(replace(one, flt=one.over(rows)), fade, box), start="rising friction"
+        )
+
+    before, behind = ([place for place in places() if place.behind == side] for side in (False, True))
+    has = Place.of(best)
+    sides = [
+        side
+        for side in ([Place(*known)] if known else before, behind)
+        if has is None or side[0].behind != has.behind
+    ]
+    return [*map(third, sides), *(rising(fade) for fade in FADES if not rises(best))]
