@@ -275,7 +275,7 @@ def test_gaps_in_the_recording() -> None:
     assert "one long segment tells more" in told(pieces, "starts anew after each gap").remedy
     helped = find_parameters(material(whole, START))
     assert not about(helped, "gap")
-    assert width(helped, "damping") < 0.5 * width(pieces, "damping")
+    assert width(helped, "inertia_total") < width(pieces, "inertia_total")
 
 
 def test_rows_that_are_taken_as_one() -> None:

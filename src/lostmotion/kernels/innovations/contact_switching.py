@@ -17,37 +17,34 @@ import math
 import numpy as np
 
 from ..jit import njit
-from ..numerics.vectors import LANES, address, fused, load, read, splat, store
-from .sliding_friction import friction_slope, mean_friction
+from .columns import add, copy, product_of, turned_product
+from .motion import (
+    error_transition,
+    moved,
+    next_contact,
+    reversed_motion,
+    slopes_of_friction,
+    through_changes,
+)
 from .transitions import (
     BACKLASH,
     BLOCK,
-    CLIPPED,
     COMPILED,
-    CONSTANT,
     DAMPING,
     DEAD_ZONE,
     EDGE,
     HALF,
     INERTIA_LOAD,
     INERTIA_MOTOR,
-    JUMP,
     LEAD,
-    LEVELS,
-    LOAD,
-    MOTOR,
     NO_GAP,
     NUMBERS,
     PART,
-    RISES,
     STIFFNESS,
-    TORQUE,
     WHOLE,
     WIDE,
-    changes_within,
     fill_model,
     layout,
-    shape_mean,
 )
 
 #: Sensors.
@@ -63,198 +60,7 @@ _STEP = 1e-6
 #: A piece over which a friction that holds is constant, rad of the torsional period (numerics: 1e-3 of its change), and
 #: halvings for it at most (numerics: with six samples in a period; a model of a faster mode is no drive's).
 _SHORT, _MOST_HELD = 0.1, 4
-_NOTHING = np.zeros(WIDE)
 _ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
-
-
-@njit(forceinline=True, **COMPILED)
-def _add(a, at, factor, out, to):
-    """Column of ``out`` at ``to`` += factor · column of ``a`` at ``at``."""
-    source, target, eight = address(a), address(out), splat(factor)
-    store(target, to, fused(eight, load(source, at), load(target, to)))
-    store(target, to + LANES, fused(eight, load(source, at + LANES), load(target, to + LANES)))
-
-
-@njit(forceinline=True, **COMPILED)
-def _combine(f, at, n, b, first, stride, base, base_at, out, to):
-    """Column of ``out`` = column of ``base`` + Σ b[first + k·stride] · (column k of f), k from 0 to n − 1.
-
-    The sum stays in registers: numba's own loop stores it after each term, as the arrays might overlap, and waits.
-    """
-    columns, factors, start, target = address(f), address(b), address(base), address(out)
-    low, high = load(start, base_at), load(start, base_at + LANES)
-    for k in range(n):
-        factor, place = splat(read(factors, first + k * stride)), at + k * WIDE
-        low = fused(factor, load(columns, place), low)
-        high = fused(factor, load(columns, place + LANES), high)
-    store(target, to, low)
-    store(target, to + LANES, high)
-
-
-@njit(forceinline=True, **COMPILED)
-def _copy(a, out):
-    """A column."""
-    source, target = address(a), address(out)
-    store(target, 0, load(source, 0))
-    store(target, LANES, load(source, LANES))
-
-
-@njit(forceinline=True, **COMPILED)
-def _moved(t, at, c, of, n, x, torque, jump, edge, out):
-    """State after a piece with the transition at t[at …] and a model's numbers at c[of …].
-
-    ``torque``: its mean; ``jump``: by how much it is higher at the beginning, of whole samples. Returns 1 if the motor
-    sticks, plus 2 if the load does.
-    """
-    motor_at, load_at, constant = at + MOTOR * WIDE, at + LOAD * WIDE, c[of + CONSTANT]
-    _combine(t, at, n, x, 0, 1, _NOTHING, 0, out, 0)
-    _add(t, at + TORQUE * WIDE, torque, out, 0)
-    _add(t, at + EDGE * WIDE, edge, out, 0)
-    _add(t, load_at, -constant, out, 0)
-    if jump != 0.0:
-        _add(t, at + JUMP * WIDE, jump, out, 0)
-    i, j = of + LEVELS, of + RISES
-    motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[j], c[j + 1])
-    free = out[2] + t[motor_at + 2] * motor
-    held, load_rests = mean_friction(x[2], free, t[load_at + 2], c[i + 2], c[i + 3], c[j + 2], c[j + 3])
-    _add(t, motor_at, motor, out, 0)
-    _add(t, load_at, held, out, 0)
-    # Exactly at rest: rounding is no motion.
-    if motor_rests:
-        out[1] = 0.0
-    if load_rests:
-        out[2] = 0.0
-    return (1 if motor_rests else 0) + (2 if load_rests else 0)
-
-
-@njit(**COMPILED)
-def _errors(t, at, n, stuck, slopes, f, to):
-    """Columns of f from f[to] on: how an error of the state goes on over a piece, less what sticks.
-
-    ``slopes``: change of the friction of motor and load with the speed.
-    """
-    for j in range(n):
-        for i in range(WIDE):
-            f[to + j * WIDE + i] = t[at + j * WIDE + i] if i < n else 0.0
-    for which in range(2):
-        if slopes[which] != 0.0:
-            for i in range(n):
-                f[to + (1 + which) * WIDE + i] += slopes[which] * t[at + (MOTOR + which) * WIDE + i]
-    for which in range(2):
-        if stuck & (1 << which):
-            row, column = 1 + which, at + (MOTOR + which) * WIDE
-            for j in range(n):
-                share = f[to + j * WIDE + row] / t[column + row]
-                for i in range(n):
-                    f[to + j * WIDE + i] -= share * t[column + i]
-                f[to + j * WIDE + row] = 0.0
-
-
-@njit(**COMPILED)
-def _follow(t, at, n, stuck, slopes, share, f, work):
-    """f = (1 − share)·f + share·(errors over the piece)·f; work has room for f and a column."""
-    room = WIDE * WIDE
-    _errors(t, at, n, stuck, slopes, work, 0)
-    for j in range(n):
-        _combine(work, 0, n, f, j * WIDE, 1, _NOTHING, 0, work, room)
-        for i in range(WIDE):
-            f[j * WIDE + i] += share * (work[room + i] - f[j * WIDE + i])
-
-
-@njit(forceinline=True, **COMPILED)
-def _next_contact(contact, z, twist, half, law):
-    """Contact after a piece (−1, 0, 1); z is the gap's argument. Under the clipped law it begins at the edge itself."""
-    if contact == 0:
-        if z > half and (law != CLIPPED or twist > half):
-            return 1
-        if z < -half and (law != CLIPPED or twist < -half):
-            return -1
-        return 0
-    return contact if contact * z >= half or law == NO_GAP else 0
-
-
-@njit(forceinline=True, **COMPILED)
-def _turned(c, of, x, y):
-    """Whether an inertia with friction has changed its direction."""
-    return (x[2] * y[2] < 0.0 and c[of + LEVELS + 2] + c[of + LEVELS + 3] > 0.0) or (
-        x[1] * y[1] < 0.0 and c[of + LEVELS] + c[of + LEVELS + 1] > 0.0
-    )
-
-
-@njit(forceinline=True, **COMPILED)
-def _slopes(c, of, x, y):
-    """Change of the friction of motor and load with the speed, over a piece from state x to y."""
-    i, j = of + LEVELS, of + RISES
-    return (
-        friction_slope(x[1], y[1], c[i], c[i + 1], c[j], c[j + 1]),
-        friction_slope(x[2], y[2], c[i + 2], c[i + 3], c[j + 2], c[j + 3]),
-    )
-
-
-@njit(**COMPILED)
-def _through(
-    t, begin, c, of, finest, held, ramp, n, ends, law, torque, jump, contact, rest, x, y, errors, f, work
-):
-    """A sample in which something changes, from event to event.
-
-    x is advanced; returns contact, what sticks, and the share of the sample with the gap closed. The model's
-    transitions are at t[begin …], its numbers at c[of …]; ``ends`` are the places of the speeds before and behind the
-    gap. What sticks is taken as constant over 2⁻ʰᵉˡᵈ of a sample at most. With ``errors``, f is how an error of the
-    state goes on over the sample.
-    """
-    lead, half, part = c[of + LEAD], c[of + HALF], -1.0 if ramp else c[of + PART]
-    tail, head = ends
-    if errors:
-        for j in range(n):
-            for i in range(WIDE):
-                f[j * WIDE + i] = 1.0 if i == j else 0.0
-    left, closed, level = 1 << finest, 0, min(1, finest)
-    while left > 0:
-        while (1 << (finest - level)) > left:
-            level += 1
-        size = 1 << (finest - level)
-        done = (1 << finest) - left
-        if jump != 0.0 and level < finest and changes_within(part, finest, done, size):
-            level += 1
-            continue
-        at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
-        u = torque + shape_mean(part, finest, done, size) * jump
-        stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
-        z = y[0] + lead * (y[tail] - y[head])
-        after = _next_contact(contact, z, y[0], half, law)
-        changes = after != contact or stuck != rest or _turned(c, of, x, y)
-        if (changes and level < finest) or (stuck != 0 and level < held):
-            level += 1
-            continue
-        share = 1.0
-        if after != contact:
-            # The moment within the finest piece by linear interpolation: continuous in the parameters.
-            if contact == 0 and law == CLIPPED:
-                z_before, z_after = x[0], y[0]
-            else:
-                z_before, z_after = x[0] + lead * (x[tail] - x[head]), z
-            edge = (contact if contact != 0 else after) * half
-            share = (
-                min(max((edge - z_before) / (z_after - z_before), 0.0), 1.0) if z_after != z_before else 1.0
-            )
-        if errors:
-            _follow(t, at, n, stuck, _slopes(c, of, x, y), share, f, work)
-        for i in range(WIDE):
-            x[i] += share * (y[i] - x[i])
-        if after != contact:
-            contact = after
-            at = begin + ((finest + 1 if contact != 0 else 0) + finest) * BLOCK
-            stuck = _moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
-            if errors:
-                _follow(t, at, n, stuck, _slopes(c, of, x, y), 1.0 - share, f, work)
-            for i in range(WIDE):
-                x[i] += (1.0 - share) * (y[i] - x[i])
-        rest = stuck
-        closed += size if contact != 0 else 0
-        left -= size
-        if level > 0 and left % (size << 1) == 0:
-            level -= 1
-    return contact, rest, closed / (1 << finest)
 
 
 @njit(forceinline=True, **COMPILED)
@@ -277,23 +83,6 @@ def _blend(t, open, closed, weight, mixed):
     """Transition over a whole sample, open + weight·(closed − open); which begin at t[open], t[closed]."""
     for i in range(BLOCK):
         mixed[i] = t[open + i] + weight * (t[closed + i] - t[open + i])
-
-
-@njit(forceinline=True, **COMPILED)
-def _times(f, at, nc, b, count, out):
-    """out = f·b for ``count`` columns of b; f begins at f[at]."""
-    for column in range(count):
-        _combine(f, at, nc, b, column * WIDE, 1, _NOTHING, 0, out, column * WIDE)
-
-
-@njit(forceinline=True, **COMPILED)
-def _times_turned(a, f, at, nc, noise, closed, p):
-    """p = a·fᵀ + noise; f begins at f[at]."""
-    for r in range(nc):
-        _combine(a, 0, nc, f, at + r, WIDE, noise, (closed * WIDE + r) * WIDE, p, r * WIDE)
-        # Rounding must not make it unsymmetric: that would grow.
-        for i in range(r):
-            p[r * WIDE + i] = p[i * WIDE + r]
 
 
 @njit(forceinline=True, **COMPILED)
@@ -427,7 +216,9 @@ def innovations(
         fill_model(q, dt, law, finest, kind, level, models[j + 1], numbers[j + 1], other)
     _sensor_rows(parameters, sensors, counted, law, third, angle, tail, head, rows, offsets)
     for which in range(8):
-        _errors(models.reshape(-1), (which >> 2) * whole, n, which & 3, (0.0, 0.0), errors, which * square)
+        error_transition(
+            models.reshape(-1), (which >> 2) * whole, n, which & 3, (0.0, 0.0), errors, which * square
+        )
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
     lead, half = c[LEAD], c[HALF]
     x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
@@ -468,7 +259,7 @@ def innovations(
                 row = rows[closed, s, j]
                 if row != 0.0:
                     e -= row * x[j]
-                    _add(p, j * WIDE, row, gain, 0)
+                    add(p, j * WIDE, row, gain, 0)
             variance = ratios[s]
             for i in range(nc):
                 variance += gain[i] * rows[closed, s, i]
@@ -494,15 +285,15 @@ def innovations(
             residuals[k, s], variances[k, s] = e, variance
             per = 1.0 / variance
             for j in range(nc):
-                _add(gain, 0, -gain[j] * per, p, j * WIDE)
+                add(gain, 0, -gain[j] * per, p, j * WIDE)
                 x[j] += gain[j] * per * e
             for j in range(m):
                 total = 0.0
                 for i in range(nc):
                     total += rows[closed, s, i] * slope[j * WIDE + i]
                 jacobian[j, k, s] = -total
-                _add(gain, 0, -total * per, slope, j * WIDE)
-        _copy(x, old)
+                add(gain, 0, -total * per, slope, j * WIDE)
+        copy(x, old)
         u, jump = _delayed(torque, k, c, 0, ramp)
         rate = x[tail] - x[head]
         z = x[0] + lead * rate
@@ -523,59 +314,61 @@ def innovations(
         if doubt > 0.0:
             weight, edge, extra = _mean_gap(z + travel, half, doubt)
             _blend(t, 0, whole, weight, mixed)
-            rest = _moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
-            slopes = _slopes(c, 0, x, y)
-            _copy(y, x)
+            rest = moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
+            slopes = slopes_of_friction(c, 0, x, y)
+            copy(y, x)
             z = x[0] + lead * (x[tail] - x[head])
             contact = 1 if z > half else -1 if z < -half else 0
-            _errors(mixed, 0, n, rest, slopes, f, 0)
+            error_transition(mixed, 0, n, rest, slopes, f, 0)
         else:
-            rest = _moved(t, at, c, 0, n, x, u, jump, contact * half, y)
+            rest = moved(t, at, c, 0, n, x, u, jump, contact * half, y)
             z = y[0] + lead * (y[tail] - y[head])
-            quiet = _next_contact(contact, z, y[0], half, gap_law) == contact and not _turned(c, 0, x, y)
+            quiet = next_contact(contact, z, y[0], half, gap_law) == contact and not reversed_motion(
+                c, 0, x, y
+            )
             quiet = quiet and rest == rested and (rest == 0 or held == 0)
             if quiet:
-                slopes = _slopes(c, 0, x, y)
-                _copy(y, x)
+                slopes = slopes_of_friction(c, 0, x, y)
+                copy(y, x)
             else:
-                contact, rest, weight = _through(
+                contact, rest, weight = through_changes(
                     t, 0, c, 0, finest, held, ramp, n, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
                 )  # fmt: skip
         if quiet and slopes[0] == 0.0 and slopes[1] == 0.0:
             where = (4 * closed + rest) * square
-            _times(errors, where, n, slope, m, next_slope)
-            _times(errors, where, nc, p, nc, work)
-            _times_turned(work, errors, where, nc, noise, closed, p)
+            product_of(errors, where, n, slope, m, next_slope)
+            product_of(errors, where, nc, p, nc, work)
+            turned_product(work, errors, where, nc, noise, closed, p)
         else:
             if quiet:
                 weight = closed
-                _errors(t, at, n, rest, slopes, f, 0)
-            _times(f, 0, n, slope, m, next_slope)
-            _times(f, 0, nc, p, nc, work)
-            _times_turned(work, f, 0, nc, noise, 1 if weight > 0.5 else 0, p)
+                error_transition(t, at, n, rest, slopes, f, 0)
+            product_of(f, 0, n, slope, m, next_slope)
+            product_of(f, 0, nc, p, nc, work)
+            turned_product(work, f, 0, nc, noise, 1 if weight > 0.5 else 0, p)
             if doubt > 0.0:
                 at_edge = whole + EDGE * WIDE
                 for i in range(nc):
-                    _add(t, at_edge, extra / (level * level) * t[at_edge + i], p, i * WIDE)
+                    add(t, at_edge, extra / (level * level) * t[at_edge + i], p, i * WIDE)
         # How the parameters move the state within this sample, by differences.
         for j in range(m):
             begin, of = (j + 1) * model, (j + 1) * NUMBERS
             u, jump = _delayed(torque, k, c, of, ramp)
             if quiet:
-                _moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], y)
+                moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], y)
             elif doubt > 0.0:
                 weight, edge, _ = _mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
                 _blend(t, begin, begin + whole, weight, mixed)
-                _moved(mixed, 0, c, of, n, old, u, jump, edge, y)
+                moved(mixed, 0, c, of, n, old, u, jump, edge, y)
             else:
-                _copy(old, gain)
-                _through(
+                copy(old, gain)
+                through_changes(
                     t, begin, c, of, finest, held, ramp, n, ends, gap_law, u, jump, before, rested, gain, y, False,
                     f, work,
                 )  # fmt: skip
-                _copy(gain, y)
+                copy(gain, y)
             for i in range(WIDE):
                 y[i] -= x[i]
-            _add(y, 0, 1.0 / _STEP, next_slope, j * WIDE)
+            add(y, 0, 1.0 / _STEP, next_slope, j * WIDE)
         for i in range(m * WIDE):
             slope[i] = next_slope[i]

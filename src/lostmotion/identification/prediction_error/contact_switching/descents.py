@@ -14,7 +14,7 @@ from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from . import grid
 from .choices import Choice, other_choices, other_parts
-from .estimate import CORE, Estimate, distance, told
+from .estimate import CORE, EXPLAINED, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike, plausible_beside
@@ -181,7 +181,7 @@ class Search:
         found = [*side_by_side(self.descent, list(self.begun)), *self.from_grid(charged=False)]
         found += self._polished(_few(found))
         # On some drives descents come through by the likelihood alone.
-        if abs(min(found, key=_cost).cost) > NOISE_ALONE:
+        if abs(min(found, key=_cost).cost) > EXPLAINED:
             more = self.from_grid(charged=True)
             found += [*more, *self._polished(_few(more))]
         if alike(self.rigid(min(found, key=_cost)), min(found, key=_cost)):
@@ -250,11 +250,10 @@ class Search:
         return estimate if np.any(np.isfinite(estimate.half[CORE])) else None
 
     def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
-        """Over more rows, which tell more of them apart: those that predict as well, then the best under other laws and
-        with parts that it does not have; the lowest first."""
-        found = side_by_side(
-            lambda one: polish(one, one.over(flt), self.box), _apart(others, NEAR)[:POLISHED]
-        )
+        """Over more rows, which tell more of them apart: those that predict these best, then the best under other laws
+        and with parts that it does not have; the lowest first."""
+        apart = side_by_side(lambda one: _judged(one, one.over(flt)), _apart(others, NEAR))
+        found = side_by_side(lambda one: polish(one, one.flt, self.box), sorted(apart, key=_cost)[:POLISHED])
         best = min(found, key=_cost)
         laws = [law for law in LAWS if law != best.flt.law]
         found += side_by_side(

@@ -1,0 +1,72 @@
+"""Columns of ``WIDE`` numbers in flat arrays: sums of their multiples, which stay in registers.
+
+A plain loop stores a column after each term, as the arrays might overlap, and waits for it: a product of two 7 × 7
+matrices then takes 130 ns, from these 35 ns (AMD EPYC, 2026-11-24).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..jit import njit
+from ..numerics.vectors import LANES, address, fused, load, read, splat, store, write
+from .transitions import COMPILED, WIDE
+
+#: Place of a column's last number, behind those of two registers (layout).
+_LAST = 2 * LANES
+#: A column of zeros.
+NOTHING = np.zeros(WIDE)
+
+
+@njit(forceinline=True, **COMPILED)
+def add(a, at, factor, out, to):
+    """Column of ``out`` at ``to`` += factor · column of ``a`` at ``at``."""
+    source, target, eight = address(a), address(out), splat(factor)
+    store(target, to, fused(eight, load(source, at), load(target, to)))
+    store(target, to + LANES, fused(eight, load(source, at + LANES), load(target, to + LANES)))
+    out[to + _LAST] += factor * a[at + _LAST]
+
+
+@njit(forceinline=True, **COMPILED)
+def combine(f, at, n, b, first, stride, base, base_at, out, to):
+    """Column of ``out`` = column of ``base`` + Σ b[first + k·stride] · (column k of f), k from 0 to n − 1.
+
+    The sum stays in registers: numba's own loop stores it after each term, as the arrays might overlap, and waits.
+    """
+    columns, factors, start, target = address(f), address(b), address(base), address(out)
+    low, high, last = load(start, base_at), load(start, base_at + LANES), read(start, base_at + _LAST)
+    for k in range(n):
+        number, place = read(factors, first + k * stride), at + k * WIDE
+        factor = splat(number)
+        low = fused(factor, load(columns, place), low)
+        high = fused(factor, load(columns, place + LANES), high)
+        last += number * read(columns, place + _LAST)
+    store(target, to, low)
+    store(target, to + LANES, high)
+    write(target, to + _LAST, last)
+
+
+@njit(forceinline=True, **COMPILED)
+def copy(a, out):
+    """A column."""
+    source, target = address(a), address(out)
+    store(target, 0, load(source, 0))
+    store(target, LANES, load(source, LANES))
+    write(target, _LAST, read(source, _LAST))
+
+
+@njit(forceinline=True, **COMPILED)
+def product_of(f, at, nc, b, count, out):
+    """out = f·b for ``count`` columns of b; f begins at f[at]."""
+    for column in range(count):
+        combine(f, at, nc, b, column * WIDE, 1, NOTHING, 0, out, column * WIDE)
+
+
+@njit(forceinline=True, **COMPILED)
+def turned_product(a, f, at, nc, noise, closed, p):
+    """p = a·fᵀ + noise; f begins at f[at]."""
+    for r in range(nc):
+        combine(a, 0, nc, f, at + r, WIDE, noise, (closed * WIDE + r) * WIDE, p, r * WIDE)
+        # Rounding must not make it unsymmetric: that would grow.
+        for i in range(r):
+            p[r * WIDE + i] = p[i * WIDE + r]

@@ -1,0 +1,189 @@
+"""Motion of two masses, or three, over a sample for the contact-switching filter: from change to change.
+
+Between contacts the model is linear and its transition exact. Where a contact or a friction changes within a sample,
+the sample is halved until the change is found, and the rest goes on in the new state.
+"""
+
+from __future__ import annotations
+
+from ..jit import njit
+from .columns import NOTHING, add, combine
+from .sliding_friction import friction_slope, mean_friction
+from .transitions import (
+    BLOCK,
+    CLIPPED,
+    COMPILED,
+    CONSTANT,
+    EDGE,
+    HALF,
+    JUMP,
+    LEAD,
+    LEVELS,
+    LOAD,
+    MOTOR,
+    NO_GAP,
+    PART,
+    RISES,
+    TORQUE,
+    WIDE,
+    changes_within,
+    shape_mean,
+)
+
+
+@njit(forceinline=True, **COMPILED)
+def moved(t, at, c, of, n, x, torque, jump, edge, out):
+    """State after a piece with the transition at t[at …] and a model's numbers at c[of …].
+
+    ``torque``: its mean; ``jump``: by how much it is higher at the beginning, of whole samples. Returns 1 if the motor
+    sticks, plus 2 if the load does.
+    """
+    motor_at, load_at, constant = at + MOTOR * WIDE, at + LOAD * WIDE, c[of + CONSTANT]
+    combine(t, at, n, x, 0, 1, NOTHING, 0, out, 0)
+    add(t, at + TORQUE * WIDE, torque, out, 0)
+    add(t, at + EDGE * WIDE, edge, out, 0)
+    add(t, load_at, -constant, out, 0)
+    if jump != 0.0:
+        add(t, at + JUMP * WIDE, jump, out, 0)
+    i, j = of + LEVELS, of + RISES
+    motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[j], c[j + 1])
+    free = out[2] + t[motor_at + 2] * motor
+    held, load_rests = mean_friction(x[2], free, t[load_at + 2], c[i + 2], c[i + 3], c[j + 2], c[j + 3])
+    add(t, motor_at, motor, out, 0)
+    add(t, load_at, held, out, 0)
+    # Exactly at rest: rounding is no motion.
+    if motor_rests:
+        out[1] = 0.0
+    if load_rests:
+        out[2] = 0.0
+    return (1 if motor_rests else 0) + (2 if load_rests else 0)
+
+
+@njit(**COMPILED)
+def error_transition(t, at, n, stuck, slopes, f, to):
+    """Columns of f from f[to] on: how an error of the state goes on over a piece, less what sticks.
+
+    ``slopes``: change of the friction of motor and load with the speed.
+    """
+    for j in range(n):
+        for i in range(WIDE):
+            f[to + j * WIDE + i] = t[at + j * WIDE + i] if i < n else 0.0
+    for which in range(2):
+        if slopes[which] != 0.0:
+            for i in range(n):
+                f[to + (1 + which) * WIDE + i] += slopes[which] * t[at + (MOTOR + which) * WIDE + i]
+    for which in range(2):
+        if stuck & (1 << which):
+            row, column = 1 + which, at + (MOTOR + which) * WIDE
+            for j in range(n):
+                share = f[to + j * WIDE + row] / t[column + row]
+                for i in range(n):
+                    f[to + j * WIDE + i] -= share * t[column + i]
+                f[to + j * WIDE + row] = 0.0
+
+
+@njit(**COMPILED)
+def follow_errors(t, at, n, stuck, slopes, share, f, work):
+    """f = (1 − share)·f + share·(errors over the piece)·f; work has room for f and a column."""
+    room = WIDE * WIDE
+    error_transition(t, at, n, stuck, slopes, work, 0)
+    for j in range(n):
+        combine(work, 0, n, f, j * WIDE, 1, NOTHING, 0, work, room)
+        for i in range(WIDE):
+            f[j * WIDE + i] += share * (work[room + i] - f[j * WIDE + i])
+
+
+@njit(forceinline=True, **COMPILED)
+def next_contact(contact, z, twist, half, law):
+    """Contact after a piece (−1, 0, 1); z is the gap's argument. Under the clipped law it begins at the edge itself."""
+    if contact == 0:
+        if z > half and (law != CLIPPED or twist > half):
+            return 1
+        if z < -half and (law != CLIPPED or twist < -half):
+            return -1
+        return 0
+    return contact if contact * z >= half or law == NO_GAP else 0
+
+
+@njit(forceinline=True, **COMPILED)
+def reversed_motion(c, of, x, y):
+    """Whether an inertia with friction has changed its direction."""
+    return (x[2] * y[2] < 0.0 and c[of + LEVELS + 2] + c[of + LEVELS + 3] > 0.0) or (
+        x[1] * y[1] < 0.0 and c[of + LEVELS] + c[of + LEVELS + 1] > 0.0
+    )
+
+
+@njit(forceinline=True, **COMPILED)
+def slopes_of_friction(c, of, x, y):
+    """Change of the friction of motor and load with the speed, over a piece from state x to y."""
+    i, j = of + LEVELS, of + RISES
+    return (
+        friction_slope(x[1], y[1], c[i], c[i + 1], c[j], c[j + 1]),
+        friction_slope(x[2], y[2], c[i + 2], c[i + 3], c[j + 2], c[j + 3]),
+    )
+
+
+@njit(**COMPILED)
+def through_changes(
+    t, begin, c, of, finest, held, ramp, n, ends, law, torque, jump, contact, rest, x, y, errors, f, work
+):
+    """A sample in which something changes, from event to event.
+
+    x is advanced; returns contact, what sticks, and the share of the sample with the gap closed. The model's
+    transitions are at t[begin …], its numbers at c[of …]; ``ends`` are the places of the speeds before and behind the
+    gap. What sticks is taken as constant over 2⁻ʰᵉˡᵈ of a sample at most. With ``errors``, f is how an error of the
+    state goes on over the sample.
+    """
+    lead, half, part = c[of + LEAD], c[of + HALF], -1.0 if ramp else c[of + PART]
+    tail, head = ends
+    if errors:
+        for j in range(n):
+            for i in range(WIDE):
+                f[j * WIDE + i] = 1.0 if i == j else 0.0
+    left, closed, level = 1 << finest, 0, min(1, finest)
+    while left > 0:
+        while (1 << (finest - level)) > left:
+            level += 1
+        size = 1 << (finest - level)
+        done = (1 << finest) - left
+        if jump != 0.0 and level < finest and changes_within(part, finest, done, size):
+            level += 1
+            continue
+        at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
+        u = torque + shape_mean(part, finest, done, size) * jump
+        stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
+        z = y[0] + lead * (y[tail] - y[head])
+        after = next_contact(contact, z, y[0], half, law)
+        changes = after != contact or stuck != rest or reversed_motion(c, of, x, y)
+        if (changes and level < finest) or (stuck != 0 and level < held):
+            level += 1
+            continue
+        share = 1.0
+        if after != contact:
+            # The moment within the finest piece by linear interpolation: continuous in the parameters.
+            if contact == 0 and law == CLIPPED:
+                z_before, z_after = x[0], y[0]
+            else:
+                z_before, z_after = x[0] + lead * (x[tail] - x[head]), z
+            edge = (contact if contact != 0 else after) * half
+            share = (
+                min(max((edge - z_before) / (z_after - z_before), 0.0), 1.0) if z_after != z_before else 1.0
+            )
+        if errors:
+            follow_errors(t, at, n, stuck, slopes_of_friction(c, of, x, y), share, f, work)
+        for i in range(WIDE):
+            x[i] += share * (y[i] - x[i])
+        if after != contact:
+            contact = after
+            at = begin + ((finest + 1 if contact != 0 else 0) + finest) * BLOCK
+            stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
+            if errors:
+                follow_errors(t, at, n, stuck, slopes_of_friction(c, of, x, y), 1.0 - share, f, work)
+            for i in range(WIDE):
+                x[i] += (1.0 - share) * (y[i] - x[i])
+        rest = stuck
+        closed += size if contact != 0 else 0
+        left -= size
+        if level > 0 and left % (size << 1) == 0:
+            level -= 1
+    return contact, rest, closed / (1 << finest)
