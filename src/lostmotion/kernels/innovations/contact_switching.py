@@ -246,7 +246,10 @@ def innovations(
             x[angle] -= measured[k, 0] - base
             base = measured[k, 0]
         # What grew far may lose its digits in a correction, and with them all sense.
-        if p[0] < 0.0 or p[WIDE + 1] < 0.0 or p[2 * WIDE + 2] < 0.0:
+        least = 0.0
+        for i in range(nc):
+            least = min(least, p[i * WIDE + i])
+        if least < 0.0:
             _start(third, unknown, slope_at, angle, spread, p)
         closed = 1 if contact != 0 else 0
         for s in range(sensors.size):

@@ -33,7 +33,7 @@ from .transitions import (
 
 @njit(forceinline=True, **COMPILED)
 def moved(t, at, c, of, n, x, torque, jump, edge, out):
-    """State after a piece with the transition at t[at …] and a model's numbers at c[of …].
+    """State after a sub-step with the transition at t[at …] and a model's numbers at c[of …].
 
     ``torque``: its mean; ``jump``: by how much it is higher at the beginning, of whole samples. Returns 1 if the motor
     sticks, plus 2 if the load does.
@@ -61,7 +61,7 @@ def moved(t, at, c, of, n, x, torque, jump, edge, out):
 
 @njit(**COMPILED)
 def error_transition(t, at, n, stuck, slopes, f, to):
-    """Columns of f from f[to] on: how an error of the state goes on over a piece, less what sticks.
+    """Columns of f from f[to] on: how an error of the state goes on over a sub-step, less what sticks.
 
     ``slopes``: change of the friction of motor and load with the speed.
     """
@@ -84,7 +84,7 @@ def error_transition(t, at, n, stuck, slopes, f, to):
 
 @njit(**COMPILED)
 def follow_errors(t, at, n, stuck, slopes, share, f, work):
-    """f = (1 − share)·f + share·(errors over the piece)·f; work has room for f and a column."""
+    """f = (1 − share)·f + share·(errors over the sub-step)·f; work has room for f and a column."""
     room = WIDE * WIDE
     error_transition(t, at, n, stuck, slopes, work, 0)
     for j in range(n):
@@ -95,7 +95,7 @@ def follow_errors(t, at, n, stuck, slopes, share, f, work):
 
 @njit(forceinline=True, **COMPILED)
 def next_contact(contact, z, twist, half, law):
-    """Contact after a piece (−1, 0, 1); z is the gap's argument. Under the clipped law it begins at the edge itself."""
+    """Contact after a sub-step (−1, 0, 1); z is the gap's argument. Under the clipped law it begins at the edge itself."""
     if contact == 0:
         if z > half and (law != CLIPPED or twist > half):
             return 1
@@ -115,7 +115,7 @@ def reversed_motion(c, of, x, y):
 
 @njit(forceinline=True, **COMPILED)
 def slopes_of_friction(c, of, x, y):
-    """Change of the friction of motor and load with the speed, over a piece from state x to y."""
+    """Change of the friction of motor and load with the speed, over a sub-step from state x to y."""
     i, j = of + LEVELS, of + RISES
     return (
         friction_slope(x[1], y[1], c[i], c[i + 1], c[j], c[j + 1]),
@@ -160,7 +160,7 @@ def through_changes(
             continue
         share = 1.0
         if after != contact:
-            # The moment within the finest piece by linear interpolation: continuous in the parameters.
+            # The moment within the finest sub-step by linear interpolation: continuous in the parameters.
             if contact == 0 and law == CLIPPED:
                 z_before, z_after = x[0], y[0]
             else:

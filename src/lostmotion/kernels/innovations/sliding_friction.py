@@ -7,11 +7,9 @@ on the critical velocity of stick–slip motion, Wear 82, 277–289, with expone
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from ..jit import njit
-
-COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
+from .transitions import COMPILED
 
 #: Speeds over the fading speed that differ by less are one (numerics: the quotient's rounding).
 _ONE = 1e-4

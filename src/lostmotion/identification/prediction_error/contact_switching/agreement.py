@@ -73,8 +73,10 @@ def confirmed(
     doubtful = bool(better) or not stage.free or excess > UNEXPLAINED or fit.contradicted_by(others)
     if doubtful or explained:
         found = search.estimate(rivals)
+        if found is not None and not doubtful and np.any(fit.shift([found.best]) > 0.0):
+            others.append(found.best)
         # Of two that agree, the one that knows all of it better.
-        if found is not None and (doubtful or np.all(found.half[stage.free] <= told.half)):
+        elif found is not None and (doubtful or np.all(found.half[stage.free] <= told.half)):
             compared.insert(0, found.best)
             return fit.replaced_by(found)
     if excess > UNEXPLAINED:

@@ -6,13 +6,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from .filter import INDEX, LAWS, ContactFilter
 from .likelihood import Box, Candidate, polish
 from .likelihood_ratio import alike
 from .structures.no_gap import bare
-from .structures.rising_friction import FADES, rises, with_rising_friction
+from .structures.rising_friction import FADES, may_rise, with_rising_friction
 from .structures.third_inertia import Place, places, with_third_inertia
 
 Choice = Callable[[Candidate], Candidate]
@@ -36,8 +34,8 @@ def other_choices(best: Candidate, box: Box) -> list[Choice]:
 
     changes: list[dict[str, Any]] = [{"ramp": not best.flt.ramp}, {"drifts": not best.flt.drifts}]
     changes += [{"law": law} for law in LAWS if law != best.flt.law]
-    gapless = [bare] if np.isfinite(best.theta[INDEX["backlash"]]) else []
-    return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if not rises(best))]
+    gapless = [bare] if INDEX["backlash"] in best.free else []
+    return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if may_rise(best))]
 
 
 def other_parts(
@@ -58,7 +56,8 @@ def other_parts(
 
     def rising(fade: float) -> Choice:
         return lambda one: replace(
-            with_rising_friction(replace(one, flt=one.over(rows)), fade, box), start="rising friction"
+            with_rising_friction(replace(one, flt=replace(one.over(rows), level=one.flt.level)), fade, box),
+            start="rising friction",
         )
 
     before, behind = ([place for place in places() if place.behind == side] for side in (False, True))
@@ -68,4 +67,4 @@ def other_parts(
         for side in ([Place(*known)] if known else before, behind)
         if has is None or side[0].behind != has.behind
     ]
-    return [*map(third, sides), *(rising(fade) for fade in FADES if not rises(best))]
+    return [*map(third, sides), *(rising(fade) for fade in FADES if may_rise(best))]

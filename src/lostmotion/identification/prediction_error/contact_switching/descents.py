@@ -17,10 +17,11 @@ from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, EXPLAINED, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
-from .likelihood_ratio import alike, plausible_beside
+from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better, plausible_beside
 from .refits import disagreement
 from .slow_motion import SlowMotion
 from .starts import free_places, rigid_start, starts
+from .structures.no_gap import bare
 from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
 
 Array = NDArray[np.float64]
@@ -113,11 +114,13 @@ class Search:
             self.glimpse().part, halvings=min(self.part.halvings, grid.HALVINGS), charged=self.part.charged
         )
 
-    def descent(self, name: str) -> Candidate:
-        """From one of the starts."""
+    def descent(self, name: str, gap: bool = True) -> Candidate:
+        """From one of the starts, with its gap or without."""
         free, first = free_places(self.start, self.fixed), FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
         uncharged = replace(self.part, charged=False)
-        return _judged(descend(name, uncharged, self.begun[name], free, self.box, first), self.part)
+        begun = Candidate(name, self.begun[name], np.inf, uncharged, free)
+        begun = begun if gap else bare(begun)
+        return _judged(descend(name, uncharged, begun.theta, begun.free, self.box, first), self.part)
 
     def from_grid(self, charged: bool) -> list[Candidate]:
         """Short descents from the best of each plane of the grid, from a noise level at which the cost is smooth.
@@ -152,8 +155,10 @@ class Search:
         return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 
     def near(self, fit: Candidate) -> tuple[list[Candidate], list[Candidate]]:
-        """Descents from the fit and from the nameplate; the fit with a third inertia if it has none."""
-        found = side_by_side(self.descent, ["fitted", "nameplate"])
+        """Descents from the fit and from the nameplate, both with a gap if the fit has one; and the fit with a third
+        inertia if it has none."""
+        gap = bool(np.isfinite(fit.theta[INDEX["backlash"]]))
+        found = side_by_side(lambda name: self.descent(name, gap), ["fitted", "nameplate"])
         return self._polished(found), [] if self.piece else self.thirds([fit])
 
     def _third(self, candidate: Candidate, place: Place) -> Candidate:
@@ -184,7 +189,8 @@ class Search:
         if abs(min(found, key=_cost).cost) > EXPLAINED:
             more = self.from_grid(charged=True)
             found += [*more, *self._polished(_few(more))]
-        if alike(self.rigid(min(found, key=_cost)), min(found, key=_cost)):
+        best = min(found, key=_cost)
+        if not clearly_better(best, self.rigid(best), CHANCE_RIGID):
             return found  # no torsion shows
         found += self.otherwise(found, _few(found))
         found += self.thirds(found)

@@ -23,9 +23,9 @@ from .structures.no_gap import gap_bound, without_gap
 Array = NDArray[np.float64]
 
 #: What the model leaves unexplained is no noise: it may push a value one way in all rows. Part of it that does so, and
-#: by how much a value is wrong of which other fits of the same recording differ (calibrated on development drives 140
-#: to 270, 2026-11-23, see docs/benchmarks/zoo.md).
-COHERENT, DISAGREEMENT = 0.02, 2.0
+#: by how much a value is wrong of which other fits of the same recording differ (calibrated on calibration drives
+#: 10400 to 10529, 2026-11-24, see docs/benchmarks/zoo.md).
+COHERENT, DISAGREEMENT = 0.02, 3.0
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 #: An inertia, stiffness or backlash is not identified where candidates that predict better or alike are further away

@@ -44,7 +44,7 @@ BOUNDED = (
 MOST_LOAD, MOST_LOSS = 5.0, 1e4
 #: Rise of a friction towards rest at most, and the speeds over which it fades, over the speed's standard deviation
 #: (numerics: a slower one is not seen, a faster one is viscous).
-MOST_RISE, FADES = 3.0, (3e-3, 1.0)
+MOST_RISE, FADE_BOUNDS = 3.0, (3e-3, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class Box:
         for end in ("", "_motor"):
             lower[INDEX[f"rise{end}"]], upper[INDEX[f"rise{end}"]] = 0.0, MOST_RISE
             fade = INDEX[f"fade{end}"]
-            lower[fade], upper[fade] = np.log(np.array(FADES) * flt.speed_deviation)
+            lower[fade], upper[fade] = np.log(np.array(FADE_BOUNDS) * flt.speed_deviation)
         return cls(lower, upper)
 
     def including(self, theta: Array, far: float) -> Box:
@@ -174,8 +174,12 @@ class Candidate:
     def structure(self) -> tuple[Hashable, ...]:
         """What the model consists of, but for the gap."""
         flt, third = self.flt, bool(np.isfinite(self.theta[INDEX["share"]]))
-        rises = INDEX["rise"] in self.free or INDEX["rise_motor"] in self.free
-        return flt.law, flt.ramp, flt.drifts, third, third and flt.behind, rises
+        return flt.law, flt.ramp, flt.drifts, third, third and flt.behind, self.rises
+
+    @property
+    def rises(self) -> bool:
+        """Whether the rise of a friction towards rest is fitted."""
+        return INDEX["rise"] in self.free or INDEX["rise_motor"] in self.free
 
     def over(self, rows: ContactFilter) -> ContactFilter:
         """The filter over other rows, with what this candidate takes for the torques and the contact."""

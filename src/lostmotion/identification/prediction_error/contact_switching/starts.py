@@ -96,8 +96,13 @@ def start_values(
 
 def lag(candidate: Candidate) -> float:
     """Lag and delay together, s."""
+    return max(_lag(candidate), 0.0)
+
+
+def _lag(candidate: Candidate) -> float:
+    """The same below zero as well: a measured torque may be ahead of that which acts."""
     values = candidate.flt.values(candidate.theta)
-    return max(float(values[INDEX["lag"]] + values[INDEX["delay"]]), 0.0)
+    return float(values[INDEX["lag"]] + values[INDEX["delay"]])
 
 
 def told_vector(candidate: Candidate) -> Array:
@@ -117,6 +122,9 @@ def told_slopes(candidate: Candidate) -> Array:
     for place in candidate.free:
         theta = candidate.theta.copy()
         theta[place] += STEP
+        other = replace(candidate, theta=theta)
         with np.errstate(invalid="ignore"):
-            columns.append((told_vector(replace(candidate, theta=theta)) - base) / STEP)
+            columns.append((told_vector(other) - base) / STEP)
+        # Its chance is that of the sum, also where that is below zero.
+        columns[-1][-1] = (_lag(other) - _lag(candidate)) / STEP / (lag(candidate) + candidate.flt.dt)
     return np.nan_to_num(np.array(columns).T, nan=0.0, posinf=0.0, neginf=0.0)

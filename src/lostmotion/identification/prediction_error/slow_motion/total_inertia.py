@@ -52,8 +52,10 @@ def total_inertia(slow: tuple[float, float], stage: Stage, told: Told) -> tuple[
     if {0, 1} <= set(stage.free):
         total, own = _sum(stage, told)
         apart = 0.0 if np.isinf(half) else abs(float(np.log(total / value)))
-        if own < half:
-            value, half = total, own if apart < own + half else float(np.hypot(own, apart))
+        apart = apart if apart > own + half else 0.0
+        value, half = (
+            (total, float(np.hypot(own, apart))) if own < half else (value, float(np.hypot(half, apart)))
+        )
     if not half < np.log(NOT_EXCITED):
         return None
     return value, (float(value * np.exp(-half)), float(value * np.exp(half)))

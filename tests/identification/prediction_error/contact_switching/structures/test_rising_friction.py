@@ -14,7 +14,6 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
 from lostmotion.identification.prediction_error.contact_switching.starts import told_slopes, told_vector
 from lostmotion.identification.prediction_error.contact_switching.structures.rising_friction import (
     friction_lines,
-    rises,
     with_rising_friction,
 )
 
@@ -54,7 +53,7 @@ def test_a_descent_finds_it(constant: Candidate, values: dict[str, float]):
     without = polish(constant, constant.flt, box)
     found = polish(with_rising_friction(without, 0.3, box), constant.flt, box)
     assert found.cost < 0.1 < without.cost - 0.1
-    assert rises(found) and not rises(without) and found.structure != without.structure
+    assert found.rises and not without.rises and found.structure != without.structure
     told = dict(zip(INDEX, found.flt.values(found.theta), strict=True))
     assert told["rise"] == pytest.approx(RISE, rel=0.05) and told["fade"] == pytest.approx(FADE, rel=0.05)
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):

@@ -18,9 +18,9 @@ STEPS = 4
 ENDS = ("", "_motor")
 
 
-def rises(candidate: Candidate) -> bool:
-    """Whether the rise is fitted."""
-    return any(INDEX[f"rise{end}"] in candidate.free for end in ENDS)
+def may_rise(candidate: Candidate) -> bool:
+    """Whether a friction is free whose rise is not fitted."""
+    return not candidate.rises and any(INDEX[f"coulomb{end}"] in candidate.free for end in ENDS)
 
 
 def with_rising_friction(candidate: Candidate, fade: float, box: Box) -> Candidate:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..filter import INDEX, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
 from ..likelihood_ratio import alike
@@ -54,15 +56,18 @@ def split_at_the_softest_shaft(candidate: Candidate) -> Candidate:
     Without a gap, a third inertia before it and one behind it are two names for one drive.
     """
     place = Place.of(candidate)
-    if place is None or place.compliance <= 0.5:
+    gap = INDEX["backlash"]
+    moved = {INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness")}
+    moved |= {gap} if np.isfinite(candidate.theta[gap]) else set()
+    if place is None or place.compliance <= 0.5 or not moved <= set(candidate.free):
         return candidate
     values = candidate.flt.values(candidate.theta)
     motor, load, stiffness = (
         float(values[INDEX[name]]) for name in ("inertia_motor", "inertia_load", "stiffness")
     )
     piece = place.share * (load if place.behind else motor)
-    moved = -piece if place.behind else piece
-    whole, share = (motor - moved, load + moved), piece / (piece + (motor if place.behind else load))
+    change = -piece if place.behind else piece
+    whole, share = (motor - change, load + change), piece / (piece + (motor if place.behind else load))
     theta = candidate.flt.changed(
         bare(candidate).theta, inertia_motor=whole[0], inertia_load=whole[1], share=share,
         stiffness=stiffness * (1.0 / motor + 1.0 / load) / (1.0 / whole[0] + 1.0 / whole[1]),
@@ -70,4 +75,4 @@ def split_at_the_softest_shaft(candidate: Candidate) -> Candidate:
     )  # fmt: skip
     flt = replace(candidate.flt, behind=not place.behind)
     other = replace(bare(candidate), theta=theta, flt=flt, cost=flt.run(theta).cost)
-    return other if alike(other, candidate) else candidate
+    return other if alike(other, candidate, 0.0) else candidate
