@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -266,8 +267,9 @@ def width(found: Found, name: str) -> float:
     return float((entry["high"] - entry["low"]) / entry["value"])
 
 
-def test_gaps_in_the_recording() -> None:
-    """One long segment."""
+def test_gaps_in_the_recording(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One long segment. Widths are those of one estimator: the second may replace the fit with the gaps alone."""
+    monkeypatch.setattr("lostmotion.stages.parameters.identify", partial(lm.identify, second_estimator=False))
     whole = recorded(3.4)
     speed = whole["speed_motor"].copy()
     speed[4250::4250] = np.nan
@@ -275,7 +277,7 @@ def test_gaps_in_the_recording() -> None:
     assert "one long segment tells more" in told(pieces, "starts anew after each gap").remedy
     helped = find_parameters(material(whole, START))
     assert not about(helped, "gap")
-    assert width(helped, "inertia_total") < width(pieces, "inertia_total")
+    assert width(helped, "damping") < 0.5 * width(pieces, "damping")
 
 
 def test_rows_that_are_taken_as_one() -> None:

@@ -95,7 +95,7 @@ def follow_errors(t, at, n, stuck, slopes, share, f, work):
 
 @njit(forceinline=True, **COMPILED)
 def next_contact(contact, z, twist, half, law):
-    """Contact after a sub-step (−1, 0, 1); z is the gap's argument. Under the clipped law it begins at the edge itself."""
+    """Contact after a sub-step (−1, 0, 1); z is the gap's argument. Under the clipped law it begins at the edge."""
     if contact == 0:
         if z > half and (law != CLIPPED or twist > half):
             return 1

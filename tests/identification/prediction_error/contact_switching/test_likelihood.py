@@ -25,6 +25,17 @@ def test_sensitivities_lead_back_to_the_truth(flt: ContactFilter, values: dict[s
     assert cost == flt.run(found).cost < flt.run(theta).cost
 
 
+def test_what_began_outside_of_the_box_goes_on(flt: ContactFilter, values: dict[str, float]):
+    """It was put to the box first, was worse there, and stayed: a refit that cannot move agrees with everything."""
+    truth = flt.theta(values)
+    box, place = Box.around(flt, truth, 10.0), INDEX["viscous"]
+    theta = truth.copy()
+    theta[CORE] += (0.05, -0.05, 0.05, -0.05)
+    box.lower[place] = truth[place] + 3.0
+    found, _ = minimise(flt, theta, sorted([*CORE, place]), box, 10)
+    assert np.max(np.abs(found[CORE] - truth[CORE])) < 5e-3
+
+
 def test_at_a_bound_the_others_go_on(flt: ContactFilter, values: dict[str, float]):
     """The stiffness may not come back: the others end where they would if it were not free."""
     truth = flt.theta(values)

@@ -41,9 +41,9 @@ def confirmed(
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
     Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
-    Otherwise it stands if no descent from any start predicts clearly better, nor a rigid drive as well. Where one does,
-    or the fit tells nothing, its own values are told if other starts lead there as well. Else the difference is part of
-    the intervals, and too large a one leaves nothing.
+    Otherwise it stands if no descent from any start predicts clearly better or knows its values better, nor a rigid
+    drive as well. Where one does, or the fit tells nothing, its own values are told if they stand out. Else the
+    difference is part of the intervals, and too large a one leaves nothing.
 
     ``compared`` gets all candidates that were looked at, first that whose values are told; none where the fit stood at
     first sight.

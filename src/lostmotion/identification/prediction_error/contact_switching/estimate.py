@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 #: by how much a value is wrong of which other fits of the same recording differ (calibrated on calibration drives
 #: 10400 to 10529, 2026-11-24, see docs/benchmarks/zoo.md).
 COHERENT, DISAGREEMENT = 0.02, 3.0
+#: Least half width, in the logarithm (numerics: the filter places an impact to a 2000th of a period, and keeps its gain
+#: over a sample).
+EXACT = 1e-4
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 #: An inertia, stiffness or backlash is not identified where candidates that predict better or alike are further away
@@ -89,7 +92,7 @@ def told(
     if best.flt.ramp:
         apart[-1] = max(apart[-1], np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt)))
     half = student_factor(1) * error * beyond_chance(best)
-    half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + _allowance(best) ** 2)
+    half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + _allowance(best) ** 2 + EXACT**2)
     # Places that predict as well and lie far apart are no interval, and neither is what noise and rows scatter as far.
     # Friction, damping and lag make up for what the model lacks.
     half[CORE] = np.where(np.maximum(apart, half)[CORE] > APART, np.inf, half[CORE])

@@ -103,7 +103,8 @@ def minimise(
     What is at a bound and wants beyond it stays there: the others' steps are those without it.
     """
     cost, radius = np.inf, RADIUS
-    lower, upper = box.lower[free], box.upper[free]
+    # What began outside of the box moves on from there.
+    lower, upper = np.minimum(box.lower[free], theta[free]), np.maximum(box.upper[free], theta[free])
     for _ in range(iterations):
         run = flt.run(theta, free)
         cost = run.cost
