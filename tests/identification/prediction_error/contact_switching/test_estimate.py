@@ -11,6 +11,7 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
     COHERENT,
     CORE,
     DISAGREEMENT,
+    EXACT,
     TOLD,
     distance,
     told,
@@ -57,7 +58,8 @@ def test_what_is_left_unexplained_widens_all(best: Candidate):
     poor = told(replace(best, cost=cost), [best], NOTHING, box(best), ())
     growth = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * cost)))
     before = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost))))
-    assert poor.half[:3] / plain.half[:3] == pytest.approx(growth / before)
+    wide, narrow = (np.sqrt(one.half[:3] ** 2 - EXACT**2) for one in (poor, plain))
+    assert wide / narrow == pytest.approx(growth / before)
 
 
 def test_what_predicts_as_well_belongs_to_the_interval(best: Candidate):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from table_i import PAPER
@@ -53,6 +55,12 @@ def test_an_interval_has_room_for_a_candidate_beside_it(fit: Fit):
     assert wider.pop("stiffness") == pytest.approx(np.hypot(HALF, np.log(1.1)), rel=1e-6)
     assert len(wider) == 7 and set(wider.values()) == {HALF}
     assert [problem.where for problem in problems] == ["stiffness"]
+
+
+def test_what_is_three_times_off_the_nameplate_is_beyond_it(fit: Fit):
+    assert not fit.beyond_nameplate()
+    assert replace(fit, start=PLANT.with_parameters(stiffness=3.1 * PLANT.stiffness)).beyond_nameplate()
+    assert not replace(fit, start=PLANT.with_parameters(coulomb=4.0 * PLANT.coulomb)).beyond_nameplate()
 
 
 def test_where_nothing_explains_the_recording_only_the_core_is_told(fit: Fit):

@@ -79,6 +79,9 @@ def test_without_a_gap_the_softer_shaft_divides_motor_and_load(behind: bool):
     assert told["inertia_load"] == pytest.approx(values["inertia_load"] - sign * piece)
     assert (told["compliance"], told["loss"]) == pytest.approx((0.3, 1.0 / 3.0))
     assert split_at_the_softest_shaft(other) is other
+    for name in ("inertia_motor", "inertia_load", "stiffness"):  # what is fixed keeps its value
+        fixed = replace(first, free=[place for place in free if place != INDEX[name]])
+        assert split_at_the_softest_shaft(fixed) is fixed
 
 
 def test_where_a_gap_shows_it_is_the_joint_whatever_the_shafts_are():
