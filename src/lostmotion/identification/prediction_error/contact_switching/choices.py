@@ -41,8 +41,8 @@ def other_choices(best: Candidate, box: Box) -> list[Choice]:
 def other_parts(
     best: Candidate, rows: ContactFilter, box: Box, known: tuple[float, float] | None
 ) -> list[Choice]:
-    """Each gives the best, over some rows, a part that it does not have: a third inertia before or behind the gap (one that
-    it has goes to the other side), or friction that rises towards rest. What predicts as well with it may be right.
+    """Each gives the best, over some rows, a part that it does not have: a third inertia before or behind the gap (one
+    that it has goes to the other side), or friction that rises towards rest. What predicts as well may be right.
 
     ``known``: share and compliance of a third inertia before the gap, if they were found.
     """
