@@ -180,7 +180,7 @@ def identify(
     judged = second_estimator and not wide
     if judged:
         say(0.9, "comparing with the contact-switching filter")
-        predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed, compared)
+        predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed, slow, compared)
     structure = structure_of(predictor, stage, compared, judged, load_torque)
     inertia = total_inertia(slow, stage, values)
     result = _result(pieces, predictor, stage, values, start, fixed, total, structure, inertia)

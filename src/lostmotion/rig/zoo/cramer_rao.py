@@ -6,13 +6,14 @@ that is left when initial states and nuisance parameters are taken out, no unbia
 windows has a smaller 95 % half width than 1.96·√(F⁻¹)ᵢᵢ (Cramér 1946, Mathematical Methods of Statistics, 32.3).
 
 A window ends where an error of its initial state has grown ``GROWTH``-fold: beyond, trajectories are chaotic, and the
-bound, exponentially small, is out of reach. Noise of the torque is not taken into account.
+bound, exponentially small, is out of reach. A load torque is not known (level, phase and frequency in each window), nor
+is the noise of a measured torque: see ``unknown_torque``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,6 +27,7 @@ from ...simulation import simulate
 from ..equivalent import joint_of
 from .drive import Drive
 from .truth import equivalent
+from .unknown_torque import load_changes, whitened
 
 Array = NDArray[np.float64]
 Change = Callable[[Drivetrain, float], Drivetrain]
@@ -80,33 +82,36 @@ def _gradients(drive: Drive, chain: Drivetrain, changed: list[Drivetrain]) -> di
 
 @dataclass(frozen=True, eq=False)
 class _Window:
-    """A part of a recording that begins in a known state; ``exact`` is how it goes on."""
+    """A part of a recording that begins in a known state; ``exact`` is how it goes on; torques with another load."""
 
     drive: Drive
     chain: Drivetrain
     torques: Mapping[str, Array]
     state: Mapping[str, Any]
     exact: Recording
+    other_loads: Sequence[Mapping[str, Array]]
 
     def information(self, changed: list[Drivetrain]) -> tuple[Array, int]:
         """Information (p, p) that the window has of the parameters, and its rows."""
         sensor = self.drive.sensor
         try:
             moved = [_run(self.chain, self.torques, state, self.exact.dt) for state in self._moved_states()]
+            moved += [_run(self.chain, torques, self.state, self.exact.dt) for torques in self.other_loads]
             other = [_run(one, self.torques, self.state, self.exact.dt) for one in changed]
         except InvalidInput:  # a changed drive may chatter where the true one does not
             return np.zeros((len(changed),) * 2), 0
-        end = self._end(moved)
+        end = self._end(moved[: len(self._units())])
         columns = [self._shown(run, end) for run in moved]
         if sensor.difference:  # the angle at the beginning is not known
             columns.append(np.ones(columns[0].size))
-        nuisance = np.array(columns).T
+        noise = sensor.noise or sensor.resolution / math.sqrt(12.0)
+        told = np.array([self._shown(run, end) for run in other]) / STEP
+        both = whitened(np.vstack([np.array(columns), told]), self.drive, noise)
+        nuisance, told = both[: len(columns)].T, both[len(columns) :]
         basis, weight = np.linalg.qr(nuisance / np.maximum(np.linalg.norm(nuisance, axis=0), 1e-300))
         basis = basis[:, np.abs(np.diag(weight)) > 1e-9]
-        told = np.array([self._shown(run, end) for run in other]) / STEP
-        told -= told @ basis @ basis.T
-        noise = sensor.noise or sensor.resolution / math.sqrt(12.0)
-        return told @ told.T / noise**2, told.shape[1]
+        told = told - told @ basis @ basis.T
+        return told @ told.T, told.shape[1]
 
     def _shown(self, run: Recording, end: int) -> Array:
         """Change of what is sensed, in each row of the recording, up to a step of the plant."""
@@ -162,7 +167,7 @@ def _windows(drive: Drive, chain: Drivetrain) -> Iterator[_Window]:
         round(i * (steps - length) / max(1, count - 1) / motion.steps) * motion.steps for i in range(count)
     ]
     state: Mapping[str, Any] | None = None
-    at = 0
+    changes, at = load_changes(drive), 0
     for start in starts:
         if start > at:
             part = {name: values[at:start] for name, values in torques.items()}
@@ -171,7 +176,11 @@ def _windows(drive: Drive, chain: Drivetrain) -> Iterator[_Window]:
         before = state if state is not None else _at_rest(chain, part, dt)
         before = _from_zero_angle(before)
         exact = _run(chain, part, before, dt)
-        yield _Window(drive, chain, part, before, exact)
+        loads = [
+            {**part, "torque_load": part["torque_load"] + STEP * change[start : start + length]}
+            for change in changes
+        ]
+        yield _Window(drive, chain, part, before, exact, loads)
         state, at = exact.final_state, start + length
 
 

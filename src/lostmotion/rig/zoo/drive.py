@@ -148,7 +148,7 @@ def _logged_torque(draw: Draw, made: Plant, moved: Motion) -> tuple[Array, str]:
     if not draw.happens("measured torque", MEASURED_TORQUE):
         return moved.command, "commanded"
     rows = moved.command.size
-    torque = _actual_torque(moved, made.drivetrain.actuator.lag)[:rows]
+    torque = actual_torque(moved, made.drivetrain.actuator.lag)[:: moved.steps][:rows]
     if draw.happens("noisy torque", NOISY_TORQUE):
         noise = draw.log_uniform("torque noise", TORQUE_NOISE) * made.rating.torque
         torque = torque + noise * draw.stream("torque noise samples").standard_normal(rows)
@@ -167,8 +167,8 @@ def _recording(draw: Draw, moved: Motion, torque: Array, sensor: Sensor) -> Reco
     )
 
 
-def _actual_torque(moved: Motion, lag: float) -> Array:
-    """Torque of the motor at each row, after delay and lag, Nm."""
+def actual_torque(moved: Motion, lag: float) -> Array:
+    """Torque of the motor at each of the plant's steps, after delay and lag, Nm."""
     from scipy.signal import lfilter
 
     acting = moved.signals["torque_motor"]
@@ -176,7 +176,7 @@ def _actual_torque(moved: Motion, lag: float) -> Array:
         left = np.exp(-moved.signals.dt / lag)
         # The lag's state at the beginning of each step: it has not yet seen that step's set-point.
         acting = lfilter([0.0, 1.0 - left], [1.0, -left], acting)
-    return np.asarray(acting[:: moved.steps])
+    return np.asarray(acting)
 
 
 def _dimensions(made: Plant, moved: Motion, nameplate: Drivetrain) -> dict[str, float | str]:

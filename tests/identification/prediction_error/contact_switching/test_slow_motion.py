@@ -1,4 +1,4 @@
-"""Total inertia and friction from the slow motion, where shaft and gap do not matter."""
+"""Sure bounds of the total inertia, and friction from the slow motion, where shaft and gap do not matter."""
 
 from __future__ import annotations
 
@@ -9,39 +9,50 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.slow_motion import SlowMotion
+from lostmotion.identification.prediction_error.contact_switching.slow_motion import (
+    LEAST,
+    SURE,
+    SlowFriction,
+    sure_inertia,
+)
 
 
-def test_total_inertia_and_friction_of_an_exact_drive(flt: ContactFilter, plant: lm.Drivetrain):
-    slow = SlowMotion.of(flt, plant.with_parameters(inertia_load=0.2, inertia_motor=0.03))
-    assert slow.inertia == pytest.approx(plant.inertia_total, rel=0.05)
-    assert slow.coulomb == pytest.approx(2.0, rel=0.2)
+@pytest.fixture
+def known(flt: ContactFilter, plant: lm.Drivetrain) -> ContactFilter:
+    return replace(flt, inertia=(plant.inertia_total, 0.01))
 
 
-def test_a_constant_load_torque_is_no_friction(flt: ContactFilter, plant: lm.Drivetrain):
-    pushed = SlowMotion.of(replace(flt, torque=flt.torque + 1.5), plant)
-    plain = SlowMotion.of(flt, plant)
+def test_friction_of_an_exact_drive(known: ContactFilter, flt: ContactFilter, plant: lm.Drivetrain):
+    """Whether its inertia is known or not."""
+    start = plant.with_parameters(inertia_load=0.2, inertia_motor=0.03)
+    for one in (known, flt):
+        slow = SlowFriction.of(one, start)
+        assert slow.coulomb == pytest.approx(2.0, rel=0.2)
+    assert SlowFriction.of(known, start) != SlowFriction.of(flt, start)
+
+
+def test_a_constant_load_torque_is_no_friction(known: ContactFilter, plant: lm.Drivetrain):
+    pushed = SlowFriction.of(replace(known, torque=known.torque + 1.5), plant)
+    plain = SlowFriction.of(known, plant)
     assert pushed.load_torque - plain.load_torque == pytest.approx(1.5, rel=1e-6)
     assert pushed.coulomb == pytest.approx(plain.coulomb, rel=1e-6)
 
 
-def test_a_wild_inertia_gives_way_to_the_nameplate(flt: ContactFilter, plant: lm.Drivetrain):
-    slow = SlowMotion.of(replace(flt, torque=10.0 * flt.torque), plant)
-    assert slow.inertia == pytest.approx(plant.inertia_total)
-    assert slow.half == np.inf
+def test_each_piece_is_filtered_for_itself(known: ContactFilter, plant: lm.Drivetrain):
+    half = known.rows // 2
+    two = replace(known, bounds=(0, half, known.rows))
+    assert SlowFriction.of(two, plant).coulomb == pytest.approx(2.0, rel=0.2)
+    assert SlowFriction.of(two, plant) != SlowFriction.of(known, plant)
 
 
-def test_each_piece_is_filtered_for_itself(flt: ContactFilter, plant: lm.Drivetrain):
-    half = flt.rows // 2
-    two = replace(flt, bounds=(0, half, flt.rows))
-    assert SlowMotion.of(two, plant).inertia == pytest.approx(plant.inertia_total, rel=0.05)
+def test_the_total_inertia_is_sure_within_more_than_its_interval(plant: lm.Drivetrain):
+    told = 1.1 * plant.inertia_total
+    inertia, half = sure_inertia((told, 0.05), plant)
+    assert inertia == told
+    assert half == pytest.approx(np.hypot(SURE * 0.05, LEAST))
+    assert sure_inertia((told, 0.0), plant)[1] == LEAST
 
 
-def test_the_half_width_holds_and_grows_with_what_the_rigid_drive_leaves(
-    flt: ContactFilter, plant: lm.Drivetrain
-):
-    plain = SlowMotion.of(flt, plant)
-    assert abs(np.log(plain.inertia / plant.inertia_total)) < plain.half < 0.3
-    time = flt.dt * np.arange(flt.rows)
-    pushed = SlowMotion.of(replace(flt, torque=flt.torque + 3.0 * np.sin(6.0 * time)), plant)
-    assert pushed.half > 1.3 * plain.half
+@pytest.mark.parametrize("told", [4.0, 0.2, -1.0, np.nan])
+def test_a_wild_inertia_gives_way_to_the_nameplate(told: float, plant: lm.Drivetrain):
+    assert sure_inertia((told * plant.inertia_total, 0.1), plant) == (plant.inertia_total, np.inf)

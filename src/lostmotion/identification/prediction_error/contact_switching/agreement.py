@@ -36,6 +36,7 @@ def confirmed(
     told: Told,
     start: Drivetrain,
     fixed: Collection[str],
+    slow: tuple[float, float],
     compared: list[Candidate],
 ) -> Outcome:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
@@ -45,15 +46,15 @@ def confirmed(
     drive as well. Where one does, or the fit tells nothing, its own values are told if they stand out. Else the
     difference is part of the intervals, and too large a one leaves nothing.
 
-    ``compared`` gets all candidates that were looked at, first that whose values are told; none where the fit stood at
-    first sight.
+    ``slow`` is what the slow motion tells of the total inertia, see ``total_inertia.of_slow_motion``. ``compared`` gets
+    all candidates that were looked at, first that whose values are told; none where the fit stood at first sight.
     """
     fit = Fit(predictor, stage, told, start)
     try:
         flt = ContactFilter.of(predictor, POLES * start.pole_frequency)
     except InvalidInput:
         return fit.stays()
-    search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece)
+    search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece, slow)
     if stage.free and _stands(search.glimpse(), fit):
         return fit.stays()
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)

@@ -13,13 +13,14 @@ from ....drivetrain import Drivetrain
 from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from . import grid
+from .backlash_scan import with_other_backlash
 from .choices import Choice, other_choices, other_parts
-from .estimate import CORE, EXPLAINED, Estimate, distance, told
+from .estimate import CORE, Estimate, distance, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better, plausible_beside
 from .refits import disagreement
-from .slow_motion import SlowMotion
+from .slow_motion import sure_inertia
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
 from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
@@ -41,9 +42,9 @@ ELSEWHERE, FEW = 0.3, 3
 #: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
 NEAR = 0.05
 
-#: What is displaced, and by which factor either way, to see whether a descent comes back (numerics: a third is what the
-#: grid leaves open; a backlash may be far off where it is small).
-DISPLACED = {"inertia_motor": 1.5, "inertia_load": 1.5, "stiffness": 1.5, "backlash": 4.0}
+#: What is displaced, and by which factor either way, to see whether a descent comes back (numerics: what the grid
+#: leaves open). The backlash may be any.
+DISPLACED, FACTOR = ("inertia_motor", "inertia_load", "stiffness"), 1.5
 #: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
 NOISE_ALONE = 0.02
 #: Steps from the fit's likeliest values without its intervals (numerics).
@@ -52,9 +53,11 @@ FREED_STEPS = 10
 LITTLE = 10.0
 #: Part of the rows of a descent that show whether the fit stands, and rows at least (numerics: 20 torsional periods).
 GLIMPSE, LEAST = 4, 2000
-#: Steps from a point of the grid at each noise level; descents that go on to the end; displacements of the best at most
+#: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
+COARSE = 4
+#: Ends of the race that get another backlash; descents that go on to the end; displacements of the best at most
 #: (numerics).
-FIRST_STEPS, POLISHED, DISPLACEMENTS = 3, 3, 2
+SCANNED, POLISHED, DISPLACEMENTS = 5, 3, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +94,10 @@ class Search:
         fitted: Drivetrain,
         fixed: Collection[str],
         piece: tuple[float, float] | None,
+        slow: tuple[float, float],
     ) -> Search:
-        slow = SlowMotion.of(flt, start)
-        flt = replace(flt, inertia=(slow.inertia, slow.half))
+        """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
+        flt = replace(flt, inertia=sure_inertia(slow, start))
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
         rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
@@ -111,7 +115,7 @@ class Search:
     def coarse(self) -> ContactFilter:
         """A few torsional periods with impacts that are placed less finely, for first descents."""
         return replace(
-            self.glimpse().part, halvings=min(self.part.halvings, grid.HALVINGS), charged=self.part.charged
+            self.glimpse().part, halvings=min(self.part.halvings, COARSE), charged=self.part.charged
         )
 
     def descent(self, name: str, gap: bool = True) -> Candidate:
@@ -122,20 +126,14 @@ class Search:
         begun = begun if gap else bare(begun)
         return _judged(descend(name, uncharged, begun.theta, begun.free, self.box, first), self.part)
 
-    def from_grid(self, charged: bool) -> list[Candidate]:
-        """Short descents from the best of each plane of the grid, from a noise level at which the cost is smooth.
-
-        ``charged``: by the likelihood, else with innovations that are too large divided out.
-        """
-        free, rows = free_places(self.start, self.fixed), replace(self.coarse, charged=charged)
-
-        def short(numbered: tuple[int, Array]) -> Candidate:
-            number, theta = numbered
-            name = f"grid {number}{' charged' if charged else ''}"
-            return _judged(descend(name, rows, theta, free, self.box, iterations=FIRST_STEPS), self.part)
-
-        begun = grid.best(replace(self.part, charged=charged), self.start, self.fixed)
-        return side_by_side(short, list(enumerate(begun)))
+    def from_grid(self) -> list[Candidate]:
+        """The best of a race from a coarse grid, with any backlash."""
+        # Innovations that are too large are divided out: charged, what is far from the drive does not come through.
+        ends = grid.race(replace(self.coarse, charged=False), self.start, self.fixed, self.box)
+        few = _apart(ends, ELSEWHERE)[:SCANNED]
+        few = _apart(sorted([*few, *with_other_backlash(few, self.box)], key=_cost), ELSEWHERE)[:SCANNED]
+        numbered = [replace(one, start=f"grid {number}") for number, one in enumerate(few)]
+        return side_by_side(lambda one: polish(one, self.part, self.box), numbered)
 
     def rigid(self, like: Candidate | None = None) -> Candidate:
         """One inertia with friction and lag; beside another candidate with its torque and with fitted rates."""
@@ -183,12 +181,8 @@ class Search:
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
-        found = [*side_by_side(self.descent, list(self.begun)), *self.from_grid(charged=False)]
-        found += self._polished(_few(found))
-        # On some drives descents come through by the likelihood alone.
-        if abs(min(found, key=_cost).cost) > EXPLAINED:
-            more = self.from_grid(charged=True)
-            found += [*more, *self._polished(_few(more))]
+        found = side_by_side(self.descent, list(self.begun))
+        found += [*self._polished(_few(found)), *self.from_grid()]
         best = min(found, key=_cost)
         if not clearly_better(best, self.rigid(best), CHANCE_RIGID):
             return found  # no torsion shows
@@ -236,13 +230,15 @@ class Search:
             theta[place] = np.clip(
                 theta[place] + np.log(factor), self.box.lower[place], self.box.upper[place]
             )
-            return polish(replace(best, theta=theta), best.flt, self.box)
+            return replace(best, theta=theta)
 
-        names = [
-            name for name in DISPLACED if INDEX[name] in best.free and np.isfinite(best.theta[INDEX[name]])
+        changes = [
+            (name, way) for name in DISPLACED if INDEX[name] in best.free for way in (FACTOR, 1.0 / FACTOR)
         ]
-        changes = [(name, factor) for name in names for factor in (DISPLACED[name], 1.0 / DISPLACED[name])]
-        return side_by_side(beside, changes)
+        gaps = with_other_backlash([replace(best, flt=best.over(self.coarse))], self.box)
+        others = _apart([best, *sorted(gaps, key=_cost)])[1 : 1 + POLISHED]
+        begun = [*map(beside, changes), *(replace(one, flt=best.flt) for one in others)]
+        return self._polished(begun)
 
     def estimate(self, found: Sequence[Candidate]) -> Estimate | None:
         """What the best of the candidates tell; None where no inertia, stiffness or backlash is."""

@@ -111,17 +111,19 @@ def told(
         ):
             half[i] = np.inf
     lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)}
-    # Neither load nor spring: the rest fits many a drive, and so does one value alone. A spring before a load that does
-    # not answer is like a gap.
-    alone = sum(TOLD[i] not in lost for i in CORE) < 2
-    if alone or {"inertia_load", "stiffness"} <= lost or {"inertia_load", "backlash"} <= lost:
+    # Of load, spring and gap one alone: the rest fits many a drive. (A spring before a load that does not answer is
+    # like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
+    if len(lost & {"inertia_load", "stiffness", "backlash"}) > 1:
         half[:] = np.inf
     found = Estimate(theta, half, covariance, best)
-    return found if "backlash" in fixed or "backlash" not in lost else _without_gap(found, box)
+    return found if "backlash" in fixed or "backlash" not in lost else _without_gap(found, others, box)
 
 
-def _without_gap(found: Estimate, box: Box) -> Estimate:
-    """With the bound of a gap where inertias and stiffness are identified, and the recording shows no gap."""
+def _without_gap(found: Estimate, others: Sequence[Candidate], box: Box) -> Estimate:
+    """With the bound of a gap where inertias and stiffness are identified, and the recording shows no gap.
+
+    The gaps of others that predict as well are below it.
+    """
     # What is not explained may hide a gap: on test drives such a bound was mostly false.
     if abs(found.best.cost) >= EXPLAINED:
         return found
@@ -131,7 +133,8 @@ def _without_gap(found: Estimate, box: Box) -> Estimate:
     bound = gap_bound(gapless, beyond_chance(gapless)) if gapless else None
     if gapless is None or bound is None:
         return found
-    return replace(found, best=gapless, gap_bound=bound)
+    gaps = [float(np.exp(one.theta[INDEX["backlash"]])) for one in others]
+    return replace(found, best=gapless, gap_bound=max(bound, *gaps))
 
 
 def beyond_chance(best: Candidate) -> float:

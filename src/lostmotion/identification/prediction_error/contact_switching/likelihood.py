@@ -222,6 +222,14 @@ def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int =
     return replace(candidate, theta=theta, cost=cost, flt=at)
 
 
+def rates_first(candidate: Candidate, box: Box, iterations: int) -> Candidate:
+    """The candidate after a few steps with rates at which its filter is not lost: what it follows with an unknown
+    torque at first, it follows with its parameters then."""
+    flt, free = candidate.flt, candidate.free
+    theta, cost = minimise(flt, fitted_rates(flt, candidate.theta), free, box, iterations)
+    return replace(candidate, theta=theta, cost=cost)
+
+
 def fitted_rates(flt: ContactFilter, theta: Array, names: Sequence[str] = RATES) -> Array:
     """θ with the rates, factor by factor, where the cost is lowest; twice around."""
     cost = flt.run(theta).cost

@@ -1,4 +1,4 @@
-"""What the slow motion of a recording tells, in which the drive turns as one body: total inertia and friction."""
+"""What the slow motion of a recording tells the search: total inertia within sure bounds, and friction."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
-from ...statistics.block_covariance import sandwich, student_factor
 from .filter import ContactFilter
 
 Array = NDArray[np.float64]
@@ -21,68 +20,58 @@ SLOW, SLOW_DT = 0.1, 0.1
 ROWS_PER_PERIOD = 20
 #: The nameplate's total inertia is right within this factor (option: what the second estimator promises to bear).
 NAMEPLATE = 3.0
-#: Half widths of a 95 % interval within which the inertia certainly is (calibrated on development drives 140 to 279,
-#: 2026-11-23: the largest error was 0.98 of that).
-SURE = 2.0
+#: Half widths of a 95 % interval within which the inertia certainly is, and a least one (calibrated on development
+#: drives 1400 to 1566, 2026-11-24: the largest error of 68 was 0.77 of that).
+SURE, LEAST = 2.0, 0.01
 #: Friction at least and at most, over the torque's deviation (numerics: a start may have any, but not none).
 FRICTION = (0.005, 2.0)
 
 
-@dataclass(frozen=True)
-class SlowMotion:
-    """One rigid body: inertia (kg m²), Coulomb (Nm) and viscous (Nm s/rad) friction, constant load torque (Nm).
+def sure_inertia(told: tuple[float, float], start: Drivetrain) -> tuple[float, float]:
+    """Total inertia (kg m²) and the half width of its logarithm within which it certainly is; infinite: any.
 
-    ``half`` is the half width of the inertia's logarithm.
+    ``told`` is the slow motion's own, see ``total_inertia.of_slow_motion``. Beyond ``NAMEPLATE`` it is none: little
+    acceleration, or a wrong sign. Then the nameplate's is taken.
     """
+    inertia, half = told
+    if not 1.0 / NAMEPLATE < inertia / start.inertia_total < NAMEPLATE:
+        return start.inertia_total, np.inf
+    return inertia, float(np.hypot(SURE * half, LEAST))
 
-    inertia: float
-    half: float
+
+@dataclass(frozen=True)
+class SlowFriction:
+    """Coulomb (Nm) and viscous (Nm s/rad) friction of the drive as one body, and a constant load torque (Nm)."""
+
     coulomb: float
     viscous: float
     load_torque: float
 
     @classmethod
-    def of(cls, flt: ContactFilter, start: Drivetrain) -> SlowMotion:
-        """By least squares of torque = J·acceleration + M_c·sgn(speed) + d_v·speed + M_L.
-
-        An inertia beyond ``NAMEPLATE`` is none: little acceleration, or a wrong sign. Then the nameplate's is taken.
-        """
+    def of(cls, flt: ContactFilter, start: Drivetrain) -> SlowFriction:
+        """By least squares of torque = J·acceleration + M_c·sgn(speed) + d_v·speed + M_L, with the filter's J if it is
+        known."""
         edge = min(SLOW * start.pole_frequency, SLOW_DT / flt.dt)
         every = max(1, int(1.0 / (ROWS_PER_PERIOD * edge * flt.dt)))
         columns, torques = [], []
         for first, end in pairwise(flt.bounds):
             torque, speed = _slow(flt, slice(first, end), edge)
-            rows = [np.gradient(speed, flt.dt), np.sign(speed), speed, np.ones(speed.size)]
+            rows = [np.sign(speed), speed, np.ones(speed.size), np.gradient(speed, flt.dt)]
             columns.append(np.column_stack(rows)[::every])
             torques.append(torque[::every])
-        (inertia, coulomb, viscous, load), half = _regression(
-            np.concatenate(columns), np.concatenate(torques)
-        )
-        if not 1.0 / NAMEPLATE < inertia / start.inertia_total < NAMEPLATE:
-            inertia, half = start.inertia_total, np.inf
+        known, left = np.concatenate(columns), np.concatenate(torques)
+        if np.isfinite(flt.inertia[1]):
+            left, known = left - flt.inertia[0] * known[:, -1], known[:, :-1]
+        sizes = np.maximum(np.linalg.norm(known, axis=0), 1e-300)
+        coulomb, viscous, load = (np.linalg.lstsq(known / sizes, left, rcond=None)[0] / sizes)[:3]
         size = flt.torque_deviation
         per_speed = size / max(flt.speed_deviation, 1e-300)
         low, high = FRICTION
         return cls(
-            float(inertia),
-            half,
             float(np.clip(coulomb, low * size, high * size)),
             float(np.clip(viscous, low * per_speed, high * per_speed)),
             float(load),
         )
-
-
-def _regression(columns: Array, torque: Array) -> tuple[Array, float]:
-    """Coefficients (4,) of the torque, and the half width of the first one's logarithm.
-
-    What the columns leave of the torque may be inertia's as well.
-    """
-    sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    found = np.linalg.lstsq(columns / sizes, torque, rcond=None)[0]
-    rest = torque - columns / sizes @ found
-    error = float(np.sqrt(sandwich((columns / sizes).T, rest)[0, 0])) / max(abs(found[0]), 1e-300)
-    unexplained = float(np.var(rest) / max(np.var(torque), 1e-300))
-    return found / sizes, SURE * (student_factor(len(found)) * error + unexplained)
 
 
 def _slow(flt: ContactFilter, rows: slice, edge: float) -> tuple[Array, Array]:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_switching.estimate import told
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, NAMES, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import (
@@ -59,3 +63,11 @@ def test_the_bound_holds_for_gaps_about_as_large(plant: lm.Drivetrain):
 def test_a_gap_that_shows_is_not_left_out(plant: lm.Drivetrain):
     best, box = candidate(plant, 0.012)
     assert without_gap(best, box) is None
+
+
+def test_the_bound_is_above_the_gaps_of_what_predicts_as_well(plant: lm.Drivetrain):
+    best, box = candidate(plant, 0.0)
+    wide = replace(best, theta=best.flt.changed(best.theta, backlash=0.005))
+    alone, beside = (told(best, others, np.zeros(8), box, ()) for others in ([best], [best, wide]))
+    assert alone.gap_bound is not None and alone.gap_bound < 0.001
+    assert beside.gap_bound == pytest.approx(0.005)
