@@ -93,6 +93,16 @@ def test_what_is_fixed_or_at_a_bound_is_not_told(best: Candidate):
     assert np.isinf(found.half[[TOLD.index("coulomb"), TOLD.index("inertia_motor")]]).all()
 
 
+def test_of_load_spring_and_gap_one_alone_is_not_told(best: Candidate):
+    theta = best.theta.copy()
+    theta[[INDEX["inertia_load"], INDEX["stiffness"]]] += 0.5
+    both = [best, replace(best, theta=theta)]
+    assert np.isinf(told(best, both, NOTHING, box(best), ()).half).all()
+    # What is fixed is known.
+    found = told(best, both, NOTHING, box(best), ("stiffness",))
+    assert np.isfinite(found.half[[TOLD.index("inertia_motor"), TOLD.index("backlash")]]).all()
+
+
 def test_a_third_inertia_leaves_damping_open_as_far_as_innovations_are_left(best: Candidate):
     theta = best.theta.copy()
     theta[[INDEX["share"], INDEX["compliance"], INDEX["loss"]]] = np.log([0.2, 0.1, 1.0])

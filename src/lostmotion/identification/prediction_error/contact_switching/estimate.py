@@ -110,13 +110,13 @@ def told(
             or _other_does_as_well(best, name)
         ):
             half[i] = np.inf
-    lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)}
+    lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)} - set(fixed)
     # Of load, spring and gap one alone: the rest fits many a drive. (A spring before a load that does not answer is
     # like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
     if len(lost & {"inertia_load", "stiffness", "backlash"}) > 1:
         half[:] = np.inf
     found = Estimate(theta, half, covariance, best)
-    return found if "backlash" in fixed or "backlash" not in lost else _without_gap(found, others, box)
+    return _without_gap(found, others, box) if "backlash" in lost else found
 
 
 def _without_gap(found: Estimate, others: Sequence[Candidate], box: Box) -> Estimate:
