@@ -9,7 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.rig import Drive, cramer_rao, drive
-from lostmotion.rig.zoo.unknown_torque import load_changes, torque_noise, whitened
+from lostmotion.rig.zoo.unknown_torque import Whitening, load_changes, torque_noise
 
 #: A command; a measured torque with noise, sensed by angle and by speed; a slow load torque.
 COMMANDED, MEASURED, MEASURED_SPEED, SLOW = 3, 23, 51, 42
@@ -57,7 +57,7 @@ def test_whitened_columns_have_the_information_that_the_noise_leaves(seed: int):
     sensor_noise *= float(np.max(np.abs(answer))) * torque_noise(one)
     covariance = torque_noise(one) ** 2 * answers @ answers.T + sensor_noise**2 * np.eye(rows)
     columns = np.random.default_rng(1).standard_normal((3, rows)).cumsum(axis=1)
-    found = whitened(columns, one, sensor_noise)
+    found = replace(Whitening.of(one), noise=sensor_noise).of_columns(columns)
     assert found @ found.T == pytest.approx(columns @ np.linalg.solve(covariance, columns.T), rel=1e-4)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +29,16 @@ def motor_zeros(drivetrain: Drivetrain) -> NDArray[np.float64]:
     return _frequencies(drivetrain, locked_motor=True)
 
 
+def chain_matrix(values: Sequence[float]) -> NDArray[np.float64]:
+    """(n, n) stiffness or damping matrix of a chain of n inertias, from the values of its n − 1 shafts."""
+    matrix = np.zeros((len(values) + 1,) * 2)
+    for i, value in enumerate(values):
+        matrix[i : i + 2, i : i + 2] += value * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return matrix
+
+
 def _frequencies(drivetrain: Drivetrain, locked_motor: bool) -> NDArray[np.float64]:
-    n = len(drivetrain.inertias)
-    stiffness = np.zeros((n, n))
-    for i, shaft in enumerate(drivetrain.shafts):
-        stiffness[i : i + 2, i : i + 2] += shaft.stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    stiffness = chain_matrix([shaft.stiffness for shaft in drivetrain.shafts])
     scale = 1.0 / np.sqrt(np.array(drivetrain.inertias))
     scaled = scale[:, None] * stiffness * scale
     if locked_motor:

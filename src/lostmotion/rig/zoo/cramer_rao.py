@@ -27,7 +27,7 @@ from ...simulation import simulate
 from ..equivalent import joint_of
 from .drive import Drive
 from .truth import equivalent
-from .unknown_torque import load_changes, whitened
+from .unknown_torque import Whitening, load_changes
 
 Array = NDArray[np.float64]
 Change = Callable[[Drivetrain, float], Drivetrain]
@@ -82,7 +82,10 @@ def _gradients(drive: Drive, chain: Drivetrain, changed: list[Drivetrain]) -> di
 
 @dataclass(frozen=True, eq=False)
 class _Window:
-    """A part of a recording that begins in a known state; ``exact`` is how it goes on; torques with another load."""
+    """A part of a recording that begins in a known state; ``exact`` is how it goes on.
+
+    ``other_loads`` are its torques, each with another load torque.
+    """
 
     drive: Drive
     chain: Drivetrain
@@ -90,6 +93,7 @@ class _Window:
     state: Mapping[str, Any]
     exact: Recording
     other_loads: Sequence[Mapping[str, Array]]
+    whitening: Whitening
 
     def information(self, changed: list[Drivetrain]) -> tuple[Array, int]:
         """Information (p, p) that the window has of the parameters, and its rows."""
@@ -104,9 +108,8 @@ class _Window:
         columns = [self._shown(run, end) for run in moved]
         if sensor.difference:  # the angle at the beginning is not known
             columns.append(np.ones(columns[0].size))
-        noise = sensor.noise or sensor.resolution / math.sqrt(12.0)
         told = np.array([self._shown(run, end) for run in other]) / STEP
-        both = whitened(np.vstack([np.array(columns), told]), self.drive, noise)
+        both = self.whitening.of_columns(np.vstack([np.array(columns), told]))
         nuisance, told = both[: len(columns)].T, both[len(columns) :]
         basis, weight = np.linalg.qr(nuisance / np.maximum(np.linalg.norm(nuisance, axis=0), 1e-300))
         basis = basis[:, np.abs(np.diag(weight)) > 1e-9]
@@ -167,7 +170,7 @@ def _windows(drive: Drive, chain: Drivetrain) -> Iterator[_Window]:
         round(i * (steps - length) / max(1, count - 1) / motion.steps) * motion.steps for i in range(count)
     ]
     state: Mapping[str, Any] | None = None
-    changes, at = load_changes(drive), 0
+    changes, whitening, at = load_changes(drive), Whitening.of(drive), 0
     for start in starts:
         if start > at:
             part = {name: values[at:start] for name, values in torques.items()}
@@ -180,7 +183,7 @@ def _windows(drive: Drive, chain: Drivetrain) -> Iterator[_Window]:
             {**part, "torque_load": part["torque_load"] + STEP * change[start : start + length]}
             for change in changes
         ]
-        yield _Window(drive, chain, part, before, exact, loads)
+        yield _Window(drive, chain, part, before, exact, loads, whitening)
         state, at = exact.final_state, start + length
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...drivetrain import Drivetrain
+from ...systems import zero_order_hold
+from ..equivalent import chain_matrix
 from .drive import Drive, actual_torque
 
 Array = NDArray[np.float64]
@@ -46,63 +48,64 @@ def load_changes(drive: Drive) -> list[Array]:
     return [shape * size / max(float(np.max(np.abs(shape))), 1e-300) for shape in shapes]
 
 
-def whitened(columns: Array, drive: Drive, noise: float) -> Array:
-    """(m, n) columns of what the sensor shows in n rows, over its noise, after a Kalman filter that makes noise of the
-    sensor (``noise``) and of the torque white.
+@dataclass(frozen=True, eq=False)
+class Whitening:
+    """A Kalman filter after which the noise of sensor and motor torque is white, and of size one.
 
-    The filter has the chain with its gaps closed and without Coulomb friction.
+    It has the chain with its gaps closed and without Coulomb friction.
+
+    Parameters
+    ----------
+    transition : (2n, 2n) array
+        Of angles and speeds over a row of the recording.
+    entry : (2n,) array
+        Of an error of the torque that is held over the row: one standard deviation.
+    shown : (2n,) array
+        Row of the sensor.
+    noise : float, rad or rad/s
+        Of the sensor.
     """
-    torque = torque_noise(drive)
-    if not torque > 0.0:
-        return columns / noise
-    transition, entry, shown = _closed_chain(drive)
-    order = transition.shape[0]
-    process = np.outer(entry, entry) * torque**2
-    covariance, state = np.zeros_like(process), np.zeros((order, columns.shape[0]))
-    gain, deviation, settled = np.zeros(order), noise, False
-    found = np.empty_like(columns)
-    for k in range(columns.shape[1]):
-        if not settled:
-            before = gain
-            deviation = math.sqrt(float(shown @ covariance @ shown) + noise**2)
-            gain = covariance @ shown / deviation**2
-            covariance = (
-                transition @ (covariance - np.outer(gain, shown @ covariance)) @ transition.T + process
-            )
-            covariance = 0.5 * (covariance + covariance.T)
-            settled = k > order and bool(np.max(np.abs(gain - before)) <= SETTLED * np.max(np.abs(gain)))
-        innovation = columns[:, k] - shown @ state
-        found[:, k] = innovation / deviation
-        state = transition @ (state + np.outer(gain, innovation))
-    return found
 
+    transition: Array
+    entry: Array
+    shown: Array
+    noise: float
 
-def _closed_chain(drive: Drive) -> tuple[Array, Array, Array]:
-    """Transition over a row, entry of a torque that is held over it, and row of the sensor."""
-    from scipy.linalg import expm
+    @classmethod
+    def of(cls, drive: Drive) -> Whitening:
+        chain, sensor, n = drive.truth.drivetrain, drive.sensor, len(drive.truth.drivetrain.inertias)
+        stiffness = chain_matrix([shaft.stiffness for shaft in chain.shafts])
+        damping = chain_matrix([shaft.damping for shaft in chain.shafts])
+        damping += np.diag([friction.viscous for friction in chain.frictions])
+        weights = 1.0 / np.array(chain.inertias)[:, None]
+        a = np.block([[np.zeros((n, n)), np.eye(n)], [-weights * stiffness, -weights * damping]])
+        b = np.zeros((2 * n, 1))
+        b[n] = weights[0]
+        transition, entry = zero_order_hold(a, b, drive.motion.dt)
+        shown = np.zeros(2 * n)
+        shown[0 if sensor.source == "angle_motor" else n] = 1.0
+        noise = sensor.noise or sensor.resolution / math.sqrt(12.0)
+        return cls(transition, torque_noise(drive) * entry[:, 0], shown, noise)
 
-    a, b = _dynamics(drive.truth.drivetrain)
-    order = a.shape[0]
-    block = np.zeros((order + 1, order + 1))
-    block[:order, :order], block[:order, order] = a, b
-    moved = expm(block * drive.motion.dt)
-    shown = np.zeros(order)
-    shown[0 if drive.sensor.source == "angle_motor" else order // 2] = 1.0
-    return moved[:order, :order], moved[:order, order], shown
-
-
-def _dynamics(chain: Drivetrain) -> tuple[Array, Array]:
-    """Angles and speeds of all inertias in continuous time."""
-    n = len(chain.inertias)
-    stiffness, damping = np.zeros((n, n)), np.diag([friction.viscous for friction in chain.frictions])
-    for i, shaft in enumerate(chain.shafts):
-        pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
-        stiffness[i : i + 2, i : i + 2] += shaft.stiffness * pair
-        damping[i : i + 2, i : i + 2] += shaft.damping * pair
-    weights = 1.0 / np.array(chain.inertias)
-    a = np.zeros((2 * n, 2 * n))
-    a[:n, n:] = np.eye(n)
-    a[n:, :n], a[n:, n:] = -weights[:, None] * stiffness, -weights[:, None] * damping
-    b = np.zeros(2 * n)
-    b[n] = weights[0]
-    return a, b
+    def of_columns(self, columns: Array) -> Array:
+        """(m, k) columns of what the sensor shows in k rows."""
+        if not np.any(self.entry):
+            return columns / self.noise
+        transition, shown, order = self.transition, self.shown, self.shown.size
+        process = np.outer(self.entry, self.entry)
+        covariance, state = np.zeros_like(process), np.zeros((order, columns.shape[0]))
+        gain, deviation, settled = np.zeros(order), self.noise, False
+        found = np.empty_like(columns)
+        for k in range(columns.shape[1]):
+            if not settled:
+                before = gain
+                deviation = math.sqrt(float(shown @ covariance @ shown) + self.noise**2)
+                gain = covariance @ shown / deviation**2
+                left = covariance - np.outer(gain, shown @ covariance)
+                covariance = transition @ left @ transition.T + process
+                covariance = 0.5 * (covariance + covariance.T)
+                settled = k > order and bool(np.max(np.abs(gain - before)) <= SETTLED * np.max(np.abs(gain)))
+            innovation = columns[:, k] - shown @ state
+            found[:, k] = innovation / deviation
+            state = transition @ (state + np.outer(gain, innovation))
+        return found

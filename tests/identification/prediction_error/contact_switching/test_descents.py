@@ -1,4 +1,4 @@
-"""The search over starts: what is displaced comes back, and the best has to stand out."""
+"""The search over starts: what is displaced comes back."""
 
 from __future__ import annotations
 
@@ -9,11 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.choices import with_other_torque
-from lostmotion.identification.prediction_error.contact_switching.descents import (
-    DISPLACED,
-    Search,
-    _stands_out,
-)
+from lostmotion.identification.prediction_error.contact_switching.descents import DISPLACED, Search
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate, polish
@@ -68,12 +64,3 @@ def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(searc
     held = with_other_torque(replace(best, flt=ramp, cost=ramp.run(best.theta).cost), search.box)
     assert held is not None and not held.flt.ramp
     assert held.over(ramp).ramp is False
-
-
-def test_the_best_stands_out_where_what_predicts_alike_agrees_with_it(best: Candidate):
-    theta = best.theta.copy()
-    theta[[INDEX["inertia_load"], INDEX["stiffness"]]] += 2.0
-    elsewhere = replace(best, theta=theta)
-    assert _stands_out([best, replace(best, start="again")])
-    assert _stands_out([best, replace(elsewhere, cost=best.cost + 0.5)])
-    assert not _stands_out([best, elsewhere])

@@ -20,6 +20,7 @@ from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
+from .selection import cost_of
 from .verdict import Fit, Outcome
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
@@ -60,9 +61,9 @@ def confirmed(
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
     rivals = search.rivals(own)
     inside = intervals(stage, told, search.box)
-    own = min(own, search.with_all_structures(own, inside), key=_cost)
+    own = min(own, search.with_all_structures(own, inside), key=cost_of)
     own = with_other_torque(own, inside) or own
-    best = min(own, *rivals, key=_cost)
+    best = min(own, *rivals, key=cost_of)
     rigid = search.rigid(best)
     compared += [own, *rivals, rigid]
     if not clearly_better(best, rigid, CHANCE_RIGID):
@@ -112,7 +113,3 @@ def _stands(search: Search, fit: Fit) -> bool:
     # wrong end never was.
     better = [one for one in descents if one.cost < own.cost and not alike(own, one, 0.0)]
     return not np.any(fit.shift(better)[fit.core | fit.friction] > 0.0)
-
-
-def _cost(one: Candidate) -> float:
-    return one.cost

@@ -10,16 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
-from ..identifiability import NOT_EXCITED
-from ..innovations import NAMES as TOLD
 from . import grid
 from .backlash_scan import with_other_backlash
 from .choices import Choice, other_choices, other_parts
-from .estimate import CORE, Estimate, distance, told
+from .estimate import CORE, Estimate, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
-from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better, plausible_beside
+from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
 from .refits import disagreement
+from .selection import ELSEWHERE, apart, cost_of, plausible, stands_out
 from .slow_motion import sure_inertia
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
@@ -34,11 +33,8 @@ PERIODS, FEWEST, MOST, ROWS = 80, 3000, 10_000, 30_000
 POLES = 3.0
 #: No parameter leaves its start by more than this factor (numerics).
 FAR = 100.0
-#: Candidates that differ by less than this in all logarithms are one (numerics: below an interval).
-SAME = 0.01
-#: Candidates that differ by more than this are elsewhere; so many of those get a third inertia (numerics: a descent
-#: with one comes from about so far).
-ELSEWHERE, FEW = 0.3, 3
+#: So many candidates that are elsewhere get a third inertia (numerics: a descent with one comes from about so far).
+FEW = 3
 #: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
 NEAR = 0.05
 
@@ -130,8 +126,8 @@ class Search:
         """The best of a race from a coarse grid, with any backlash."""
         # Innovations that are too large are divided out: charged, what is far from the drive does not come through.
         ends = grid.race(replace(self.coarse, charged=False), self.start, self.fixed, self.box)
-        few = _apart(ends, ELSEWHERE)[:SCANNED]
-        few = _apart(sorted([*few, *with_other_backlash(few, self.box)], key=_cost), ELSEWHERE)[:SCANNED]
+        few = apart(ends, ELSEWHERE)[:SCANNED]
+        few = apart(sorted([*few, *with_other_backlash(few, self.box)], key=cost_of), ELSEWHERE)[:SCANNED]
         numbered = [replace(one, start=f"grid {number}") for number, one in enumerate(few)]
         return side_by_side(lambda one: polish(one, self.part, self.box), numbered)
 
@@ -165,39 +161,39 @@ class Search:
 
     def thirds(self, found: Sequence[Candidate]) -> list[Candidate]:
         """With a third inertia: the best few from every place; then the other starts where the best has it."""
-        fits = sorted(found, key=_cost)
+        fits = sorted(found, key=cost_of)
         if abs(fits[0].cost) < NOISE_ALONE:
             return []
-        few = _apart(fits, ELSEWHERE)[:FEW]
+        few = apart(fits, ELSEWHERE)[:FEW]
         tried = side_by_side(
             lambda one: with_third_inertia(*one, self.coarse, self.box), [*product(few, places())]
         )
-        tried = _apart(sorted(tried, key=_cost))[:FEW]
+        tried = apart(sorted(tried, key=cost_of))[:FEW]
         best = side_by_side(lambda one: polish(one, one.over(self.part), self.box), tried)
-        place = Place.of(min(best, key=_cost))
-        if place is None or alike(fits[0], min(best, key=_cost)):
+        place = Place.of(min(best, key=cost_of))
+        if place is None or alike(fits[0], min(best, key=cost_of)):
             return best
-        return best + side_by_side(lambda one: self._third(one, place), _apart(fits)[:POLISHED])
+        return best + side_by_side(lambda one: self._third(one, place), apart(fits)[:POLISHED])
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
         found = side_by_side(self.descent, list(self.begun))
-        found += [*self._polished(_few(found)), *self.from_grid()]
-        best = min(found, key=_cost)
+        found += [*self._polished(apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED]), *self.from_grid()]
+        best = min(found, key=cost_of)
         if not clearly_better(best, self.rigid(best), CHANCE_RIGID):
             return found  # no torsion shows
-        found += self.otherwise(found, _few(found))
+        found += self.otherwise(found, apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED])
         found += self.thirds(found)
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
         )
         for _ in range(DISPLACEMENTS):
-            before = min(found, key=_cost)
+            before = min(found, key=cost_of)
             found = list(map(split_at_the_softest_shaft, found))
-            if not _stands_out(found):  # nothing will be told, whatever lies beside it
+            if not stands_out(found):  # nothing will be told, whatever lies beside it
                 break
             found += self.displaced(before)
-            if alike(before, min(found, key=_cost)):
+            if alike(before, min(found, key=cost_of)):
                 break
         return list(map(split_at_the_softest_shaft, found))
 
@@ -205,10 +201,10 @@ class Search:
         """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""
         more: list[Candidate] = []
         while True:
-            best = min([*found, *more], key=_cost)
+            best = min([*found, *more], key=cost_of)
             choices = other_choices(best, self.box)
             tried = self._chosen([(choice, best) for choice in choices])
-            better = min(tried, key=_cost)
+            better = min(tried, key=cost_of)
             if better.cost >= best.cost or alike(best, better):
                 return more
             choice = choices[tried.index(better)]
@@ -236,7 +232,7 @@ class Search:
             (name, way) for name in DISPLACED if INDEX[name] in best.free for way in (FACTOR, 1.0 / FACTOR)
         ]
         gaps = with_other_backlash([replace(best, flt=best.over(self.coarse))], self.box)
-        others = _apart([best, *sorted(gaps, key=_cost)])[1 : 1 + POLISHED]
+        others = apart([best, *sorted(gaps, key=cost_of)])[1 : 1 + POLISHED]
         begun = [*map(beside, changes), *(replace(one, flt=best.flt) for one in others)]
         return self._polished(begun)
 
@@ -247,59 +243,29 @@ class Search:
             return None
         finished = self._finished(others, self.flt.liveliest(ROWS))
         best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
-        apart = disagreement(best, under_laws, self.box)
-        estimate = told(best, plausible(finished), apart, self.box, self.fixed)
+        shifts = disagreement(best, under_laws, self.box)
+        estimate = told(best, plausible(finished), shifts, self.box, self.fixed)
         return estimate if np.any(np.isfinite(estimate.half[CORE])) else None
 
     def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
         """Over more rows, which tell more of them apart: those that predict these best, then the best under other laws
         and with parts that it does not have; the lowest first."""
-        apart = side_by_side(lambda one: _judged(one, one.over(flt)), _apart(others, NEAR))
-        found = side_by_side(lambda one: polish(one, one.flt, self.box), sorted(apart, key=_cost)[:POLISHED])
-        best = min(found, key=_cost)
+        judged = side_by_side(lambda one: _judged(one, one.over(flt)), apart(others, NEAR))
+        found = side_by_side(
+            lambda one: polish(one, one.flt, self.box), sorted(judged, key=cost_of)[:POLISHED]
+        )
+        best = min(found, key=cost_of)
         laws = [law for law in LAWS if law != best.flt.law]
         found += side_by_side(
             lambda law: replace(polish(best, replace(best.flt, law=law), self.box), start=law), laws
         )
-        best = min(found, key=_cost)
+        best = min(found, key=cost_of)
         begun = side_by_side(lambda part: part(best), other_parts(best, self.coarse, self.box, self.piece))
         found += side_by_side(lambda one: polish(one, one.over(flt), self.box), begun)
-        return sorted(map(split_at_the_softest_shaft, found), key=_cost)
-
-
-def _few(found: Sequence[Candidate]) -> list[Candidate]:
-    """The best that lie apart."""
-    return _apart(sorted(found, key=_cost), ELSEWHERE)[:POLISHED]
+        return sorted(map(split_at_the_softest_shaft, found), key=cost_of)
 
 
 def _judged(found: Candidate, flt: ContactFilter) -> Candidate:
     """The end of a descent by its likelihood over other rows."""
     at = replace(flt, level=found.flt.level)
     return replace(found, cost=at.run(found.theta).cost, flt=at)
-
-
-def plausible(found: Sequence[Candidate]) -> list[Candidate]:
-    """Candidates that may be right: those that predict about as well as the best, which comes first."""
-    found = sorted(found, key=_cost)
-    return [one for one in found if plausible_beside(one, found[0])]
-
-
-def _stands_out(found: Sequence[Candidate]) -> bool:
-    """Whether all that predict about as well as the best agree on load inertia or stiffness."""
-    best, *others = plausible(found)
-    places = [TOLD.index("inertia_load"), TOLD.index("stiffness")]
-    apart = [distance(one, best)[places] for one in others]
-    return not apart or bool(np.min(np.max(apart, axis=0)) < np.log(NOT_EXCITED))
-
-
-def _cost(one: Candidate) -> float:
-    return one.cost
-
-
-def _apart(found: Sequence[Candidate], far: float = SAME) -> list[Candidate]:
-    """Candidates whose inertias, stiffness, damping or backlash are no better one's."""
-    kept: list[Candidate] = []
-    for one in found:
-        if all(np.max(distance(one, other)[:5]) > far for other in kept):
-            kept.append(one)
-    return kept

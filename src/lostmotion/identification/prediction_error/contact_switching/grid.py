@@ -12,6 +12,7 @@ from ....drivetrain import Drivetrain
 from ..innovations import NAMES as TOLD
 from .filter import ContactFilter
 from .likelihood import Box, Candidate, rates_first, side_by_side
+from .selection import cost_of
 from .slow_motion import SlowFriction
 from .starts import AT_MOTOR, DAMPING_RATIO, LAG, RATE, TORQUE_RATE, free_places
 
@@ -62,7 +63,7 @@ def race(flt: ContactFilter, start: Drivetrain, fixed: Collection[str], box: Box
 
     def lowest(found: list[Candidate], steps: int) -> list[Candidate]:
         ends = side_by_side(lambda one: rates_first(one, box, steps), found)
-        return sorted(ends, key=lambda one: one.cost)
+        return sorted(ends, key=cost_of)
 
     found = lowest(begun, FIRST)
     for most, steps in NEXT:

@@ -214,12 +214,13 @@ def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int =
     """The candidate on other rows or under another law, with the rates of its unknown torques fitted as well."""
     at = replace(flt, level=candidate.flt.level)
     theta, cost = minimise(at, candidate.theta, candidate.free, box, iterations)
+    found = replace(candidate, theta=theta, cost=cost, flt=at)
     for _ in range(ROUNDS):
-        before = cost
-        theta, cost = minimise(at, fitted_rates(at, theta), candidate.free, box, iterations)
-        if not before - cost > ROUND_GAIN:
+        before = found.cost
+        found = rates_first(found, box, iterations)
+        if not before - found.cost > ROUND_GAIN:
             break
-    return replace(candidate, theta=theta, cost=cost, flt=at)
+    return found
 
 
 def rates_first(candidate: Candidate, box: Box, iterations: int) -> Candidate:

@@ -1,0 +1,44 @@
+"""Which of many candidates lie apart, may be right, or stand out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..identifiability import NOT_EXCITED
+from ..innovations import NAMES as TOLD
+from .estimate import distance
+from .likelihood import Candidate
+from .likelihood_ratio import plausible_beside
+
+#: Candidates that differ by less than this in all logarithms are one (numerics: below an interval); by more than the
+#: second they are elsewhere (numerics: a descent comes from about so far).
+SAME, ELSEWHERE = 0.01, 0.3
+
+
+def cost_of(one: Candidate) -> float:
+    return one.cost
+
+
+def apart(found: Sequence[Candidate], far: float = SAME) -> list[Candidate]:
+    """Candidates whose inertias, stiffness, damping or backlash are no better one's; the better ones come first."""
+    kept: list[Candidate] = []
+    for one in found:
+        if all(np.max(distance(one, other)[:5]) > far for other in kept):
+            kept.append(one)
+    return kept
+
+
+def plausible(found: Sequence[Candidate]) -> list[Candidate]:
+    """Candidates that may be right: those that predict about as well as the best, which comes first."""
+    found = sorted(found, key=cost_of)
+    return [one for one in found if plausible_beside(one, found[0])]
+
+
+def stands_out(found: Sequence[Candidate]) -> bool:
+    """Whether all that predict about as well as the best agree on load inertia or stiffness."""
+    best, *others = plausible(found)
+    places = [TOLD.index("inertia_load"), TOLD.index("stiffness")]
+    away = [distance(one, best)[places] for one in others]
+    return not away or bool(np.min(np.max(away, axis=0)) < np.log(NOT_EXCITED))
