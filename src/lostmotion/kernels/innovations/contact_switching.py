@@ -4,8 +4,9 @@ One model for all: two masses or a third on the shaft, with or without a gap, mo
 unknown load torque. Between contacts the model is linear and its transition exact. Where a contact or a friction
 changes within a sample, the sample is halved until the change is found, and the rest goes on in the new state. Where
 the filter does not know on which side of an edge it is, the gap is taken as its mean over that spread (statistical
-linearisation, Gelb 1974, Applied Optimal Estimation, chapter 6). Innovations beyond what the filter thinks possible
-make its covariance grow: it has lost the motion, and finds it again within a few samples.
+linearisation, Gelb 1974, Applied Optimal Estimation, chapter 6). No law tells an impact exactly: the speeds after it
+may be off by a share of the approach. Innovations beyond what the filter thinks possible make its covariance grow: it
+has lost the motion, and finds it again within a few samples.
 
 Variances are in multiples of the first sensor's. Matrices lie column after column, columns are ``WIDE`` long.
 """
@@ -36,6 +37,7 @@ from .transitions import (
     HALF,
     INERTIA_LOAD,
     INERTIA_MOTOR,
+    KICKS,
     LEAD,
     NO_GAP,
     NUMBERS,
@@ -165,7 +167,7 @@ def innovations(
 
     Parameters
     ----------
-    parameters : (24,) array
+    parameters : (25,) array
         See ``transitions``.
     free, kinds : (m,) int arrays
         Places of the parameters whose sensitivities are wanted, and how they enter θ, see ``_changed``.
@@ -353,6 +355,12 @@ def innovations(
                 at_edge = whole + EDGE * WIDE
                 for i in range(nc):
                     add(t, at_edge, extra / (level * level) * t[at_edge + i], p, i * WIDE)
+        if contact != before:
+            kick, back = c[KICKS] * rate, c[KICKS + 1] * rate
+            p[tail * WIDE + tail] += kick * kick
+            p[head * WIDE + head] += back * back
+            p[tail * WIDE + head] += kick * back
+            p[head * WIDE + tail] += kick * back
         # How the parameters move the state within this sample, by differences.
         for j in range(m):
             begin, of = (j + 1) * model, (j + 1) * NUMBERS

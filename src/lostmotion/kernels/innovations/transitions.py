@@ -20,12 +20,12 @@ from .intermediate_inertia import two_springs
 from .two_mass import add_series, product
 
 # Places in a row of parameters, SI units. A share of zero: two masses. An infinite stiffness: rigid. A torque rate of
-# zero: no unknown load torque.
+# zero: no unknown load torque. ``IMPACT``: how far the speeds after a contact changes may be off, over the approach.
 (
     INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS, COULOMB_MOTOR, VISCOUS_MOTOR, LAG,
     DELAY, ASYMMETRY, ASYMMETRY_MOTOR, LOAD_TORQUE, SHARE, COMPLIANCE, LOSS, MOTOR_RATE, LOAD_RATE, TORQUE_RATE,
-    RISE, FADE, RISE_MOTOR, FADE_MOTOR,
-) = range(24)  # fmt: skip
+    RISE, FADE, RISE_MOTOR, FADE_MOTOR, IMPACT,
+) = range(25)  # fmt: skip
 
 #: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
 VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
@@ -40,8 +40,9 @@ BLOCK = (WIDE + 5) * WIDE
 
 #: Places among a model's numbers (layout): lead of the gap's argument (s), half the gap (rad), Coulomb levels (Nm) of
 #: the motor forwards and backwards and of the load, rise of the friction towards rest and the speed over which it fades
-#: (rad/s) of the motor and of the load, constant load torque (Nm), delay in whole samples and its rest.
-LEAD, HALF, LEVELS, RISES, CONSTANT, WHOLE, PART, NUMBERS = 0, 1, 2, 6, 10, 11, 12, 13
+#: (rad/s) of the motor and of the load, constant load torque (Nm), delay in whole samples and its rest, and by how much
+#: the speeds before and behind the gap may be off after the contact has changed, over the approach and the noise.
+LEAD, HALF, LEVELS, RISES, CONSTANT, WHOLE, PART, KICKS, NUMBERS = 0, 1, 2, 6, 10, 11, 12, 13, 15
 
 COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
@@ -104,18 +105,26 @@ def _shafts(q, behind):
 
 
 @njit(**COMPILED)
+def _at_the_gap(q, third, behind):
+    """Inertias before and behind the gap."""
+    if not third:
+        return q[INERTIA_MOTOR], q[INERTIA_LOAD]
+    if behind:
+        return q[INERTIA_MOTOR], q[SHARE] * q[INERTIA_LOAD]
+    return q[SHARE] * q[INERTIA_MOTOR], q[INERTIA_LOAD]
+
+
+@njit(**COMPILED)
 def _continuous(q, dt, n, third, load, slope, angle, tail, head, closed, law, block):
     """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
     block[:] = 0.0
     jm, jl = q[INERTIA_MOTOR], q[INERTIA_LOAD]
     k, further, rate, other = _shafts(q, head != 2)
-    j_tail, j_head = jm, jl  # before and behind the gap
+    j_tail, j_head = _at_the_gap(q, third > 0, head != 2)
     if third > 0 and head == 2:
-        j_tail = q[SHARE] * jm
         jm -= j_tail
         _damped_spring(block, tail, (third, 1), further, other * further, jm, j_tail)
     elif third > 0:
-        j_head = q[SHARE] * jl
         jl -= j_head
         _damped_spring(block, 2, (third, head), further, other * further, j_head, jl)
     spring = k if closed else 0.0
@@ -274,3 +283,7 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     c[CONSTANT] = q[LOAD_TORQUE]
     c[WHOLE] = math.floor(q[DELAY] / dt)
     c[PART] = q[DELAY] / dt - c[WHOLE]
+    # What an impact's force does otherwise than its law says acts on both sides of the gap.
+    j_tail, j_head = _at_the_gap(q, third > 0, behind)
+    kick = q[IMPACT] / (j_tail + j_head) / level
+    c[KICKS], c[KICKS + 1] = kick * j_head, -kick * j_tail

@@ -64,3 +64,26 @@ def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(searc
     held = with_other_torque(replace(best, flt=ramp, cost=ramp.run(best.theta).cost), search.box)
     assert held is not None and not held.flt.ramp
     assert held.over(ramp).ramp is False
+
+
+def test_a_rigid_drive_has_all_that_the_other_has_but_for_the_spring(plant: lm.Drivetrain):
+    """Under an unknown load torque a rigid drive without one lost to any spring."""
+    dt, count = 1e-3, 2.0 * np.pi / 2**16
+    torque = lm.signals.excitation(4.0, dt, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    load = 2.0 * np.sin(3.0 * np.arange(torque.size) * dt)
+    rigid = lm.Drivetrain(inertias=(0.1292,), frictions=(lm.Friction(viscous=0.0175, coulomb=2.0),))
+    angle = lm.simulate(rigid, torque_motor=torque, torque_load=load, dt=dt)["angle_motor"]
+    floor = count / np.sqrt(12.0)
+    flt = ContactFilter(
+        torque, np.floor(angle / count) * count, dt, True, floor, floor, 7, (0, torque.size), drifts=True
+    )
+    search = Search.of(flt, plant, plant, (), None, (0.1292, 0.05))
+    search = replace(search, part=replace(flt, drifts=False))
+    theta = search.begun["nameplate"]
+    without, beside = (
+        search.rigid(like)
+        for like in (None, Candidate("any", theta, 1.0, flt, [INDEX["coulomb"], INDEX["rise"]]))
+    )
+    assert beside.flt.drifts and not without.flt.drifts
+    assert beside.theta[INDEX["torque_rate"]] > -np.inf == without.theta[INDEX["torque_rate"]]
+    assert beside.cost < 0.2 < without.cost - 0.2

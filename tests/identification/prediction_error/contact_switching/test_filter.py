@@ -15,6 +15,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
     Run,
     white_noise,
 )
+from lostmotion.identification.prediction_error.contact_switching.likelihood import fitted_rates
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 
@@ -260,3 +261,20 @@ def test_a_lag_of_next_to_nothing_is_none(plant: lm.Drivetrain):
     tiny[INDEX["lag"]] += 1e-12
     assert flt.run(tiny).cost == pytest.approx(without, abs=1e-6)
     assert without == pytest.approx(0.0, abs=0.1)
+
+
+@pytest.mark.parametrize(("law", "least"), [("viscoelastic", 0.0), ("physical", 0.5)])
+def test_what_no_law_tells_of_an_impact_is_a_share_of_the_approach(
+    plant: lm.Drivetrain, values: dict[str, float], law: str, least: float
+):
+    """Of a contact with another law the filter lost the motion at each impact. An exact one leaves no share to find."""
+    dt, count = 2e-4, 2.0 * np.pi / 2**24
+    torque = lm.signals.excitation(1.0, dt, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    other = replace(plant, shafts=(replace(plant.shafts[0], contact=law),))
+    angle = np.floor(lm.simulate(other, torque_motor=torque, dt=dt)["angle_motor"] / count) * count
+    floor = count / np.sqrt(12.0)
+    flt = ContactFilter(torque, angle, dt, True, floor, floor, 9, (0, torque.size))
+    exact, share = flt.theta(values), flt.theta(values | {"impact": 0.1})
+    fitted = fitted_rates(flt, share, ("impact",))
+    assert flt.run(exact).cost - flt.run(fitted).cost > least - 0.02
+    assert (flt.values(fitted)[INDEX["impact"]] > 1e-4) == (law == "physical")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lostmotion.identification.prediction_error.contact_switching import refits
 from lostmotion.identification.prediction_error.contact_switching.estimate import CORE, TOLD
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
@@ -41,3 +42,22 @@ def test_a_law_counts_as_far_as_the_recording_is_not_explained(flt: ContactFilte
     place = TOLD.index("backlash")
     assert disagreement(best, [near], box)[place] == pytest.approx(0.2)
     assert disagreement(best, [far], box)[place] < 0.01
+
+
+def test_rows_that_tell_little_of_a_value_shift_it_little(
+    flt: ContactFilter, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
+):
+    """A fit of rows that know the backlash ten times worse may be 0.2 off: the fit of all rows hardly heard them."""
+    best, _ = fitted(flt.liveliest(4000), values)
+    theta, place = best.theta.copy(), TOLD.index("backlash")
+    theta[INDEX["backlash"]] += 0.2
+    away = replace(best, theta=theta)
+
+    def shift(error: float) -> float:
+        errors = {id(best): 0.001, id(away): error}
+        monkeypatch.setattr(refits, "scatter", lambda one: (np.eye(8), np.full(8, errors[id(one)])))
+        return float(refits._beyond_chance(away, best)[place])
+
+    assert shift(0.0014) == pytest.approx(0.2, rel=0.01)
+    assert shift(0.01) == pytest.approx(0.02 * 0.2, rel=0.01)
+    assert shift(0.2) == 0.0

@@ -16,12 +16,13 @@ from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, Estimate, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
-from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
+from .likelihood_ratio import alike
 from .refits import disagreement
 from .selection import ELSEWHERE, apart, cost_of, plausible, stands_out
 from .slow_motion import sure_inertia
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
+from .structures.rising_friction import FADES, with_rising_friction
 from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
 
 Array = NDArray[np.float64]
@@ -132,12 +133,17 @@ class Search:
         return side_by_side(lambda one: polish(one, self.part, self.box), numbered)
 
     def rigid(self, like: Candidate | None = None) -> Candidate:
-        """One inertia with friction and lag; beside another candidate with its torque and with fitted rates."""
+        """One inertia with friction and lag; beside another candidate with all that this has but for the spring: an
+        unknown load torque, how the torques change, friction that rises towards rest."""
         theta, free = rigid_start(self.flt, self.start)
-        found = descend(
-            "rigid", replace(self.part, ramp=like is not None and like.flt.ramp), theta, free, self.box
-        )
-        return found if like is None else polish(found, found.flt, self.box)
+        if like is None:
+            return descend("rigid", self.part, theta, free, self.box)
+        flt = replace(self.part, ramp=like.flt.ramp, drifts=like.flt.drifts)
+        theta[INDEX["torque_rate"]] = like.theta[INDEX["torque_rate"]]
+        found = [descend("rigid", flt, theta, free, self.box)]
+        if like.rises:
+            found += [with_rising_friction(found[0], fade, self.box) for fade in FADES]
+        return min((polish(one, flt, self.box) for one in found), key=cost_of)
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
         """The fit with friction at both ends, asymmetry, delay and a third inertia's own damping, within a box."""
@@ -180,7 +186,7 @@ class Search:
         found = side_by_side(self.descent, list(self.begun))
         found += [*self._polished(apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED]), *self.from_grid()]
         best = min(found, key=cost_of)
-        if not clearly_better(best, self.rigid(best), CHANCE_RIGID):
+        if self.rigid(best).cost < best.cost:
             return found  # no torsion shows
         found += self.otherwise(found, apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED])
         found += self.thirds(found)

@@ -24,6 +24,7 @@ PARAMETERS = {
     "delay": "samples", "asymmetry": "plain", "asymmetry_motor": "plain", "load_torque": "torque", "share": "log",
     "compliance": "log", "loss": "log", "motor_rate": "log", "load_rate": "log", "torque_rate": "log",
     "rise": "plain", "fade": "log", "rise_motor": "plain", "fade_motor": "log",
+    "impact": "log",
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}

@@ -12,7 +12,7 @@ from ..innovations import NAMES as TOLD
 from ..innovations import Predictor
 from .filter import INDEX, ContactFilter
 from .likelihood import Box, Candidate, fitted_rates, minimise
-from .starts import RATE, TORQUE_RATE
+from .starts import unknown
 
 #: Gauss–Newton steps before and after the rates are fitted (numerics: two or three reach the edge of an interval).
 STEPS = 6
@@ -42,9 +42,8 @@ def within_intervals(
     exactly needs little. No better values are looked for once the cost is below ``enough``.
     """
     drivetrain, names = predictor.drivetrain(told.theta), ("coulomb_motor", "viscous_motor")
-    rate = RATE * 2.0 * np.pi * drivetrain.pole_frequency
     values = {name: float(getattr(drivetrain, name)) for name in (*TOLD, *names)}
-    values |= {"motor_rate": rate, "load_rate": rate, "torque_rate": TORQUE_RATE * flt.torque_deviation}
+    values |= unknown(flt, 2.0 * np.pi * drivetrain.pole_frequency)
     free = [INDEX[name] for name in TOLD if name not in fixed and (values[name] > 0.0 or name == "lag")]
     if predictor.joint_piece is not None:
         values |= dict(zip(("share", "compliance"), predictor.joint_piece, strict=True)) | {"loss": 1.0}

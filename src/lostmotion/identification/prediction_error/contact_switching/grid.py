@@ -14,7 +14,7 @@ from .filter import ContactFilter
 from .likelihood import Box, Candidate, rates_first, side_by_side
 from .selection import cost_of
 from .slow_motion import SlowFriction
-from .starts import AT_MOTOR, DAMPING_RATIO, LAG, RATE, TORQUE_RATE, free_places
+from .starts import AT_MOTOR, DAMPING_RATIO, LAG, free_places, unknown
 
 Array = NDArray[np.float64]
 
@@ -47,8 +47,7 @@ def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Ite
             "coulomb": (1.0 - AT_MOTOR) * slow.coulomb, "viscous": (1.0 - AT_MOTOR) * slow.viscous,
             "coulomb_motor": AT_MOTOR * slow.coulomb, "viscous_motor": AT_MOTOR * slow.viscous,
             "load_torque": slow.load_torque, "lag": LAG * flt.dt, "delay": LAG * flt.dt,
-            "motor_rate": RATE * omega, "load_rate": RATE * omega, "torque_rate": TORQUE_RATE * torque,
-        } | known  # fmt: skip
+        } | unknown(flt, omega) | known  # fmt: skip
         yield flt.theta(values)
 
 

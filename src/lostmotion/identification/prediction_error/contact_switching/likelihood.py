@@ -28,8 +28,9 @@ GAIN = 1e-4
 #: First noise level of a descent over the motion's own, that from values that were fitted already, and the factor from
 #: level to level (numerics).
 FIRST_LEVEL, FITTED_LEVEL, LEVEL_FACTOR = 0.03, 0.003, 5.0
-#: Rates of the filter's unknown torques, and the factor by which they are searched (numerics).
-RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate"), 3.0
+#: What the filter does not know: rates of unknown torques, and the share by which an impact may be off; and the factor
+#: by which they are searched (numerics).
+RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate", "impact"), 3.0
 #: Rounds of fitting the parameters and the rates in turn at most; a round that lowers the cost by less is the last one.
 #: (Numerics: what the filter follows with an unknown torque it does not follow with its parameters, so that both
 #: change together, and slowly.)
@@ -56,11 +57,14 @@ class Box:
 
     @classmethod
     def around(cls, flt: ContactFilter, theta: Array, far: float) -> Box:
-        """Within a factor ``far``; lag and delay within 20 ms, asymmetries and parts below one.
+        """Within a factor ``far``, its square for a backlash, which a nameplate may lack; lag and delay within 20 ms,
+        asymmetries and parts below one.
 
         A measured torque is ahead of that which acts by a sample at most: it is what acted at the row.
         """
         lower, upper = theta - np.log(far), theta + np.log(far)
+        lower[INDEX["backlash"]] -= np.log(far)
+        upper[INDEX["backlash"]] += np.log(far)
         lower[INDEX["lag"]], upper[INDEX["lag"]] = np.log(1.02 * flt.dt), np.log(flt.dt + 0.02)
         lower[INDEX["delay"]], upper[INDEX["delay"]] = -1.0, 0.02 / flt.dt
         for name in ("asymmetry", "asymmetry_motor"):
@@ -177,6 +181,12 @@ class Candidate:
         flt, third = self.flt, bool(np.isfinite(self.theta[INDEX["share"]]))
         return flt.law, flt.ramp, flt.drifts, third, third and flt.behind, self.rises
 
+    def contains(self, other: Candidate) -> bool:
+        """Whether it has all parts of the other, under the same laws."""
+        mine, its = self.structure, other.structure
+        third = not its[3] or mine[3:5] == its[3:5]
+        return mine[:3] == its[:3] and third and (self.rises or not other.rises)
+
     @property
     def rises(self) -> bool:
         """Whether the rise of a friction towards rest is fitted."""
@@ -237,6 +247,7 @@ def fitted_rates(flt: ContactFilter, theta: Array, names: Sequence[str] = RATES)
     for _ in range(2):
         before = cost
         for name in names:
+            start = cost
             for factor in (RATE_FACTOR, 1.0 / RATE_FACTOR):
                 while True:
                     trial = theta.copy()
@@ -245,6 +256,8 @@ def fitted_rates(flt: ContactFilter, theta: Array, names: Sequence[str] = RATES)
                     if not lower < cost - 1e-5:
                         break
                     theta, cost = trial, lower
+                if cost < start:  # back is higher
+                    break
         if cost == before:
             break
     return theta

@@ -12,6 +12,7 @@ from ...statistics.block_covariance import student_factor
 from .estimate import distance, scatter
 from .filter import ContactFilter
 from .likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
+from .selection import cost_of
 
 Array = NDArray[np.float64]
 
@@ -35,7 +36,9 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
     def again(flt: ContactFilter) -> Candidate:
         # From a higher noise level, where the cost is smooth: a fit that cannot get away proves nothing.
         found = descend(best.start, replace(flt, level=flt.floor), best.theta, best.free, box, FITTED_LEVEL)
-        return polish(replace(found, flt=replace(found.flt, level=flt.level)), flt, box)
+        # A descent that ends where these rows are predicted worse than beside the best shows no shift.
+        ends = [replace(one, flt=replace(flt, level=flt.level)) for one in (found, best)]
+        return min((polish(one, flt, box) for one in ends), key=cost_of)
 
     noisy, *halves = side_by_side(again, parts)
     shifts = [distance(noisy, best), *(_beyond_chance(one, best) for one in halves)]
@@ -45,7 +48,11 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
 
 
 def _beyond_chance(part: Candidate, best: Candidate) -> Array:
-    """(8,) distance of a fit of some rows from that of all, less what their noise makes of it."""
-    away, chance = distance(part, best), student_factor(1) * scatter(part)[1]
-    with np.errstate(invalid="ignore"):
-        return np.where(away > chance, np.sqrt(away**2 - chance**2), 0.0)
+    """(8,) distance of a fit of some rows from that of all, less what their noise makes of it; what these rows tell
+    little of, they shift little."""
+    away, error, of_all = distance(part, best), scatter(part)[1], scatter(best)[1]
+    chance = student_factor(1) * error
+    with np.errstate(invalid="ignore", divide="ignore"):
+        # The fit of all rows is the mean of those of both halves, each by its information.
+        weight = np.minimum(1.0, 2.0 * (of_all / error) ** 2)
+        return np.where(away > chance, weight * np.sqrt(away**2 - chance**2), 0.0)

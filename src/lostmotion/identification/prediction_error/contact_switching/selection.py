@@ -10,7 +10,7 @@ from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
 from .estimate import distance
 from .likelihood import Candidate
-from .likelihood_ratio import plausible_beside
+from .likelihood_ratio import alike, plausible_beside
 
 #: Candidates that differ by less than this in all logarithms are one (numerics: below an interval); by more than the
 #: second they are elsewhere (numerics: a descent comes from about so far).
@@ -31,9 +31,17 @@ def apart(found: Sequence[Candidate], far: float = SAME) -> list[Candidate]:
 
 
 def plausible(found: Sequence[Candidate]) -> list[Candidate]:
-    """Candidates that may be right: those that predict about as well as the best, which comes first."""
+    """Candidates that may be right: those that predict about as well as the best, which comes first.
+
+    A descent with more parts that predicts worse than one with some of them has failed: with nothing of the other parts
+    it would be where that is.
+    """
     found = sorted(found, key=cost_of)
-    return [one for one in found if plausible_beside(one, found[0])]
+
+    def arrived(one: Candidate) -> bool:
+        return alike(one, next(other for other in found if one.contains(other)))
+
+    return [one for one in found if plausible_beside(one, found[0]) and arrived(one)]
 
 
 def stands_out(found: Sequence[Candidate]) -> bool:

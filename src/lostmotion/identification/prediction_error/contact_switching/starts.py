@@ -18,8 +18,8 @@ from .structures.rising_friction import friction_lines
 Array = NDArray[np.float64]
 
 #: Shares of the friction that start at the motor; rates of the unknown torques over the pole's and over the torque's
-#: standard deviation (numerics: of a load torque so little that the rest of the model is looked at first).
-AT_MOTOR, RATE, TORQUE_RATE = 0.3, 0.5, 1e-3
+#: standard deviation, and share of an impact (numerics: so little that the rest of the model is looked at first).
+AT_MOTOR, RATE, TORQUE_RATE, IMPACT = 0.3, 0.5, 1e-3, 0.01
 #: What a start without nameplate value has, over the torque's deviation: Coulomb and viscous torque, wind-up in a gap;
 #: and a lag in samples (numerics).
 COULOMB, VISCOUS, GAP, LAG = 0.03, 0.01, 0.5, 0.5
@@ -48,7 +48,7 @@ def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]
     given |= {f"{name}_motor": given[name] for name in ("coulomb", "viscous")}
     # What is left of the load hangs on a critically damped spring beyond the recording's band: all is observable.
     own, load = 2.0 * np.pi / flt.dt, LEFT * start.inertia_total
-    given |= dict.fromkeys(("backlash", "coulomb", "viscous", "torque_rate"), 0.0)
+    given |= dict.fromkeys(("backlash", "coulomb", "viscous", "torque_rate", "impact"), 0.0)
     given |= {"stiffness": own**2 * load, "damping": 2.0 * own * load}
     given |= {"inertia_motor": start.inertia_total, "inertia_load": load}
     names = (
@@ -91,7 +91,14 @@ def start_values(
         given |= {f"{n}_motor": AT_MOTOR * given[n] for n in ("coulomb", "viscous") if n not in fixed}
     else:
         given |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
-    return given | {"motor_rate": RATE * pole, "load_rate": RATE * pole, "torque_rate": TORQUE_RATE * torque}
+    return given | unknown(flt, pole)
+
+
+def unknown(flt: ContactFilter, pole: float) -> dict[str, float]:
+    """What a start takes for the rates of unknown torques and the share of an impact; ``pole`` in rad/s."""
+    rate = RATE * pole
+    torque_rate = TORQUE_RATE * flt.torque_deviation
+    return {"motor_rate": rate, "load_rate": rate, "torque_rate": torque_rate, "impact": IMPACT}
 
 
 def lag(candidate: Candidate) -> float:
