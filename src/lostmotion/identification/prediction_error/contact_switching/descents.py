@@ -13,7 +13,7 @@ from ....drivetrain import Drivetrain
 from . import grid
 from .backlash_scan import with_other_backlash
 from .choices import Choice, other_choices, other_parts
-from .estimate import CORE, Estimate, told
+from .estimate import CORE, EXPLAINED, Estimate, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
@@ -186,7 +186,7 @@ class Search:
         found = side_by_side(self.descent, list(self.begun))
         found += [*self._polished(apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED]), *self.from_grid()]
         best = min(found, key=cost_of)
-        if self.rigid(best).cost < best.cost:
+        if self.rigid(best).cost < min(best.cost, EXPLAINED):
             return found  # no torsion shows
         found += self.otherwise(found, apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED])
         found += self.thirds(found)
