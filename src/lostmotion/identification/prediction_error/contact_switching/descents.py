@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
 from . import grid
-from .backlash_scan import with_other_backlash
+from .backlash_scan import with_better_backlash, with_other_backlash
 from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, EXPLAINED, Estimate, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
@@ -254,8 +254,8 @@ class Search:
         return estimate if np.any(np.isfinite(estimate.half[CORE])) else None
 
     def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
-        """Over more rows, which tell more of them apart: those that predict these best, then the best under other laws
-        and with parts that it does not have; the lowest first."""
+        """Over more rows, which tell more of them apart: those that predict these best, then the best under other laws,
+        with backlashes beside its own and with parts that it does not have; the lowest first."""
         judged = side_by_side(lambda one: _judged(one, one.over(flt)), apart(others, NEAR))
         found = side_by_side(
             lambda one: polish(one, one.flt, self.box), sorted(judged, key=cost_of)[:POLISHED]
@@ -265,6 +265,7 @@ class Search:
         found += side_by_side(
             lambda law: replace(polish(best, replace(best.flt, law=law), self.box), start=law), laws
         )
+        found += self._polished(with_better_backlash(min(found, key=cost_of), self.box))
         best = min(found, key=cost_of)
         begun = side_by_side(lambda part: part(best), other_parts(best, self.coarse, self.box, self.piece))
         found += side_by_side(lambda one: polish(one, one.over(flt), self.box), begun)
