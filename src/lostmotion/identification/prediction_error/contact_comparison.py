@@ -13,8 +13,9 @@ from ...argument_checks import checks_arguments
 from ...drivetrain import Drivetrain
 from ...errors import Problem
 from ...recording import Recording
-from ..statistics.block_covariance import BLOCKS, growth
+from ..statistics.block_covariance import block_squares
 from . import problems as problem
+from .contact_switching.likelihood_ratio import chance_of
 from .identify import CONTACTS, identify
 from .result import Identification
 
@@ -22,8 +23,8 @@ Array = NDArray[np.float64]
 
 #: The better law must lower the innovations' sum of squares by this fraction (calibrated on two masses of Table I under
 #: both laws, seeds 1 and 2, ``benchmarks/calibrations.py``: 4 of 4 are right with half and double of it; below, what
-#: else the model leaves out may decide), and the blocks of the recording must agree with 95 % certainty.
-LEAST_GAIN = 0.01
+#: else the model leaves out may decide), and the recording's blocks must agree with this chance (option).
+LEAST_GAIN, CERTAIN = 0.01, 0.975
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,7 +38,8 @@ class ContactComparison:
     gain : float
         By how much it lowers the sum of squares of the innovations, as a fraction.
     certainty : float
-        t statistic of the blocks' differences.
+        Standard deviations of a normal distribution beyond which lies as little as the chance that blocks which favour
+        neither law agree so well.
     found : mapping of law → Identification
     problems : tuple of Problem
         A warning where the laws cannot be distinguished.
@@ -57,7 +59,8 @@ class ContactComparison:
         verdict = (
             f"{laws} cannot be distinguished" if self.better is None else f"{self.better} predicts better"
         )
-        return f"{type(self).__name__}: {verdict} (by {100.0 * self.gain:.2g} %, t = {self.certainty:.1f})"
+        how = f"by {100.0 * self.gain:.2g} %, {self.certainty:.1f} standard deviations"
+        return f"{type(self).__name__}: {verdict} ({how})"
 
     def summary(self) -> str:
         """Which law predicts better, then what was identified under each."""
@@ -80,7 +83,7 @@ def compare_contacts(
     -------
     ContactComparison
     """
-    from scipy.stats import t
+    from scipy.stats import norm
 
     found = {
         law: identify(
@@ -95,8 +98,10 @@ def compare_contacts(
     }
     order = sorted(CONTACTS, key=lambda law: found[law].prediction.rms)
     best, other = (found[law].prediction.residual for law in order)
-    blocks, certainty = growth(other, best)
-    gain = 1.0 - 1.0 / (1.0 + blocks / BLOCKS)
-    told = gain > LEAST_GAIN and certainty > float(t.ppf(0.975, BLOCKS - 1))
+    of_best, of_other = block_squares(best), block_squares(other)
+    gain = 1.0 - float(np.sum(of_best) / max(np.sum(of_other), 1e-300))
+    # A few blocks that differ much do not hide that all agree, as their deviation in Student's test would.
+    certainty = max(float(norm.isf(chance_of(of_other - of_best))), 0.0)
+    told = gain > LEAST_GAIN and certainty > float(norm.ppf(CERTAIN))
     problems = () if told else (problem.laws_alike(gain, certainty, LEAST_GAIN),)
     return ContactComparison(order[0] if told else None, gain, certainty, found, problems)

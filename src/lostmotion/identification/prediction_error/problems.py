@@ -148,8 +148,8 @@ def second_minimum(found: Drivetrain, other: Mapping[str, float]) -> Problem:
 
 
 def laws_alike(gain: float, certainty: float, least: float) -> Problem:
-    """Two contact laws: gain of the better one and the least that counts, as fractions; t statistic."""
-    got = f"laws whose predictions differ by {100.0 * gain:.2g} % (t = {certainty:.1f})"
+    """Two contact laws: gain of the better one and the least that counts, as fractions; standard deviations."""
+    got = f"laws whose predictions differ by {100.0 * gain:.2g} % ({certainty:.1f} standard deviations)"
     remedy = (
         "They cannot be distinguished here: keep the viscoelastic law, or record faster crossings of the gap."
     )

@@ -118,6 +118,12 @@ def student_factor(p: int) -> float:
     return float(t.ppf(0.975, BLOCKS - p))
 
 
+def block_squares(residual: Array) -> Array:
+    """(BLOCKS,) sums of squares of a residual's (n,) blocks."""
+    length = residual.size // BLOCKS
+    return np.asarray(np.square(residual[: length * BLOCKS]).reshape(BLOCKS, length).sum(axis=1))
+
+
 def growth(residual: Array, reference: Array) -> tuple[float, float]:
     """How much larger the sum of squares of a residual is than that of a reference, both (n,).
 
@@ -127,13 +133,9 @@ def growth(residual: Array, reference: Array) -> tuple[float, float]:
         In multiples of the reference's mean sum over one of ``BLOCKS`` blocks; and the t statistic of the mean of the
         blocks' differences, which is small where a single block makes all of it.
     """
-    length = residual.size // BLOCKS
-    squares = [
-        np.square(r[: length * BLOCKS]).reshape(BLOCKS, length).sum(axis=1) for r in (residual, reference)
-    ]
-    difference = squares[0] - squares[1]
+    difference = block_squares(residual) - block_squares(reference)
     deviation = float(np.std(difference, ddof=1)) / np.sqrt(BLOCKS)
-    typical = float(np.mean(squares[1]))
+    typical = float(np.mean(block_squares(reference)))
     mean = float(np.mean(difference))
     return BLOCKS * mean / max(typical, 1e-300), mean / max(deviation, 1e-300)
 

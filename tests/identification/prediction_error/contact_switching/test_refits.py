@@ -53,11 +53,13 @@ def test_rows_that_tell_little_of_a_value_shift_it_little(
     theta[INDEX["backlash"]] += 0.2
     away = replace(best, theta=theta)
 
-    def shift(error: float) -> float:
+    def shift(error: float) -> tuple[float, float]:
         errors = {id(best): 0.001, id(away): error}
         monkeypatch.setattr(refits, "scatter", lambda one: (np.eye(8), np.full(8, errors[id(one)])))
-        return float(refits._beyond_chance(away, best)[place])
+        found, part = refits._beyond_chance(away, best)
+        return float(found[place]), float(part[place])
 
-    assert shift(0.0014) == pytest.approx(0.2, rel=0.01)
-    assert shift(0.01) == pytest.approx(0.02 * 0.2, rel=0.01)
-    assert shift(0.2) == 0.0
+    assert shift(0.0014) == pytest.approx((0.2, 0.5), rel=0.03)
+    assert shift(0.01) == pytest.approx((0.2, 0.01), rel=0.01)
+    assert shift(0.2) == (0.0, 0.0)
+    assert shift(0.0009) == pytest.approx((0.2, 1.0))

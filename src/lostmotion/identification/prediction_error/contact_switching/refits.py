@@ -41,18 +41,23 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
         return min((polish(one, flt, box) for one in ends), key=cost_of)
 
     noisy, *halves = side_by_side(again, parts)
-    shifts = [distance(noisy, best), *(_beyond_chance(one, best) for one in halves)]
+    shifts = [_beyond_chance(noisy, best)[0]]
+    # The fit of all rows is the mean of those of both halves, each by its information.
+    for shift, part in (_beyond_chance(one, best) for one in halves):
+        shifts.append(np.minimum(2.0 * part, 1.0) * shift)
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]
     return np.asarray(np.max(shifts, axis=0))
 
 
-def _beyond_chance(part: Candidate, best: Candidate) -> Array:
-    """(8,) distance of a fit of some rows from that of all, less what their noise makes of it; what these rows tell
-    little of, they shift little."""
-    away, error, of_all = distance(part, best), scatter(part)[1], scatter(best)[1]
-    chance = student_factor(1) * error
+def _beyond_chance(other: Candidate, best: Candidate) -> tuple[Array, Array]:
+    """(8,) distance of another fit from the best, less what noise makes of it, and (8,) its part of the information.
+
+    The best knows its values better: the variance of the difference is the difference of the variances. Source: Hausman
+    (1978), Specification tests in econometrics, Econometrica 46, lemma 2.1.
+    """
+    away, error, of_best = distance(other, best), scatter(other)[1], scatter(best)[1]
     with np.errstate(invalid="ignore", divide="ignore"):
-        # The fit of all rows is the mean of those of both halves, each by its information.
-        weight = np.minimum(1.0, 2.0 * (of_all / error) ** 2)
-        return np.where(away > chance, weight * np.sqrt(away**2 - chance**2), 0.0)
+        chance = student_factor(1) * np.sqrt(np.maximum(error**2 - of_best**2, 0.0))
+        shift = np.where(away > chance, np.sqrt(away**2 - chance**2), 0.0)
+        return shift, np.where(shift > 0.0, np.minimum((of_best / error) ** 2, 1.0), 0.0)
