@@ -144,7 +144,7 @@ def test_counts_that_are_too_coarse() -> None:
     """Faster motion with more torque."""
     coarse = find_parameters(material(recorded(step=600.0), START))
     assert "faster motion with more torque" in told(coarse, "Nothing is identified").remedy
-    helped = find_parameters(material(recorded(step=600.0, size=200.0), START))
+    helped = find_parameters(material(recorded(step=600.0, size=400.0), START))
     assert not about(helped, "Nothing is identified")
     assert helped.table["backlash"]["source"] == "identified"
 
