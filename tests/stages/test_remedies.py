@@ -287,8 +287,9 @@ def test_rows_that_are_taken_as_one() -> None:
     helped = find_parameters(material(recorded(1.5, step=0.15), START))
     assert not about(helped, "encoder")
     for name in ("stiffness", "damping", "backlash"):
-        assert coarse.table[name]["source"] == "not excited"
         assert helped.table[name]["source"] == "identified"
+        known = coarse.table[name]["source"] == "identified"
+        assert not known or width(helped, name) < 0.5 * width(coarse, name), name
     assert width(helped, "inertia_total") < 0.5 * width(coarse, "inertia_total")
 
 
