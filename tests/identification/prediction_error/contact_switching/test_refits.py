@@ -54,9 +54,8 @@ def test_rows_that_tell_little_of_a_value_shift_it_little(
     away = replace(best, theta=theta)
 
     def shift(error: float) -> tuple[float, float]:
-        errors = {id(best): 0.001, id(away): error}
-        monkeypatch.setattr(refits, "scatter", lambda one: (np.eye(8), np.full(8, errors[id(one)])))
-        found, part = refits._beyond_chance(away, best)
+        monkeypatch.setattr(refits, "scatter", lambda one: (np.eye(8), np.full(8, error)))
+        found, part = refits._beyond_chance(away, best, np.full(8, 0.001))
         return float(found[place]), float(part[place])
 
     assert shift(0.0014) == pytest.approx((0.2, 0.5), rel=0.03)

@@ -41,22 +41,24 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
         return min((polish(one, flt, box) for one in ends), key=cost_of)
 
     noisy, *halves = side_by_side(again, parts)
-    shifts = [_beyond_chance(noisy, best)[0]]
+    error = scatter(best)[1]
+    shifts = [_beyond_chance(noisy, best, error)[0]]
     # The fit of all rows is the mean of those of both halves, each by its information.
-    for shift, part in (_beyond_chance(one, best) for one in halves):
+    for shift, part in (_beyond_chance(one, best, error) for one in halves):
         shifts.append(np.minimum(2.0 * part, 1.0) * shift)
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]
     return np.asarray(np.max(shifts, axis=0))
 
 
-def _beyond_chance(other: Candidate, best: Candidate) -> tuple[Array, Array]:
-    """(8,) distance of another fit from the best, less what noise makes of it, and (8,) its part of the information.
+def _beyond_chance(other: Candidate, best: Candidate, of_best: Array) -> tuple[Array, Array]:
+    """(8,) distance of another fit from the best, less what noise makes of it, and (8,) its part of the information;
+    ``of_best`` (8,) are the best's standard errors.
 
     The best knows its values better: the variance of the difference is the difference of the variances. Source: Hausman
     (1978), Specification tests in econometrics, Econometrica 46, lemma 2.1.
     """
-    away, error, of_best = distance(other, best), scatter(other)[1], scatter(best)[1]
+    away, error = distance(other, best), scatter(other)[1]
     with np.errstate(invalid="ignore", divide="ignore"):
         chance = student_factor(1) * np.sqrt(np.maximum(error**2 - of_best**2, 0.0))
         shift = np.where(away > chance, np.sqrt(away**2 - chance**2), 0.0)
