@@ -19,6 +19,8 @@ import numpy as np
 
 from ..jit import njit
 from .columns import add, copy, product_of, turned_product
+from .delayed_torque import delayed
+from .gap_in_doubt import blend, mean_gap
 from .motion import (
     error_transition,
     moved,
@@ -27,6 +29,7 @@ from .motion import (
     slopes_of_friction,
     through_changes,
 )
+from .sensitivities import COLUMNS, fill_changes, follow, rises, slides
 from .transitions import (
     BACKLASH,
     BLOCK,
@@ -41,9 +44,7 @@ from .transitions import (
     LEAD,
     NO_GAP,
     NUMBERS,
-    PART,
     STIFFNESS,
-    WHOLE,
     WIDE,
     fill_model,
     layout,
@@ -62,42 +63,6 @@ _STEP = 1e-6
 #: A piece over which a friction that holds is constant, rad of the torsional period (numerics: 1e-3 of its change), and
 #: halvings for it at most (numerics: with six samples in a period; a model of a faster mode is no drive's).
 _SHORT, _MOST_HELD = 0.1, 4
-_ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
-
-
-@njit(forceinline=True, **COMPILED)
-def _mean_gap(z, half, deviation):
-    """For z spread by ``deviation``: chance of contact, the edge that the spring sees while it is in contact, and the
-    variance of the spring's twist beyond what the chance makes of z's."""
-    above, below = (z - half) / deviation, (-z - half) / deviation
-    plus, minus = 0.5 * math.erfc(-above * _ROOT_HALF), 0.5 * math.erfc(-below * _ROOT_HALF)
-    over, under = _DENSITY * math.exp(-0.5 * above * above), _DENSITY * math.exp(-0.5 * below * below)
-    chance = plus + minus
-    mean = over + above * plus - under - below * minus
-    square = (1.0 + above * above) * plus + above * over + (1.0 + below * below) * minus + below * under
-    # The blended spring has the chance already: the edge must not have it again.
-    edge = (half * (plus - minus) - deviation * (over - under)) / max(chance, 1e-300)
-    return chance, edge, deviation * deviation * max(square - mean * mean - chance * chance, 0.0)
-
-
-@njit(forceinline=True, **COMPILED)
-def _blend(t, open, closed, weight, mixed):
-    """Transition over a whole sample, open + weight·(closed − open); which begin at t[open], t[closed]."""
-    for i in range(BLOCK):
-        mixed[i] = t[open + i] + weight * (t[closed + i] - t[open + i])
-
-
-@njit(forceinline=True, **COMPILED)
-def _delayed(torque, k, c, of, ramp):
-    """Mean of the torque that acts over sample k, and by how much it is higher at the beginning than in the end."""
-    first, last = k - int(c[of + WHOLE]), torque.size - 1
-    now, before = torque[min(max(first, 0), last)], torque[min(max(first - 1, 0), last)]
-    mean = now + c[of + PART] * (before - now)
-    if not ramp:
-        return mean, before - now
-    after = torque[min(max(first + 1, 0), last)]
-    end = after + c[of + PART] * (now - after)
-    return 0.5 * (mean + end), mean - end
 
 
 @njit(**COMPILED)
@@ -223,6 +188,10 @@ def innovations(
         )
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
     lead, half = c[LEAD], c[HALF]
+    changes, what = np.zeros((m, 2 * BLOCK)), np.zeros(m, dtype=np.int64)
+    fill_changes(models, numbers, whole, _STEP, changes, what)
+    change, rising = changes.reshape(-1), rises(numbers)
+    room = (np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(WIDE))
     x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
     p, f, work, mixed = np.zeros(square), np.zeros(square), np.zeros(square + WIDE), np.zeros(BLOCK)
     # Sensitivities of the state to θ, column after column, and where they go.
@@ -299,7 +268,7 @@ def innovations(
                 jacobian[j, k, s] = -total
                 add(gain, 0, -total * per, slope, j * WIDE)
         copy(x, old)
-        u, jump = _delayed(torque, k, c, 0, ramp)
+        u, jump = delayed(torque, k, c, 0, ramp)
         rate = x[tail] - x[head]
         z = x[0] + lead * rate
         # In doubt about the contact: an edge is within the filter's uncertainty, and that is more than the way of a
@@ -317,8 +286,8 @@ def innovations(
                 doubt = 0.0
         before, rested, quiet, at, slopes = contact, rest, False, closed * whole, (0.0, 0.0)
         if doubt > 0.0:
-            weight, edge, extra = _mean_gap(z + travel, half, doubt)
-            _blend(t, 0, whole, weight, mixed)
+            weight, edge, extra = mean_gap(z + travel, half, doubt)
+            blend(t, 0, whole, weight, mixed)
             rest = moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
             slopes = slopes_of_friction(c, 0, x, y)
             copy(y, x)
@@ -361,15 +330,27 @@ def innovations(
             p[head * WIDE + head] += back * back
             p[tail * WIDE + head] += kick * back
             p[head * WIDE + tail] += kick * back
-        # How the parameters move the state within this sample, by differences.
+        # How the parameters move the state within this sample.
+        if m > 0 and not rising and (quiet or doubt > 0.0) and slides(old, x):
+            where = (t, at) if quiet else (mixed, 0)
+            if quiet:
+                weight, edge = float(closed), before * half
+            follow(
+                t, whole, where, c, change, what, n, torque, k, ramp, old, u, jump, edge, weight, before,
+                (doubt, rate, travel), _STEP, room, next_slope,
+            )  # fmt: skip
+            for i in range(m * WIDE):
+                slope[i] = next_slope[i]
+            continue
+        # Where something changes, by differences.
         for j in range(m):
             begin, of = (j + 1) * model, (j + 1) * NUMBERS
-            u, jump = _delayed(torque, k, c, of, ramp)
+            u, jump = delayed(torque, k, c, of, ramp)
             if quiet:
                 moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], y)
             elif doubt > 0.0:
-                weight, edge, _ = _mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
-                _blend(t, begin, begin + whole, weight, mixed)
+                weight, edge, _ = mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
+                blend(t, begin, begin + whole, weight, mixed)
                 moved(mixed, 0, c, of, n, old, u, jump, edge, y)
             else:
                 copy(old, gain)

@@ -1,11 +1,11 @@
-"""What the contact-switching filter takes the gap for where it does not know on which side of an edge it is."""
+"""What a filter takes the gap for where it does not know on which side of an edge it is."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from lostmotion.kernels.innovations.contact_switching import _mean_gap
+from lostmotion.kernels.innovations.gap_in_doubt import mean_gap
 
 HALF = 0.1
 
@@ -15,7 +15,7 @@ def test_the_mean_gap_is_that_of_many_draws(z: float, deviation: float):
     """Mean, slope and rest of the spring's twist, as a blend of the open and the closed spring makes them."""
     draws = z + deviation * np.random.default_rng(1).standard_normal(400_000)
     twist = draws - np.clip(draws, -HALF, HALF)
-    chance, edge, rest = _mean_gap(z, HALF, deviation)
+    chance, edge, rest = mean_gap(z, HALF, deviation)
     assert chance * (z - edge) == pytest.approx(np.mean(twist), abs=0.01 * deviation)
     slope = np.cov(twist, draws)[0, 1] / np.var(draws)
     assert chance == pytest.approx(slope, abs=0.01)
