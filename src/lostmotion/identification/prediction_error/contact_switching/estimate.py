@@ -88,11 +88,12 @@ def told(
     covariance, error = scatter(best)
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
-    # A smooth torque that is held acts as one that goes straight from row to row, half a row later.
-    if best.flt.ramp:
-        apart[-1] = max(apart[-1], np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt)))
     half = student_factor(1) * error * beyond_chance(best)
     half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + _allowance(best) ** 2 + EXACT**2)
+    # A smooth torque that is held acts as one that goes straight from row to row, half a row later: the lag is one or
+    # the other, each by chance.
+    if best.flt.ramp:
+        half[-1] += np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt))
     # Places that predict as well and lie far apart are no interval, and neither is what noise and rows scatter as far.
     # Friction, damping and lag make up for what the model lacks.
     half[CORE] = np.where(np.maximum(apart, half)[CORE] > APART, np.inf, half[CORE])
