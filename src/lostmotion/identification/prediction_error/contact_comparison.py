@@ -14,8 +14,8 @@ from ...drivetrain import Drivetrain
 from ...errors import Problem
 from ...recording import Recording
 from ..statistics.block_covariance import block_squares
+from ..statistics.permuted_signs import chance_of
 from . import problems as problem
-from .contact_switching.likelihood_ratio import chance_of
 from .identify import CONTACTS, identify
 from .result import Identification
 

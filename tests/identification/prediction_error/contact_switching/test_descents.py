@@ -57,6 +57,26 @@ def test_descents_from_the_grid_are_judged_by_one_likelihood(search: Search):
         assert one.cost == pytest.approx(one.flt.run(one.theta).cost, abs=1e-12)
 
 
+def test_the_race_is_left_out_where_a_start_explains_the_recording(
+    search: Search, best: Candidate, monkeypatch: pytest.MonkeyPatch
+):
+    """Otherwise the grid is looked at."""
+    raced: list[str] = []
+
+    def race(_: Search) -> list[Candidate]:
+        raced.append("grid")
+        return []
+
+    monkeypatch.setattr(Search, "from_grid", race)
+    found = search.rivals(best)
+    assert raced == [] and np.max(distance(min(found, key=lambda one: one.cost), best)[:4]) < 0.01
+    monkeypatch.setattr(
+        "lostmotion.identification.prediction_error.contact_switching.descents.sharp", lambda _: False
+    )
+    search.rivals(best)
+    assert raced == ["grid"]
+
+
 def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(search: Search, best: Candidate):
     """This recording's is a command: a ramp is no better, and from a ramp the search comes back to it."""
     assert with_other_torque(best, search.box) is None

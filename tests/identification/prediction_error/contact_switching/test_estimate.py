@@ -12,8 +12,10 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
     CORE,
     DISAGREEMENT,
     EXACT,
+    EXPLAINED,
     TOLD,
     distance,
+    sharp,
     told,
 )
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
@@ -51,6 +53,12 @@ def test_a_value_that_only_one_has_is_infinitely_far(best: Candidate):
 def test_the_truth_is_told_with_narrow_intervals(best: Candidate):
     found = told(best, [best], NOTHING, box(best), ())
     assert np.all(found.half[CORE] < 0.1)
+
+
+def test_sharp_is_what_explains_many_rows(best: Candidate):
+    few = best.flt.part(slice(0, 60))
+    assert sharp(best)
+    assert not sharp(replace(best, cost=EXPLAINED)) and not sharp(replace(best, flt=few))
 
 
 def test_what_is_left_unexplained_widens_all(best: Candidate):

@@ -12,7 +12,6 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
 from lostmotion.identification.prediction_error.contact_switching.likelihood_ratio import (
     CHANCE_RIGID,
     alike,
-    chance_of,
     clearly_better,
 )
 
@@ -67,11 +66,6 @@ def test_a_rigid_drive_is_excluded_by_few_moments_that_agree(
     base = np.full(20_000, 0.1)
     best, rigid = (of_rows(flt, rows, monkeypatch) for rows in (base, base + np.repeat(rises, 1000)))
     assert clearly_better(best, rigid, CHANCE_RIGID) and not clearly_better(rigid, best, CHANCE_RIGID)
-
-
-def test_the_chance_of_signs():
-    assert chance_of(np.ones(4)) == chance_of(np.array([3.0, 1.0, 2.0, 0.5])) == pytest.approx(1 / 16)
-    assert chance_of(np.array([1.0, -1.0])) == pytest.approx(0.75)
 
 
 def test_what_is_infinitely_unlikely_is_worse(flt: ContactFilter, values: dict[str, float]):

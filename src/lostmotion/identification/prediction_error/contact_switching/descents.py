@@ -13,7 +13,7 @@ from ....drivetrain import Drivetrain
 from . import grid
 from .backlash_scan import with_better_backlash, with_other_backlash
 from .choices import Choice, other_choices, other_parts
-from .estimate import CORE, EXPLAINED, Estimate, told
+from .estimate import CORE, EXPLAINED, Estimate, sharp, told
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
@@ -182,13 +182,16 @@ class Search:
         return best + side_by_side(lambda one: self._third(one, place), apart(fits)[:POLISHED])
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
-        """Descents from every start, the best of them with fitted rates; and from the fit without its intervals."""
+        """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; and from the
+        fit without its intervals."""
         found = side_by_side(self.descent, list(self.begun))
-        found += [*self._polished(apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED]), *self.from_grid()]
+        found += self._polished(_best_elsewhere(found))
+        if not sharp(min(found, key=cost_of)):
+            found += self.from_grid()
         best = min(found, key=cost_of)
         if self.rigid(best).cost < min(best.cost, EXPLAINED):
             return found  # no torsion shows
-        found += self.otherwise(found, apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED])
+        found += self.otherwise(found, _best_elsewhere(found))
         found += self.thirds(found)
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
@@ -270,6 +273,11 @@ class Search:
         begun = side_by_side(lambda part: part(best), other_parts(best, self.coarse, self.box, self.piece))
         found += side_by_side(lambda one: polish(one, one.over(flt), self.box), begun)
         return sorted(map(split_at_the_softest_shaft, found), key=cost_of)
+
+
+def _best_elsewhere(found: Sequence[Candidate]) -> list[Candidate]:
+    """The best few that lie apart."""
+    return apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED]
 
 
 def _judged(found: Candidate, flt: ContactFilter) -> Candidate:

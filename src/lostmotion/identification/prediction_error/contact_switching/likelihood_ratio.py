@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...statistics.block_covariance import BLOCKS
+from ...statistics.permuted_signs import chance_of
 from .likelihood import Candidate
 
 #: Rise of the log likelihood below which no candidate is better (numerics: ten more parameters raise it by five where
@@ -54,24 +54,3 @@ def clearly_better(one: Candidate, other: Candidate, chance: float = CHANCE) -> 
     rise = other.flt.run(other.theta).rows - one.flt.run(one.theta).rows
     blocks = np.array([np.mean(block) for block in np.array_split(rise, BLOCKS)])
     return bool(np.sum(rise) > LEAST_RISE and chance_of(blocks) < chance)
-
-
-def chance_of(rises: NDArray[np.float64]) -> float:
-    """Chance of so large a sum if each rise were as likely a fall: the share of all choices of signs.
-
-    A few that rise much do not hide that nearly all rise, as their deviation in Student's test would. Source: Fisher
-    (1935), The design of experiments, section 21.
-    """
-    least = np.sum(rises) - 1e-9 * np.sum(np.abs(rises))
-    # Half of the signs beside the other half: a thousand sums each instead of a million.
-    first, second = (_signed_sums(half) for half in np.array_split(rises, 2))
-    enough = second.size - np.searchsorted(np.sort(second), least - first)
-    return float(np.mean(enough) / second.size)
-
-
-def _signed_sums(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2ⁿ,) sums of n values with all choices of signs."""
-    sums = np.zeros(1)
-    for value in values:
-        sums = np.concatenate([sums + value, sums - value])
-    return sums
