@@ -10,6 +10,7 @@ import pytest
 from lostmotion.identification.prediction_error.contact_switching.choices import other_choices, other_parts
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, LAWS, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import Place
 
 CORE = ("inertia_motor", "inertia_load", "stiffness", "damping")
@@ -26,8 +27,9 @@ def candidate(flt: ContactFilter, values: dict[str, float], *free: str) -> Candi
 
 
 def test_what_is_fixed_is_no_choice(flt: ContactFilter, values: dict[str, float], box: Box):
-    """Torque, load torque and law can always be otherwise; gap and rise if they are free."""
+    """Torque, load torque and a gap's law can always be otherwise; gap and rise if they are free."""
     always = 2 + len(LAWS) - 1
+    assert len(other_choices(bare(candidate(flt, values)), box)) == 2
     assert len(other_choices(candidate(flt, values), box)) == always
     assert len(other_choices(candidate(flt, values, "backlash"), box)) == always + 1
     assert len(other_choices(candidate(flt, values, "coulomb"), box)) == always + 2

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from .filter import INDEX, LAWS, ContactFilter
 from .likelihood import Box, Candidate, polish
 from .likelihood_ratio import alike
@@ -33,7 +35,8 @@ def other_choices(best: Candidate, box: Box) -> list[Choice]:
         return lambda one: with_rising_friction(one, fade, box)
 
     changes: list[dict[str, Any]] = [{"ramp": not best.flt.ramp}, {"drifts": not best.flt.drifts}]
-    changes += [{"law": law} for law in LAWS if law != best.flt.law]
+    if np.isfinite(best.theta[INDEX["backlash"]]):
+        changes += [{"law": law} for law in LAWS if law != best.flt.law]
     gapless = [bare] if INDEX["backlash"] in best.free else []
     return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if may_rise(best))]
 

@@ -22,7 +22,6 @@ from .selection import ELSEWHERE, apart, cost_of, plausible, stands_out
 from .slow_motion import sure_inertia
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
-from .structures.rising_friction import FADES, with_rising_friction
 from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
 
 Array = NDArray[np.float64]
@@ -133,17 +132,15 @@ class Search:
         return side_by_side(lambda one: polish(one, self.part, self.box), numbered)
 
     def rigid(self, like: Candidate | None = None) -> Candidate:
-        """One inertia with friction and lag; beside another candidate with all that this has but for the spring: an
-        unknown load torque, how the torques change, friction that rises towards rest."""
+        """One inertia with friction and lag, and all its choices: how the torques change, friction that rises towards
+        rest; beside another candidate with its unknown load torque."""
         theta, free = rigid_start(self.flt, self.start)
-        if like is None:
-            return descend("rigid", self.part, theta, free, self.box)
-        flt = replace(self.part, ramp=like.flt.ramp, drifts=like.flt.drifts)
-        theta[INDEX["torque_rate"]] = like.theta[INDEX["torque_rate"]]
-        found = [descend("rigid", flt, theta, free, self.box)]
-        if like.rises:
-            found += [with_rising_friction(found[0], fade, self.box) for fade in FADES]
-        return min((polish(one, flt, self.box) for one in found), key=cost_of)
+        flt = self.part
+        if like is not None:
+            flt = replace(flt, ramp=like.flt.ramp, drifts=like.flt.drifts)
+            theta[INDEX["torque_rate"]] = like.theta[INDEX["torque_rate"]]
+        found = [polish(descend("rigid", flt, theta, free, self.box), flt, self.box)]
+        return min([*found, *self.otherwise(found, [])], key=cost_of)
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
         """The fit with friction at both ends, asymmetry, delay and a third inertia's own damping, within a box."""
