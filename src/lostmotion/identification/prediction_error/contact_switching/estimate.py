@@ -38,9 +38,10 @@ APART = 0.2
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
-#: Half width by chance of inertias, stiffness and backlash below which a candidate that explains the recording is where
-#: the best one is (calibrated on development drives 1400 to 1849, 2026-11-24: 14 such descents from nameplate or fit
-#: were off by 1 % at most; of 5 with up to 0.2 two were by 14 and 39 %).
+#: Half width by chance of inertias, stiffness and backlash below which the rest of the search leads from a candidate
+#: that explains the recording to the best one (calibrated on development drives 1400 to 1899, 2026-11-24: 17 of 19 such
+#: descents were off by 1.3 % at most, two backlashes by 7 and 52 %, which came out right; of 6 with up to 0.2 three
+#: were off by 10 to 39 %).
 SHARP = 0.05
 #: A parameter whose change shows less than this part of what the one shown best does is not shown (numerics: rounding).
 NO_INFORMATION = 1e-9
