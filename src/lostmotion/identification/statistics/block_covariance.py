@@ -21,7 +21,9 @@ LEAST_REST = 0.2
 
 def normal_equations(jacobian: Array, residual: Array) -> tuple[Array, Array]:
     """J Jᵀ (p, p) and J r (p,) for J (p, n), without BLAS."""
-    return np.einsum("ik,jk->ij", jacobian, jacobian), np.einsum("ik,k->i", jacobian, residual)
+    from ...kernels.numerics.normal_equations import products
+
+    return products(np.ascontiguousarray(jacobian), np.ascontiguousarray(residual))
 
 
 @dataclass(frozen=True, eq=False)
