@@ -189,13 +189,15 @@ def test_nameplate_without_backlash_damping_friction_and_lag():
 
 
 def test_fixed_values_stay():
-    start = PLANT.with_parameters(backlash=0.0123, viscous=0.0, stiffness=9000.0)
-    found = lm.identify(counted(simulated(1, 1.5)), start=start, fixed=("backlash", "viscous"))
-    assert found.drivetrain.backlash == pytest.approx(0.0123, rel=1e-12)
+    plant = PLANT.with_parameters(viscous=0.0)
+    run = lm.simulate(plant, torque_motor=excitation(1.5, seed=1, viscous=0.0), dt=DT)
+    start = plant.with_parameters(stiffness=9000.0)
+    found = lm.identify(counted(run), start=start, fixed=("backlash", "viscous"))
+    assert found.drivetrain.backlash == pytest.approx(PLANT.backlash, rel=1e-12)
     assert found.drivetrain.viscous == 0.0
     assert found.sources["backlash"] == found.sources["viscous"] == "nameplate"
-    assert "backlash" not in found.intervals and found.values["backlash"] == pytest.approx(0.0123)
-    assert 1e-4 < error(found, LAGGED, "stiffness") < 0.03
+    assert "backlash" not in found.intervals and found.values["backlash"] == pytest.approx(PLANT.backlash)
+    assert error(found, LAGGED, "stiffness") < 0.005 and error(found, LAGGED, "inertia_load") < 0.005
 
 
 def test_friction_of_the_motor_stays_as_given():

@@ -186,6 +186,8 @@ def identify(
     result = _result(pieces, predictor, stage, values, start, fixed, total, structure, inertia)
     if not result.names and warnings.is_too_coarse(result.prediction):
         doubts = []  # one reason why nothing is identified is enough: no model explains what is lost in the counts
+    if compared:
+        ambiguous = []  # all minima were compared by their likelihood: the interval has those that predict as well
     result = replace(result, problems=(*result.problems, *doubts, *ambiguous, *coarse))
     say(1.0, "identified")
     return result

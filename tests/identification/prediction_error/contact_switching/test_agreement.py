@@ -186,7 +186,7 @@ def test_a_rigid_drive_has_no_spring():
 def test_an_elastic_drive_whose_torsion_does_not_show():
     """Its mode is at 3.2 kHz, beyond the recording's band: of the inertias the total alone is identified."""
     stiff = TABLE_I.with_parameters(stiffness=6.3e6, damping=12.0, backlash=0.0)
-    found = lm.identify(recorded(stiff, 1e-3, 4.0), start=TABLE_I, second_estimator=False)
+    found = lm.identify(recorded(stiff, 1e-3, 4.0), start=TABLE_I)
     assert set(found.intervals) & {*CORE, "damping"} == set()
     assert total_is_right(found, stiff.inertia_total)
 

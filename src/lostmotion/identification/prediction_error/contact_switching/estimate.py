@@ -150,7 +150,7 @@ def _without_gap(found: Estimate, others: Sequence[Candidate], box: Box) -> Esti
     if not np.all(np.isfinite(found.half[[TOLD.index(name) for name in NEEDED]])):
         return found
     gapless = without_gap(found.best, box)
-    bound = gap_bound(gapless, beyond_chance(gapless)) if gapless else None
+    bound = gap_bound(gapless, beyond_chance(gapless), box) if gapless else None
     if gapless is None or bound is None:
         return found
     gaps = [float(np.exp(one.theta[INDEX["backlash"]])) for one in others]

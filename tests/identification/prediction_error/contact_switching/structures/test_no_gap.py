@@ -39,10 +39,10 @@ def test_without_a_gap_the_bound_is_small(plant: lm.Drivetrain):
     best, box = candidate(plant, 0.0)
     gapless = without_gap(best, box)
     assert gapless is not None and np.isinf(gapless.theta[INDEX["backlash"]])
-    bound = gap_bound(gapless, 1.0)
+    bound = gap_bound(gapless, 1.0, box)
     assert bound is not None and 0.0 < bound < 0.02 * 0.012
     # Intervals that are twice as wide make it larger.
-    wider = gap_bound(gapless, 2.0)
+    wider = gap_bound(gapless, 2.0, box)
     assert wider is not None and bound < wider < 3.0 * bound
 
 
@@ -50,12 +50,13 @@ def test_the_bound_holds_for_gaps_about_as_large(plant: lm.Drivetrain):
     """Once and three times what would not show: the bound is above them, or the gap is seen. One in six may miss."""
     holds = []
     for seed in (1, 2, 3):
-        without = gap_bound(bare(candidate(plant, 0.0, seed)[0]), 1.0)
+        none, box = candidate(plant, 0.0, seed)
+        without = gap_bound(bare(none), 1.0, box)
         assert without is not None
         for gap in (without, 3.0 * without):
             small, box = candidate(plant, gap, seed)
             gapless = without_gap(small, box)
-            above = gap_bound(gapless, 1.0) if gapless else None
+            above = gap_bound(gapless, 1.0, box) if gapless else None
             holds.append(above is None or above > gap)
     assert sum(holds) >= len(holds) - 1
 

@@ -7,14 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from ....statistics.block_covariance import student_factor
-from ...gap.absent_gap import FIRST, ROUNDS, shown
+from ...gap.absent_gap import FIRST, shown
 from ..filter import INDEX
 from ..likelihood import Box, Candidate, inverse_hessian, minimise
 from ..likelihood_ratio import alike
 
 PLACE = INDEX["backlash"]
-#: Gauss–Newton steps without the gap (numerics: what a small gap changes).
+#: Gauss–Newton steps without the gap, or with one of a given size (numerics: what a small gap changes).
 STEPS = 4
+#: Steps from one size of the gap to the next until the bound lies between two; how near these are at the end; and how
+#: far below the first a gap is none (numerics).
+STRIDE, NARROW, FAR = 4.0, 1.3, 1e4
 
 
 def bare(candidate: Candidate) -> Candidate:
@@ -32,26 +35,51 @@ def without_gap(best: Candidate, box: Box) -> Candidate | None:
     return found if alike(found, best) else None
 
 
-def gap_bound(gapless: Candidate, wider: float) -> float | None:
-    """Upper end of the 95 % interval (rad) of the gap of a candidate without one.
+def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:
+    """Upper end of the 95 % interval (rad) of the gap of a candidate without one, from its profile likelihood.
 
-    A small gap shifts the innovations in proportion to its size. What of this shift no other parameter can make up for
-    is compared with the innovations. ``wider``: by how much intervals are wider than chance alone makes them. None
-    where a gap as large as the wind-up would not show either.
+    With a gap of each size the other parameters are fitted anew; beyond the bound the recording is predicted worse by
+    more than chance. ``wider``: by how much intervals are wider than chance alone makes them. None where a gap as large
+    as the wind-up would not show either.
     """
-    flt, stiffness = gapless.flt, float(np.exp(gapless.theta[INDEX["stiffness"]]))
-    run = flt.run(gapless.theta, gapless.free)
-    gap = FIRST * flt.torque_deviation / stiffness
-    for _ in range(ROUNDS):
+    flt, torque = gapless.flt, float(np.max(np.abs(gapless.flt.torque)))
+    first = FIRST * flt.torque_deviation / float(np.exp(gapless.theta[INDEX["stiffness"]]))
+    widest = first * torque / (FIRST * flt.torque_deviation)
+    colour = _colour(gapless, first)
+    if colour is None:
+        return None
+    # Two costs differ by half the square of the deviation, over the rows.
+    rise = 0.5 * (student_factor(1) * wider * colour) ** 2 / flt.rows
+
+    def cost(gap: float) -> float:
         theta = gapless.theta.copy()
         theta[PLACE] = np.log(gap)
-        effect = (flt.run(theta).weighted - run.weighted)[: flt.rows]
-        if not np.any(effect):
-            return None
-        jacobian, rest = np.vstack([run.jacobian[:, : flt.rows], effect]), run.weighted[: flt.rows]
-        step, coloured = shown(jacobian, rest)
-        white = float(np.sqrt(inverse_hessian(jacobian)[-1, -1] * np.mean(rest**2)))
-        gap *= step + student_factor(1) * wider * max(coloured, white)
-        if not gap * stiffness < float(np.max(np.abs(flt.torque))):
-            return None
-    return gap
+        return minimise(flt, theta, gapless.free, box, STEPS)[1]
+
+    # The smallest gap and none differ by what the filter makes of a contact: gaps are compared with gaps.
+    costs, gap = {0.0: cost(first / FAR)}, first
+    while gap < widest:
+        costs[gap] = cost(gap)
+        likely = min(costs.values()) + rise
+        inside = max(each for each in costs if costs[each] <= likely)
+        outside = min((each for each in costs if each > inside), default=np.inf)
+        if outside < NARROW * inside or outside < first / FAR:
+            return float(outside)
+        if np.isinf(outside):
+            gap = STRIDE * inside
+        else:
+            gap = outside / STRIDE if inside == 0.0 else np.sqrt(inside * outside)
+    return None
+
+
+def _colour(gapless: Candidate, gap: float) -> float | None:
+    """By how much slow innovations widen the interval of a gap over white ones; None where it has no effect."""
+    run, theta = gapless.flt.run(gapless.theta, gapless.free), gapless.theta.copy()
+    theta[PLACE] = np.log(gap)
+    rows = gapless.flt.rows
+    effect = (gapless.flt.run(theta).weighted - run.weighted)[:rows]
+    if not np.any(effect):
+        return None
+    jacobian, rest = np.vstack([run.jacobian[:, :rows], effect]), run.weighted[:rows]
+    white = float(np.sqrt(inverse_hessian(jacobian)[-1, -1] * np.mean(rest**2)))
+    return max(shown(jacobian, rest)[1] / white, 1.0)
