@@ -38,8 +38,8 @@ def without_gap(best: Candidate, box: Box) -> Candidate | None:
 def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:
     """Upper end of the 95 % interval (rad) of the gap of a candidate without one, from its profile likelihood.
 
-    With a gap of each size the other parameters are fitted anew; beyond the bound the recording is predicted worse by
-    more than chance. ``wider``: by how much intervals are wider than chance alone makes them. None where a gap as large
+    With a gap of each size the other parameters are fitted anew; beyond the bound the recording is predicted worse than
+    the noise makes it. ``wider``: by how much intervals are wider than those of noise alone. None where a gap as large
     as the wind-up would not show either.
     """
     flt, torque = gapless.flt, float(np.max(np.abs(gapless.flt.torque)))
