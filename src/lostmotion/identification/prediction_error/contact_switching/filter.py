@@ -29,6 +29,7 @@ PARAMETERS = {
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
+#: Friction of the load's end and of the motor's.
 FRICTIONS = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
 #: Numbers of the contact laws and of the kinds of parameters in the kernel (layout).
 LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2}

@@ -37,8 +37,8 @@ RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate", "impact"), 3.0
 ROUNDS, ROUND_GAIN = 3, 1e-3
 #: What has bounds of its own, wherever a descent starts.
 BOUNDED = (
-    "coulomb", "viscous", "coulomb_motor", "viscous_motor", "lag", "delay", "asymmetry", "asymmetry_motor",
-    "load_torque", "share", "compliance", "loss", "rise", "fade", "rise_motor", "fade_motor",
+    *FRICTIONS, "lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss",
+    "rise", "fade", "rise_motor", "fade_motor",
 )  # fmt: skip
 #: Constant load torque at most, over the torque's standard deviation; loss factor of the shaft beyond a third inertia
 #: over that at the gap, either way (numerics: hardly damped steel beside rubber).
@@ -61,7 +61,7 @@ class Box:
     @classmethod
     def around(cls, flt: ContactFilter, theta: Array, far: float) -> Box:
         """Within a factor ``far``, its square for a backlash, which a nameplate may lack; lag and delay within 20 ms,
-        asymmetries and parts below one.
+        asymmetries and parts below one, friction anything from none on.
 
         A measured torque is ahead of that which acts by a sample at most: it is what acted at the row.
         """

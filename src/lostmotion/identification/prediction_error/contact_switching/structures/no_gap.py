@@ -42,9 +42,8 @@ def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:
     the noise makes it. ``wider``: by how much intervals are wider than those of noise alone. None where a gap as large
     as the wind-up would not show either.
     """
-    flt, torque = gapless.flt, float(np.max(np.abs(gapless.flt.torque)))
-    first = FIRST * flt.torque_deviation / float(np.exp(gapless.theta[INDEX["stiffness"]]))
-    widest = first * torque / (FIRST * flt.torque_deviation)
+    flt, stiffness = gapless.flt, float(np.exp(gapless.theta[INDEX["stiffness"]]))
+    first, widest = FIRST * flt.torque_deviation / stiffness, float(np.max(np.abs(flt.torque))) / stiffness
     colour = _colour(gapless, first)
     if colour is None:
         return None
