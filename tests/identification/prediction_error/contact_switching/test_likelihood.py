@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from lostmotion.identification.prediction_error.contact_switching.filter import (
-    FRICTIONS,
-    INDEX,
-    ContactFilter,
-)
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import (
     Box,
     descend,
@@ -28,18 +23,6 @@ def test_sensitivities_lead_back_to_the_truth(flt: ContactFilter, values: dict[s
     found, cost = minimise(flt, theta, CORE, Box.around(flt, truth, 10.0), 10)
     assert np.max(np.abs(found[CORE] - truth[CORE])) < 5e-3
     assert cost == flt.run(found).cost < flt.run(theta).cost
-
-
-def test_friction_goes_from_one_end_to_the_other(flt: ContactFilter, values: dict[str, float]):
-    """A third of it started at the motor, where none is. Along logarithms the sum was lost on the way to none."""
-    third = {f"{name}_motor": values[name] / 3.0 for name in ("coulomb", "viscous")}
-    rest = {name: 2.0 / 3.0 * values[name] for name in ("coulomb", "viscous")}
-    free, box = [INDEX[name] for name in FRICTIONS], Box.around(flt, flt.theta(values), 10.0)
-    found, cost = minimise(flt, flt.theta(values | third | rest), free, box, 8)
-    assert cost < flt.run(flt.theta(values)).cost + 1e-3
-    coulomb, viscous, coulomb_motor, viscous_motor = flt.values(found)[free]
-    assert coulomb_motor < 0.02 * coulomb and viscous_motor < 0.1 * viscous
-    assert coulomb + coulomb_motor == pytest.approx(values["coulomb"], rel=0.01)
 
 
 def test_what_began_outside_of_the_box_goes_on(flt: ContactFilter, values: dict[str, float]):

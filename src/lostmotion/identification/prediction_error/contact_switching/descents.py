@@ -14,12 +14,12 @@ from . import grid
 from .backlash_scan import with_better_backlash, with_other_backlash
 from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, EXPLAINED, Estimate, sharp, told
-from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
+from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
 from .refits import disagreement
 from .selection import ELSEWHERE, apart, cost_of, plausible, stands_out
-from .slow_motion import SlowFriction, sure_inertia
+from .slow_motion import sure_inertia
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
 from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
@@ -93,8 +93,6 @@ class Search:
         slow: tuple[float, float],
     ) -> Search:
         """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
-        friction = SlowFriction.of(flt, start)
-        flt = replace(flt, units=(flt.units[0], friction.coulomb, friction.viscous))
         flt = replace(flt, inertia=sure_inertia(slow, start))
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
@@ -146,11 +144,8 @@ class Search:
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
         """The fit with friction at both ends, asymmetry, delay and a third inertia's own damping, within a box."""
-        # Friction that the fit does not have from a little on, so that it is not left.
-        theta, fitted = fit.theta.copy(), self.begun["fitted"]
-        for place in (INDEX[name] for name in FRICTIONS):
-            theta[place] = theta[place] or fitted[place] / LITTLE
-        theta = np.where(np.isfinite(theta), theta, fitted - np.log(LITTLE))
+        # Friction of the motor from a little on, so that the fit is not left.
+        theta = np.where(np.isfinite(fit.theta), fit.theta, self.begun["fitted"] - np.log(LITTLE))
         third = [INDEX["loss"]] if INDEX["share"] in fit.free else []
         free = sorted({*free_places(self.start, self.fixed), *fit.free, *third})
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)

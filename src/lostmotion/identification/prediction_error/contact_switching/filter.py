@@ -17,11 +17,10 @@ from ..warnings import count_step
 Array = NDArray[np.float64]
 
 #: The kernel's parameters in its order, SI units, and how each enters the parameter vector θ: as a logarithm, as that
-#: of lag + sample time, or plainly in a unit of its own. Friction of either end may be none: what one takes over from
-#: the other keeps the sum, and along the logarithms of both the way to none is a curve that no descent follows.
+#: of lag + sample time, or plainly in a unit of its own.
 PARAMETERS = {
     "inertia_motor": "log", "inertia_load": "log", "stiffness": "log", "damping": "log", "backlash": "log",
-    "coulomb": "friction", "viscous": "damper", "coulomb_motor": "friction", "viscous_motor": "damper", "lag": "lag",
+    "coulomb": "log", "viscous": "log", "coulomb_motor": "log", "viscous_motor": "log", "lag": "lag",
     "delay": "samples", "asymmetry": "plain", "asymmetry_motor": "plain", "load_torque": "torque", "share": "log",
     "compliance": "log", "loss": "log", "motor_rate": "log", "load_rate": "log", "torque_rate": "log",
     "rise": "plain", "fade": "log", "rise_motor": "plain", "fade_motor": "log",
@@ -29,12 +28,10 @@ PARAMETERS = {
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
-#: Friction of the load's end and of the motor's.
-FRICTIONS = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
 #: Numbers of the contact laws and of the kinds of parameters in the kernel (layout).
 LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2}
 #: Likewise (layout).
-KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2, "friction": 2, "damper": 2}
+KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2}
 
 #: Noise over the motion below which a speed has none (numerics: so exactly the filter finds an impact).
 EXACT = 3e-6
@@ -103,8 +100,6 @@ class ContactFilter:
     charged : bool
         Whether innovations larger than the filter thinks are charged. Else they are divided out: the cost of a filter
         that is lost is low and flat. That is no likelihood, but descents come through.
-    units : (float, float, float)
-        Of load torque (Nm), Coulomb (Nm) and viscous friction (Nm s/rad) in θ; the same for all parts of a recording.
     """
 
     torque: Array
@@ -121,7 +116,6 @@ class ContactFilter:
     drifts: bool = False
     inertia: tuple[float, float] = (1.0, np.inf)
     charged: bool = True
-    units: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -142,7 +136,7 @@ class ContactFilter:
         if not floor > (0.0 if counted else EXACT * float(np.std(measured))):
             raise InvalidInput("speed_motor", "no noise", "a sensor's noise", "Check the channel.")
         halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
-        flt = cls(
+        return cls(
             predictor.torque,
             np.ascontiguousarray(measured),
             dt,
@@ -152,8 +146,6 @@ class ContactFilter:
             halvings,
             predictor.bounds,
         )
-        torque = max(flt.torque_deviation, 1e-300)
-        return replace(flt, units=(torque, torque, torque / max(flt.speed_deviation, 1e-300)))
 
     @property
     def rows(self) -> int:
@@ -281,8 +273,9 @@ class ContactFilter:
         return float(np.exp(theta)) if kind == "log" else theta * self._unit(kind)
 
     def _unit(self, kind: str) -> float:
-        torque, friction, damper = self.units
-        return {"samples": self.dt, "torque": torque, "friction": friction, "damper": damper}.get(kind, 1.0)
+        if kind == "samples":
+            return self.dt
+        return self.torque_deviation if kind == "torque" else 1.0
 
 
 def white_noise(values: Array) -> float:

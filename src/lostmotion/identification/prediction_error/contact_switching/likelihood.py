@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
 from ..innovations import THREADS
-from .filter import FRICTIONS, INDEX, ContactFilter, pole_of
+from .filter import INDEX, ContactFilter, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -37,15 +37,12 @@ RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate", "impact"), 3.0
 ROUNDS, ROUND_GAIN = 3, 1e-3
 #: What has bounds of its own, wherever a descent starts.
 BOUNDED = (
-    *FRICTIONS, "lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss",
+    "lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss",
     "rise", "fade", "rise_motor", "fade_motor",
 )  # fmt: skip
 #: Constant load torque at most, over the torque's standard deviation; loss factor of the shaft beyond a third inertia
 #: over that at the gap, either way (numerics: hardly damped steel beside rubber).
 MOST_LOAD, MOST_LOSS = 5.0, 1e4
-#: Friction at least and at most, in its unit (numerics: the smallest is none, the largest holds the drive; a ten
-#: thousandth still shows in 18 bit).
-FRICTION_BOUNDS = (1e-8, 100.0)
 #: Rise of a friction towards rest at most, and the speeds over which it fades, over the speed's standard deviation
 #: (numerics: a slower one is not seen, a faster one is viscous).
 MOST_RISE, FADE_BOUNDS = 3.0, (3e-3, 1.0)
@@ -61,7 +58,7 @@ class Box:
     @classmethod
     def around(cls, flt: ContactFilter, theta: Array, far: float) -> Box:
         """Within a factor ``far``, its square for a backlash, which a nameplate may lack; lag and delay within 20 ms,
-        asymmetries and parts below one, friction anything from none on.
+        asymmetries and parts below one.
 
         A measured torque is ahead of that which acts by a sample at most: it is what acted at the row.
         """
@@ -70,8 +67,6 @@ class Box:
         upper[INDEX["backlash"]] += np.log(far)
         lower[INDEX["lag"]], upper[INDEX["lag"]] = np.log(1.02 * flt.dt), np.log(flt.dt + 0.02)
         lower[INDEX["delay"]], upper[INDEX["delay"]] = -1.0, 0.02 / flt.dt
-        for name in FRICTIONS:
-            lower[INDEX[name]], upper[INDEX[name]] = FRICTION_BOUNDS
         for name in ("asymmetry", "asymmetry_motor"):
             lower[INDEX[name]], upper[INDEX[name]] = -0.95, 0.95
         lower[INDEX["load_torque"]], upper[INDEX["load_torque"]] = -MOST_LOAD, MOST_LOAD
