@@ -71,15 +71,13 @@ def _innovations() -> None:
     from .identification.prediction_error.contact_switching.filter import ContactFilter
     from .identification.prediction_error.innovations import NAMES, Bandwidth, Predictor, to_theta
     from .identification.prediction_error.intermediate_inertia import JointPredictor
-    from .identification.statistics.block_covariance import normal_equations
 
     theta, gains = to_theta([getattr(PLANT, name) for name in NAMES], DT), Bandwidth(100.0, 100.0)
     for kind in (Predictor, JointPredictor):
         kind(TORQUE, SPEED, DT, True, PLANT, skip=1).residual(theta, gains)
     ChannelPredictor(TORQUE, SPEED, DT, True, PLANT, skip=1, channels={}).residual(theta, gains)
     switching = ContactFilter(SPEED, SPEED, DT, False, 1.0, 1.0, 1, (0, SAMPLES))
-    run = switching.run(switching.theta(PLANT.parameters()), [0])
-    normal_equations(run.jacobian, run.weighted)
+    switching.run(switching.theta(PLANT.parameters()), [0])
 
 
 def _estimator(kind: str) -> Callable[[], None]:

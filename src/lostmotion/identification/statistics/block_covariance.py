@@ -21,9 +21,7 @@ LEAST_REST = 0.2
 
 def normal_equations(jacobian: Array, residual: Array) -> tuple[Array, Array]:
     """J Jᵀ (p, p) and J r (p,) for J (p, n), without BLAS."""
-    from ...kernels.numerics.normal_equations import products
-
-    return products(np.ascontiguousarray(jacobian), np.ascontiguousarray(residual))
+    return np.einsum("ik,jk->ij", jacobian, jacobian), np.einsum("ik,k->i", jacobian, residual)
 
 
 @dataclass(frozen=True, eq=False)
