@@ -39,7 +39,7 @@ COULOMB_ALONE = 0.004
 def test_a_sample_with_a_change_ends_where_the_exact_one_does(
     twist: float, motor: float, load: float, torque: float
 ):
-    q = np.zeros(25)
+    q = np.zeros(23)
     q[[INERTIA_MOTOR, INERTIA_LOAD]] = 0.0182, 0.111
     q[[STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS]] = 6285.896, 0.397, 0.012, 2.0, 0.0175
     table, numbers, noise = np.zeros(2 * (FINEST + 1) * BLOCK), np.zeros(NUMBERS), np.zeros(2 * WIDE * WIDE)

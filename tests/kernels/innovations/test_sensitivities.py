@@ -10,7 +10,6 @@ from lostmotion.kernels.innovations.gap_in_doubt import blend, mean_gap
 from lostmotion.kernels.innovations.motion import moved
 from lostmotion.kernels.innovations.sensitivities import COLUMNS, fill_changes, follow, rises, slides
 from lostmotion.kernels.innovations.transitions import (
-    ASYMMETRY,
     BACKLASH,
     BLOCK,
     COMPLIANCE,
@@ -23,12 +22,12 @@ from lostmotion.kernels.innovations.transitions import (
     INERTIA_MOTOR,
     LAG,
     LEAD,
-    LOAD_TORQUE,
     LOSS,
     NUMBERS,
     RISE,
     SHARE,
     STIFFNESS,
+    TORQUE_OFFSET,
     TORQUE_RATE,
     VISCOUS,
     VISCOUS_MOTOR,
@@ -40,8 +39,8 @@ DT, FINEST, STEP = 1e-3, 4, 1e-7
 WHOLE = (FINEST + 1) * BLOCK
 VALUES = {
     INERTIA_MOTOR: 0.0182, INERTIA_LOAD: 0.111, STIFFNESS: 6285.896, DAMPING: 0.397, BACKLASH: 0.012, COULOMB: 2.0,
-    VISCOUS: 0.0175, COULOMB_MOTOR: 0.5, VISCOUS_MOTOR: 0.004, LAG: 8e-4, DELAY: 1.3e-3, ASYMMETRY: 0.1,
-    LOAD_TORQUE: 0.7, SHARE: 0.3, COMPLIANCE: 0.4, LOSS: 1.5, TORQUE_RATE: 1.0,
+    VISCOUS: 0.0175, COULOMB_MOTOR: 0.5, VISCOUS_MOTOR: 0.004, LAG: 8e-4, DELAY: 1.3e-3,
+    TORQUE_OFFSET: 0.7, SHARE: 0.3, COMPLIANCE: 0.4, LOSS: 1.5, TORQUE_RATE: 1.0,
 }  # fmt: skip
 #: All but the rate of the load torque, which is there for its state alone.
 FREE = [place for place in VALUES if place != TORQUE_RATE]
@@ -67,7 +66,7 @@ def models(parameters: np.ndarray, step: float, ramp: bool) -> tuple[np.ndarray,
 @pytest.mark.parametrize("deviation", [0.0, 0.002], ids=["known contact", "contact in doubt"])
 @pytest.mark.parametrize("contact", [-1, 0, 1])
 def test_they_are_those_of_whole_motions(contact: int, deviation: float, ramp: bool):
-    parameters = np.zeros(25)
+    parameters = np.zeros(23)
     parameters[list(VALUES)] = list(VALUES.values())
     tables, numbers = models(parameters, STEP, ramp)
     t, c, n, k = tables.reshape(-1), numbers.reshape(-1), 7, 3
@@ -107,7 +106,7 @@ def test_they_are_those_of_whole_motions(contact: int, deviation: float, ramp: b
 
 
 def test_a_friction_that_may_rise_is_seen():
-    parameters = np.zeros(25)
+    parameters = np.zeros(23)
     parameters[list(VALUES)] = list(VALUES.values())
     _, numbers = models(parameters, STEP, False)
     assert not rises(numbers)

@@ -7,20 +7,18 @@ import pytest
 
 from lostmotion.kernels.innovations.sliding_friction import friction_slope, mean_friction
 
-FORWARDS, BACKWARDS, RISE, FADE = 2.0, 1.5, 0.4, 0.3
-CURVE = FORWARDS, BACKWARDS, RISE, FADE
+LEVEL, RISE, FADE = 2.0, 0.4, 0.3
+CURVE = LEVEL, RISE, FADE
 
 
 def friction(speed: np.ndarray) -> np.ndarray:
-    level = np.where(speed > 0.0, FORWARDS, -BACKWARDS)
-    return level * (1.0 + RISE * np.exp(-np.abs(speed) / FADE))
+    return np.copysign(LEVEL, speed) * (1.0 + RISE * np.exp(-np.abs(speed) / FADE))
 
 
 @pytest.mark.parametrize(("first", "last"), [(0.5, 0.1), (-0.2, -0.9), (0.4, 0.4 + 1e-7), (3.0, 2.0)])
 def test_mean_and_slope_are_those_of_the_curve_between_two_speeds(first: float, last: float):
     per_torque = -0.01
-    level = FORWARDS if first > 0.0 else -BACKWARDS
-    mean, rests = mean_friction(first, last - per_torque * level, per_torque, *CURVE)
+    mean, rests = mean_friction(first, last - per_torque * np.copysign(LEVEL, first), per_torque, *CURVE)
     between = np.linspace(first, last, 10_001)
     assert mean == pytest.approx(np.trapezoid(friction(between)) / 10_000, rel=1e-6) and not rests
     slope = (friction(between[-1:]) - friction(between[:1]))[0] / (last - first)
@@ -28,8 +26,8 @@ def test_mean_and_slope_are_those_of_the_curve_between_two_speeds(first: float, 
 
 
 def test_at_rest_the_friction_holds_up_to_its_highest_level():
-    top = FORWARDS * (1.0 + RISE)
-    for wanted, held in ((0.99 * top, True), (1.01 * top, False), (-1.01 * BACKWARDS * (1.0 + RISE), False)):
+    top = LEVEL * (1.0 + RISE)
+    for wanted, held in ((0.99 * top, True), (1.01 * top, False), (-1.01 * top, False)):
         torque, rests = mean_friction(0.0, 0.01 * wanted, -0.01, *CURVE)
         assert rests is held
         assert torque == pytest.approx(wanted if held else np.sign(wanted) * abs(wanted) / 1.01)
@@ -38,12 +36,12 @@ def test_at_rest_the_friction_holds_up_to_its_highest_level():
 def test_what_stops_within_the_piece_slips_until_then():
     """Twice as fast to rest as the piece lasts: half of it slips, half is held."""
     per_torque = -1.0
-    slips = mean_friction(1e9, 1e9, per_torque, FORWARDS, BACKWARDS, 0.0, 0.0)[0]
-    torque, rests = mean_friction(1.0, 1.0, per_torque, FORWARDS, BACKWARDS, 0.0, 0.0)
-    assert slips == FORWARDS and rests
-    assert torque == pytest.approx(0.5 * FORWARDS + 0.5 * 0.0)
+    slips = mean_friction(1e9, 1e9, per_torque, LEVEL, 0.0, 0.0)[0]
+    torque, rests = mean_friction(1.0, 1.0, per_torque, LEVEL, 0.0, 0.0)
+    assert slips == LEVEL and rests
+    assert torque == pytest.approx(0.5 * LEVEL + 0.5 * 0.0)
 
 
 def test_a_friction_that_does_not_rise_has_no_slope():
-    assert friction_slope(0.5, 0.1, FORWARDS, BACKWARDS, 0.0, 0.0) == 0.0
+    assert friction_slope(0.5, 0.1, LEVEL, 0.0, 0.0) == 0.0
     assert friction_slope(0.5, -0.1, *CURVE) == 0.0

@@ -44,6 +44,7 @@ from .transitions import (
     LEAD,
     NO_GAP,
     NUMBERS,
+    OFFSET,
     STIFFNESS,
     WIDE,
     fill_model,
@@ -132,7 +133,7 @@ def innovations(
 
     Parameters
     ----------
-    parameters : (25,) array
+    parameters : (23,) array
         See ``transitions``.
     free, kinds : (m,) int arrays
         Places of the parameters whose sensitivities are wanted, and how they enter θ, see ``_changed``.
@@ -207,7 +208,7 @@ def innovations(
             end = bounds[piece + 1] - 1
             x[1] = (measured[min(k + 1, end), 0] - measured[k, 0]) / dt if counted else measured[k, 0]
             x[2] = x[1]
-            x[n - 1] = torque[k]
+            x[n - 1] = torque[k] + c[OFFSET]
             if third > 0:
                 x[third + 1] = x[1]
             _start(third, unknown, slope_at, angle, spread, p)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..jit import njit
-from .transitions import COMPILED, PART, WHOLE
+from .transitions import COMPILED, OFFSET, PART, WHOLE
 
 
 @njit(forceinline=True, **COMPILED)
@@ -11,9 +11,9 @@ def delayed(torque, k, c, of, ramp):
     """Mean of the torque that acts over sample k, and by how much it is higher at the beginning than in the end."""
     first, last = k - int(c[of + WHOLE]), torque.size - 1
     now, before = torque[min(max(first, 0), last)], torque[min(max(first - 1, 0), last)]
-    mean = now + c[of + PART] * (before - now)
+    mean = now + c[of + PART] * (before - now) + c[of + OFFSET]
     if not ramp:
         return mean, before - now
     after = torque[min(max(first + 1, 0), last)]
-    end = after + c[of + PART] * (now - after)
+    end = after + c[of + PART] * (now - after) + c[of + OFFSET]
     return 0.5 * (mean + end), mean - end

@@ -13,17 +13,16 @@ from .transitions import (
     BLOCK,
     CLIPPED,
     COMPILED,
-    CONSTANT,
     EDGE,
     HALF,
     JUMP,
     LEAD,
-    LEVELS,
     LOAD,
     MOTOR,
     NO_GAP,
+    OF_LOAD,
+    OF_MOTOR,
     PART,
-    RISES,
     TORQUE,
     WIDE,
     changes_within,
@@ -38,17 +37,16 @@ def moved(t, at, c, of, n, x, torque, jump, edge, out):
     ``torque``: its mean; ``jump``: by how much it is higher at the beginning, of whole samples. Returns 1 if the motor
     sticks, plus 2 if the load does.
     """
-    motor_at, load_at, constant = at + MOTOR * WIDE, at + LOAD * WIDE, c[of + CONSTANT]
+    motor_at, load_at = at + MOTOR * WIDE, at + LOAD * WIDE
     combine(t, at, n, x, 0, 1, NOTHING, 0, out, 0)
     add(t, at + TORQUE * WIDE, torque, out, 0)
     add(t, at + EDGE * WIDE, edge, out, 0)
-    add(t, load_at, -constant, out, 0)
     if jump != 0.0:
         add(t, at + JUMP * WIDE, jump, out, 0)
-    i, j = of + LEVELS, of + RISES
-    motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[j], c[j + 1])
+    i, j = of + OF_MOTOR, of + OF_LOAD
+    motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[i + 2])
     free = out[2] + t[motor_at + 2] * motor
-    held, load_rests = mean_friction(x[2], free, t[load_at + 2], c[i + 2], c[i + 3], c[j + 2], c[j + 3])
+    held, load_rests = mean_friction(x[2], free, t[load_at + 2], c[j], c[j + 1], c[j + 2])
     add(t, motor_at, motor, out, 0)
     add(t, load_at, held, out, 0)
     # Exactly at rest: rounding is no motion.
@@ -108,18 +106,16 @@ def next_contact(contact, z, twist, half, law):
 @njit(forceinline=True, **COMPILED)
 def reversed_motion(c, of, x, y):
     """Whether an inertia with friction has changed its direction."""
-    return (x[2] * y[2] < 0.0 and c[of + LEVELS + 2] + c[of + LEVELS + 3] > 0.0) or (
-        x[1] * y[1] < 0.0 and c[of + LEVELS] + c[of + LEVELS + 1] > 0.0
-    )
+    return (x[2] * y[2] < 0.0 and c[of + OF_LOAD] > 0.0) or (x[1] * y[1] < 0.0 and c[of + OF_MOTOR] > 0.0)
 
 
 @njit(forceinline=True, **COMPILED)
 def slopes_of_friction(c, of, x, y):
     """Change of the friction of motor and load with the speed, over a sub-step from state x to y."""
-    i, j = of + LEVELS, of + RISES
+    i, j = of + OF_MOTOR, of + OF_LOAD
     return (
-        friction_slope(x[1], y[1], c[i], c[i + 1], c[j], c[j + 1]),
-        friction_slope(x[2], y[2], c[i + 2], c[i + 3], c[j + 2], c[j + 3]),
+        friction_slope(x[1], y[1], c[i], c[i + 1], c[i + 2]),
+        friction_slope(x[2], y[2], c[j], c[j + 1], c[j + 2]),
     )
 
 

@@ -6,6 +6,8 @@ is a product with the transition's change. By differences of whole motions it ta
 
 from __future__ import annotations
 
+import math
+
 from ..jit import njit
 from .columns import add, combine
 from .delayed_torque import delayed
@@ -13,17 +15,16 @@ from .gap_in_doubt import mean_gap
 from .transitions import (
     BLOCK,
     COMPILED,
-    CONSTANT,
     EDGE,
     HALF,
     JUMP,
     LEAD,
-    LEVELS,
     LOAD,
     MOTOR,
     NUMBERS,
+    OF_LOAD,
+    OF_MOTOR,
     PART,
-    RISES,
     TORQUE,
     WIDE,
 )
@@ -45,7 +46,7 @@ def rises(numbers):
     """Whether a friction rises towards rest, as it is or with a parameter larger."""
     found = False
     for j in range(numbers.shape[0]):
-        found = found or numbers[j, RISES] != 0.0 or numbers[j, RISES + 2] != 0.0
+        found = found or numbers[j, OF_MOTOR + 1] != 0.0 or numbers[j, OF_LOAD + 1] != 0.0
     return found
 
 
@@ -84,10 +85,9 @@ def _add_torques(t, at, c, of, x, torque, jump, per_step, slope, to):
     """slope += what acts otherwise with a parameter's numbers at c[of …]; torque and jump are what they become more."""
     add(t, at + TORQUE * WIDE, per_step * torque, slope, to)
     add(t, at + JUMP * WIDE, per_step * jump, slope, to)
-    motor = c[of + LEVELS] - c[LEVELS] if x[1] > 0.0 else c[LEVELS + 1] - c[of + LEVELS + 1]
-    load = c[of + LEVELS + 2] - c[LEVELS + 2] if x[2] > 0.0 else c[LEVELS + 3] - c[of + LEVELS + 3]
-    add(t, at + MOTOR * WIDE, per_step * motor, slope, to)
-    add(t, at + LOAD * WIDE, per_step * (load + c[CONSTANT] - c[of + CONSTANT]), slope, to)
+    motor, load = per_step * (c[of + OF_MOTOR] - c[OF_MOTOR]), per_step * (c[of + OF_LOAD] - c[OF_LOAD])
+    add(t, at + MOTOR * WIDE, motor if x[1] > 0.0 else -motor, slope, to)
+    add(t, at + LOAD * WIDE, load if x[2] > 0.0 else -load, slope, to)
 
 
 @njit(**COMPILED)
@@ -105,8 +105,7 @@ def follow(
     deviation, rate, travel = doubt
     inputs[:WIDE] = x
     inputs[TORQUE], inputs[EDGE], inputs[JUMP] = u, edge, jump
-    inputs[MOTOR] = c[LEVELS] if x[1] > 0.0 else -c[LEVELS + 1]
-    inputs[LOAD] = (c[LEVELS + 2] if x[2] > 0.0 else -c[LEVELS + 3]) - c[CONSTANT]
+    inputs[MOTOR], inputs[LOAD] = math.copysign(c[OF_MOTOR], x[1]), math.copysign(c[OF_LOAD], x[2])
     for i in range(COLUMNS):
         when_closed[i] = weight * inputs[i]
         when_open[i] = inputs[i] - when_closed[i]

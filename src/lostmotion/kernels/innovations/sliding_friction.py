@@ -27,7 +27,7 @@ def _mean_rise(first, last, rise, fade):
 
 
 @njit(forceinline=True, **COMPILED)
-def mean_friction(before, free, per_torque, forwards, backwards, rise, fade):
+def mean_friction(before, free, per_torque, level, rise, fade):
     """Mean torque of a friction over a sub-step, and whether its inertia is at rest in the end.
 
     ``before``: speed at the beginning; ``free``: at the end without this friction; ``per_torque``: what a friction of
@@ -35,24 +35,24 @@ def mean_friction(before, free, per_torque, forwards, backwards, rise, fade):
     """
     slipping, moving = 0.0, 0.0
     if before != 0.0:
-        slipping = forwards if before > 0.0 else -backwards
+        slipping = level if before > 0.0 else -level
         end = free + slipping * per_torque
         slipping *= 1.0 + _mean_rise(before, end if end * before > 0.0 else 0.0, rise, fade)
         end = free + slipping * per_torque
         if end * before > 0.0:
             return slipping, False
         moving = before / (before - end)
-    holding, most = (before - free) / per_torque, 1.0 + rise
-    limited = min(max(holding, -backwards * most), forwards * most)
+    holding, most = (before - free) / per_torque, level * (1.0 + rise)
+    limited = min(max(holding, -most), most)
     return moving * slipping + (1.0 - moving) * limited, limited == holding
 
 
 @njit(forceinline=True, **COMPILED)
-def friction_slope(first, last, forwards, backwards, rise, fade):
+def friction_slope(first, last, level, rise, fade):
     """Change of the friction with the speed, Nm s/rad, between two speeds; 0 where it does not slide all the way."""
     if rise == 0.0 or first * last <= 0.0:
         return 0.0
-    level, near, far = forwards if first > 0.0 else backwards, abs(first) / fade, abs(last) / fade
+    near, far = abs(first) / fade, abs(last) / fade
     if abs(far - near) < _ONE:
         return -level * rise / fade * math.exp(-0.5 * (near + far))
     return -level * rise / fade * (math.exp(-near) - math.exp(-far)) / (far - near)

@@ -20,12 +20,14 @@ from .intermediate_inertia import two_springs
 from .two_mass import add_series, product
 
 # Places in a row of parameters, SI units. A share of zero: two masses. An infinite stiffness: rigid. A torque rate of
-# zero: no unknown load torque. ``IMPACT``: how far the speeds after a contact changes may be off, over the approach.
+# zero: no unknown load torque. ``TORQUE_OFFSET``: what acts on the motor beside the torque of the recording, always the
+# same; friction that differs by direction is such a torque beside friction that does not, also at rest. ``IMPACT``: how
+# far the speeds after a contact changes may be off, over the approach.
 (
     INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS, COULOMB_MOTOR, VISCOUS_MOTOR, LAG,
-    DELAY, ASYMMETRY, ASYMMETRY_MOTOR, LOAD_TORQUE, SHARE, COMPLIANCE, LOSS, MOTOR_RATE, LOAD_RATE, TORQUE_RATE,
-    RISE, FADE, RISE_MOTOR, FADE_MOTOR, IMPACT,
-) = range(25)  # fmt: skip
+    DELAY, TORQUE_OFFSET, SHARE, COMPLIANCE, LOSS, MOTOR_RATE, LOAD_RATE, TORQUE_RATE, RISE, FADE, RISE_MOTOR,
+    FADE_MOTOR, IMPACT,
+) = range(23)  # fmt: skip
 
 #: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
 VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
@@ -38,11 +40,11 @@ TORQUE, EDGE, MOTOR, LOAD, JUMP = range(WIDE, WIDE + 5)
 #: Numbers in a transition, which lies column after column.
 BLOCK = (WIDE + 5) * WIDE
 
-#: Places among a model's numbers (layout): lead of the gap's argument (s), half the gap (rad), Coulomb levels (Nm) of
-#: the motor forwards and backwards and of the load, rise of the friction towards rest and the speed over which it fades
-#: (rad/s) of the motor and of the load, constant load torque (Nm), delay in whole samples and its rest, and by how much
-#: the speeds before and behind the gap may be off after the contact has changed, over the approach and the noise.
-LEAD, HALF, LEVELS, RISES, CONSTANT, WHOLE, PART, KICKS, NUMBERS = 0, 1, 2, 6, 10, 11, 12, 13, 15
+#: Places among a model's numbers (layout): lead of the gap's argument (s), half the gap (rad), of the friction of the
+#: motor and of that of the load the Coulomb level (Nm), its rise towards rest and the speed over which that fades
+#: (rad/s), constant torque on the motor (Nm), delay in whole samples and its rest, and by how much the speeds before
+#: and behind the gap may be off after the contact has changed, over the approach and the noise.
+LEAD, HALF, OF_MOTOR, OF_LOAD, OFFSET, WHOLE, PART, KICKS, NUMBERS = 0, 1, 2, 5, 8, 9, 10, 11, 13
 
 COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
@@ -274,13 +276,9 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
                 noise[(closed * WIDE + i) * WIDE + j] = own[i, j]
     c[LEAD] = 0.0 if law == DEAD_ZONE else _shafts(q, behind)[2]
     c[HALF] = 0.5 * q[BACKLASH]
-    c[LEVELS] = q[COULOMB_MOTOR] * (1.0 + q[ASYMMETRY_MOTOR])
-    c[LEVELS + 1] = q[COULOMB_MOTOR] * (1.0 - q[ASYMMETRY_MOTOR])
-    c[LEVELS + 2] = q[COULOMB] * (1.0 + q[ASYMMETRY])
-    c[LEVELS + 3] = q[COULOMB] * (1.0 - q[ASYMMETRY])
-    c[RISES], c[RISES + 1] = q[RISE_MOTOR], q[FADE_MOTOR]
-    c[RISES + 2], c[RISES + 3] = q[RISE], q[FADE]
-    c[CONSTANT] = q[LOAD_TORQUE]
+    c[OF_MOTOR], c[OF_MOTOR + 1], c[OF_MOTOR + 2] = q[COULOMB_MOTOR], q[RISE_MOTOR], q[FADE_MOTOR]
+    c[OF_LOAD], c[OF_LOAD + 1], c[OF_LOAD + 2] = q[COULOMB], q[RISE], q[FADE]
+    c[OFFSET] = q[TORQUE_OFFSET]
     c[WHOLE] = math.floor(q[DELAY] / dt)
     c[PART] = q[DELAY] / dt - c[WHOLE]
     # What an impact's force does otherwise than its law says acts on both sides of the gap.

@@ -37,4 +37,4 @@ def flt(request: pytest.FixtureRequest) -> ContactFilter:
         speed = np.diff(np.floor(run["angle_motor"] / count), prepend=0.0) * count / DT
     else:
         speed = run["speed_motor"] + 0.01 * np.random.default_rng(1).standard_normal(torque.size)
-    return ContactFilter.of(Predictor(torque, speed, DT, request.param, PLANT, skip=0), 100.0)
+    return ContactFilter.of(Predictor(torque, speed, DT, request.param, PLANT, skip=0), 300.0)

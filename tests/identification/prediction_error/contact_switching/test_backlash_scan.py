@@ -21,9 +21,9 @@ from lostmotion.identification.prediction_error.contact_switching.starts import 
 
 @pytest.fixture
 def narrow(flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float]) -> Candidate:
-    """The drive with a hundredth of its backlash."""
+    """The drive with a thousandth of its backlash."""
     part = flt.liveliest(2000)
-    theta = part.theta({**values, "backlash": 0.01 * plant.backlash})
+    theta = part.theta({**values, "backlash": 0.001 * plant.backlash})
     return Candidate("narrow", theta, part.run(theta).cost, part, free_places(plant, ()))
 
 

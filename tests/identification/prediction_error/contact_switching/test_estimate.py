@@ -64,8 +64,8 @@ def test_sharp_is_what_explains_many_rows(best: Candidate):
 def test_what_is_left_unexplained_widens_all(best: Candidate):
     plain, cost = told(best, [best], NOTHING, box(best), ()), 0.5
     poor = told(replace(best, cost=cost), [best], NOTHING, box(best), ())
-    growth = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * cost)))
-    before = np.hypot(1.0, COHERENT * np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost))))
+    growth = np.hypot(1.0, COHERENT * np.sqrt(best.flt.counting.size * np.expm1(2.0 * cost)))
+    before = np.hypot(1.0, COHERENT * np.sqrt(best.flt.counting.size * np.expm1(2.0 * abs(best.cost))))
     wide, narrow = (np.sqrt(one.half[:3] ** 2 - EXACT**2) for one in (poor, plain))
     assert wide / narrow == pytest.approx(growth / before)
 

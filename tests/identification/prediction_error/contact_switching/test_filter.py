@@ -108,7 +108,7 @@ def test_a_total_inertia_beyond_that_of_the_slow_motion_costs_more(
     theta, free = flt.theta(values), [INDEX["inertia_motor"], INDEX["stiffness"], INDEX["inertia_load"]]
     own, total = flt.run(theta, free), values["inertia_motor"] + values["inertia_load"]
     within = replace(flt, inertia=(1.05 * total, 0.1)).run(theta, free)
-    assert within.cost == own.cost and within.weighted.size == flt.rows
+    assert within.cost == own.cost and within.weighted.size == flt.counting.size
     # Two half widths away: one beyond.
     beyond = replace(flt, inertia=(np.exp(-0.2) * total, 0.1))
     run = beyond.run(theta, free)
@@ -161,17 +161,64 @@ def test_costs_under_different_noise_levels_compare(flt: ContactFilter, values: 
     assert replace(flt, level=10.0 * flt.floor).run(theta).cost == pytest.approx(flt.run(theta).cost, abs=0.1)
 
 
+def test_values_are_those_of_the_parameters_over_any_rows(flt: ContactFilter, values: dict[str, float]):
+    """A torque was in units of the rows' own torque: over other rows it was another one."""
+    theta, rows = flt.theta(values | {"torque_offset": 1.5, "coulomb_motor": 0.5}), slice(0, 700)
+    assert flt.part(rows).torque_deviation != pytest.approx(flt.torque_deviation, rel=0.05)
+    assert np.array_equal(flt.part(rows).values(theta), flt.values(theta))
+
+
 def test_the_filter_starts_anew_with_each_piece(flt: ContactFilter, values: dict[str, float]):
     """The same recording twice: the second half's innovations are those of the first, but for the angle's rounding."""
     theta, n = flt.theta(values), flt.rows
     offset = flt.measured[-1] if flt.counted else 0.0
     twice = replace(
-        flt, torque=np.tile(flt.torque, 2), measured=np.r_[flt.measured, flt.measured + offset], bounds=(0, n, 2 * n)
+        flt, torque=np.tile(flt.torque, 2), measured=np.r_[flt.measured, flt.measured + offset], bounds=(0, n, 2 * n),
+        settling=0,
     )  # fmt: skip
     weighted = twice.run(theta).weighted
     assert weighted[n : n + 500] == pytest.approx(weighted[:500], abs=1e-4)
     through = replace(twice, bounds=(0, 2 * n)).run(theta).weighted
     assert through[n] != pytest.approx(weighted[n], abs=1e-2)
+
+
+@pytest.mark.parametrize("side", [-1.0, 0.0, 1.0])
+def test_rows_until_the_first_contact_do_not_count(
+    plant: lm.Drivetrain, values: dict[str, float], side: float
+):
+    """In which place of the gap a recording starts is not known: from against one side, the way to the other one was
+    taken for half of the gap, and a push in one direction told 0.0297 rad ± 0.5 % where there are 0.012."""
+    dt = 2e-4
+    torque = 4.0 + lm.signals.noise(1.0, 200.0, 0.5, 2.0, dt, seed=2)
+    state = (side * 0.5 * plant.backlash, 0.0, 0.0)
+    run = lm.simulate(plant, torque_motor=torque, dt=dt, state=state)
+    speed = run["speed_motor"] + 1e-3 * np.random.default_rng(1).standard_normal(torque.size)
+    flt = ContactFilter.of(Predictor(torque, speed, dt, False, plant, skip=0), 3.0 * plant.pole_frequency)
+    known = flt.theta(values | {"torque_rate": 1.0, "impact": 1e-3})
+    wider = flt.changed(known, backlash=2.0 * values["backlash"])
+    assert np.argmax(np.abs(run["twist"]) > 0.5 * plant.backlash) < flt.counting[0] < 0.1 * flt.rows
+    assert flt.run(wider).cost == pytest.approx(flt.run(known).cost, abs=1e-3)
+    all_rows = replace(flt, settling=0)
+    if side <= 0.0:
+        assert abs(all_rows.run(wider).cost - all_rows.run(known).cost) > 1e-3
+
+
+def test_friction_that_differs_by_direction_is_a_constant_torque_beside_one_that_does_not(
+    plant: lm.Drivetrain,
+):
+    """At the load or the motor, also where it holds: no recording tells one from the other."""
+    torque = lm.signals.excitation(1.0, 2e-4, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    uneven = lm.Friction(coulomb=(2.6, 1.4), viscous=0.0175)
+    load = lm.simulate(replace(plant, frictions=(lm.Friction(), uneven)), torque_motor=torque, dt=2e-4)
+    pushed = lm.simulate(plant, torque_motor=torque, torque_load=np.full(torque.size, -0.6), dt=2e-4)
+    assert np.max(np.abs(load["speed_motor"] - pushed["speed_motor"])) < 1e-5
+    at_once = plant.with_parameters(lag=0.0)
+    even = replace(at_once, frictions=(lm.Friction(2.0), at_once.frictions[1]))
+    motor = lm.simulate(
+        replace(even, frictions=(lm.Friction((2.6, 1.4)), even.frictions[1])), torque_motor=torque, dt=2e-4
+    )
+    offset = lm.simulate(even, torque_motor=torque - 0.6, dt=2e-4)
+    assert np.max(np.abs(motor["speed_motor"] - offset["speed_motor"])) < 1e-5
 
 
 def test_values_survive_the_parameter_vector(flt: ContactFilter):
@@ -244,7 +291,7 @@ def test_sensitivities_are_those_of_the_innovations(plant: lm.Drivetrain, counte
     flt = ContactFilter(torque, exact.copy(), 2e-4, counted, floor, floor, 6, (0, torque.size))
     known = {name: value for name, value in plant.parameters().items() if name in PARAMETERS}
     theta = flt.theta(known | {"motor_rate": 100.0, "load_rate": 30.0})
-    names = [n for n in (*known, "delay", "load_torque") if np.isfinite(theta[INDEX[n]])]
+    names = ["delay", "torque_offset", *(name for name, value in known.items() if value > 0.0)]
     for name, slope in zip(names, flt.run(theta, [INDEX[n] for n in names]).jacobian, strict=True):
         moved = theta.copy()
         moved[INDEX[name]] += 1e-4

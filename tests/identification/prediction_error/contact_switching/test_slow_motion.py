@@ -26,23 +26,23 @@ def test_friction_of_an_exact_drive(known: ContactFilter, flt: ContactFilter, pl
     """Whether its inertia is known or not."""
     start = plant.with_parameters(inertia_load=0.2, inertia_motor=0.03)
     for one in (known, flt):
-        slow = SlowFriction.of(one, start)
+        slow = SlowFriction.of(one, start.pole_frequency)
         assert slow.coulomb == pytest.approx(2.0, rel=0.2)
-    assert SlowFriction.of(known, start) != SlowFriction.of(flt, start)
+    assert SlowFriction.of(known, start.pole_frequency) != SlowFriction.of(flt, start.pole_frequency)
 
 
-def test_a_constant_load_torque_is_no_friction(known: ContactFilter, plant: lm.Drivetrain):
-    pushed = SlowFriction.of(replace(known, torque=known.torque + 1.5), plant)
-    plain = SlowFriction.of(known, plant)
-    assert pushed.load_torque - plain.load_torque == pytest.approx(1.5, rel=1e-6)
+def test_a_constant_torque_is_no_friction(known: ContactFilter, plant: lm.Drivetrain):
+    pushed = SlowFriction.of(replace(known, torque=known.torque + 1.5), plant.pole_frequency)
+    plain = SlowFriction.of(known, plant.pole_frequency)
+    assert pushed.constant - plain.constant == pytest.approx(1.5, rel=1e-6)
     assert pushed.coulomb == pytest.approx(plain.coulomb, rel=1e-6)
 
 
 def test_each_piece_is_filtered_for_itself(known: ContactFilter, plant: lm.Drivetrain):
     half = known.rows // 2
     two = replace(known, bounds=(0, half, known.rows))
-    assert SlowFriction.of(two, plant).coulomb == pytest.approx(2.0, rel=0.2)
-    assert SlowFriction.of(two, plant) != SlowFriction.of(known, plant)
+    assert SlowFriction.of(two, plant.pole_frequency).coulomb == pytest.approx(2.0, rel=0.2)
+    assert SlowFriction.of(two, plant.pole_frequency) != SlowFriction.of(known, plant.pole_frequency)
 
 
 def test_the_total_inertia_is_sure_within_more_than_its_interval(plant: lm.Drivetrain):

@@ -60,7 +60,7 @@ def confirmed(
         return fit.stays()
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
     rivals = search.rivals(own)
-    inside = intervals(stage, told, search.box)
+    inside = intervals(search.part, stage, told, search.box)
     own = min(own, search.with_all_structures(own, inside), key=cost_of)
     own = with_other_torque(own, inside) or own
     best = min(own, *rivals, key=cost_of)

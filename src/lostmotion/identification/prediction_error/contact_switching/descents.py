@@ -14,12 +14,12 @@ from . import grid
 from .backlash_scan import with_better_backlash, with_other_backlash
 from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, EXPLAINED, Estimate, sharp, told
-from .filter import INDEX, LAWS, ContactFilter, pole_of
+from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
 from .refits import disagreement
 from .selection import ELSEWHERE, apart, cost_of, plausible, stands_out
-from .slow_motion import sure_inertia
+from .slow_motion import SlowFriction, sure_inertia
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
 from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
@@ -93,6 +93,8 @@ class Search:
         slow: tuple[float, float],
     ) -> Search:
         """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
+        friction = SlowFriction.of(flt, start.pole_frequency)
+        flt = replace(flt, units=(flt.units[0], friction.coulomb, friction.viscous))
         flt = replace(flt, inertia=sure_inertia(slow, start))
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
@@ -143,9 +145,12 @@ class Search:
         return min([*found, *self.otherwise(found, [])], key=cost_of)
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
-        """The fit with friction at both ends, asymmetry, delay and a third inertia's own damping, within a box."""
-        # Friction of the motor from a little on, so that the fit is not left.
-        theta = np.where(np.isfinite(fit.theta), fit.theta, self.begun["fitted"] - np.log(LITTLE))
+        """The fit with friction at both ends, delay and a third inertia's own damping, within a box."""
+        # Friction that the fit does not have from a little on, so that it is not left.
+        theta, fitted = fit.theta.copy(), self.begun["fitted"]
+        for place in (INDEX[name] for name in FRICTIONS):
+            theta[place] = theta[place] or fitted[place] / LITTLE
+        theta = np.where(np.isfinite(theta), theta, fitted - np.log(LITTLE))
         third = [INDEX["loss"]] if INDEX["share"] in fit.free else []
         free = sorted({*free_places(self.start, self.fixed), *fit.free, *third})
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
@@ -167,7 +172,12 @@ class Search:
         fits = sorted(found, key=cost_of)
         if abs(fits[0].cost) < NOISE_ALONE:
             return []
-        few = apart(fits, ELSEWHERE)[:FEW]
+        # How the torque goes between rows makes up for a third inertia: both are tried.
+        few = [
+            replace(one, flt=replace(one.flt, ramp=ramp))
+            for one in apart(fits, ELSEWHERE)[:FEW]
+            for ramp in (False, True)
+        ]
         tried = side_by_side(
             lambda one: with_third_inertia(*one, self.coarse, self.box), [*product(few, places())]
         )
@@ -195,13 +205,13 @@ class Search:
         )
         for _ in range(DISPLACEMENTS):
             before = min(found, key=cost_of)
-            found = list(map(split_at_the_softest_shaft, found))
+            found = self._split(found)
             if not stands_out(found):  # nothing will be told, whatever lies beside it
                 break
             found += self.displaced(before)
             if alike(before, min(found, key=cost_of)):
                 break
-        return list(map(split_at_the_softest_shaft, found))
+        return self._split(found)
 
     def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
         """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""
@@ -269,7 +279,15 @@ class Search:
         best = min(found, key=cost_of)
         begun = side_by_side(lambda part: part(best), other_parts(best, self.coarse, self.box, self.piece))
         found += side_by_side(lambda one: polish(one, one.over(flt), self.box), begun)
-        return sorted(map(split_at_the_softest_shaft, found), key=cost_of)
+        return sorted(self._split(found), key=cost_of)
+
+    def _split(self, found: Sequence[Candidate]) -> list[Candidate]:
+        """With what is near the best divided at the softest shaft where no gap shows."""
+        best = min(found, key=cost_of)
+        return side_by_side(
+            lambda one: split_at_the_softest_shaft(one, self.box) if one.cost < best.cost + NEAR else one,
+            found,
+        )
 
 
 def _best_elsewhere(found: Sequence[Candidate]) -> list[Candidate]:

@@ -18,7 +18,7 @@ from .filter import INDEX, NAMES
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .starts import lag, told_slopes, told_vector
-from .structures.no_gap import gap_bound, without_gap
+from .structures.no_gap import gap_bound, gap_of, without_gap
 
 Array = NDArray[np.float64]
 
@@ -153,14 +153,13 @@ def _without_gap(found: Estimate, others: Sequence[Candidate], box: Box) -> Esti
     bound = gap_bound(gapless, beyond_chance(gapless), box) if gapless else None
     if gapless is None or bound is None:
         return found
-    gaps = [float(np.exp(one.theta[INDEX["backlash"]])) for one in others]
-    return replace(found, best=gapless, gap_bound=max(bound, *gaps))
+    return replace(found, best=gapless, gap_bound=max(bound, *map(gap_of, others)))
 
 
 def beyond_chance(best: Candidate) -> float:
     """By how much what is not explained widens what chance makes of an interval."""
     # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
-    unexplained = np.sqrt(best.flt.rows * np.expm1(2.0 * abs(best.cost)))
+    unexplained = np.sqrt(best.flt.counting.size * np.expm1(2.0 * abs(best.cost)))
     return float(np.hypot(1.0, COHERENT * unexplained))
 
 
@@ -188,9 +187,9 @@ def _other_does_as_well(candidate: Candidate, name: str) -> bool:
     """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
     if name not in ("backlash", "coulomb", "viscous", "damping"):
         return False
+    flt, value = candidate.flt, float(candidate.flt.values(candidate.theta)[INDEX[name]])
     for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):
-        theta = candidate.theta.copy()
-        theta[INDEX[name]] += np.log(factor)
-        if alike(replace(candidate, theta=theta, cost=candidate.flt.run(theta).cost), candidate):
+        theta = flt.changed(candidate.theta, **{name: factor * value})
+        if alike(replace(candidate, theta=theta, cost=flt.run(theta).cost), candidate):
             return True
     return False

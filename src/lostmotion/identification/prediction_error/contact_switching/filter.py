@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from math import comb
 
 import numpy as np
@@ -17,26 +18,33 @@ from ..warnings import count_step
 Array = NDArray[np.float64]
 
 #: The kernel's parameters in its order, SI units, and how each enters the parameter vector θ: as a logarithm, as that
-#: of lag + sample time, or plainly in a unit of its own.
+#: of lag + sample time, or plainly in a unit of its own. Friction of either end may be none: what one takes over from
+#: the other keeps the sum, and along the logarithms of both the way to none is a curve that no descent follows.
 PARAMETERS = {
     "inertia_motor": "log", "inertia_load": "log", "stiffness": "log", "damping": "log", "backlash": "log",
-    "coulomb": "log", "viscous": "log", "coulomb_motor": "log", "viscous_motor": "log", "lag": "lag",
-    "delay": "samples", "asymmetry": "plain", "asymmetry_motor": "plain", "load_torque": "torque", "share": "log",
-    "compliance": "log", "loss": "log", "motor_rate": "log", "load_rate": "log", "torque_rate": "log",
-    "rise": "plain", "fade": "log", "rise_motor": "plain", "fade_motor": "log",
-    "impact": "log",
+    "coulomb": "friction", "viscous": "damper", "coulomb_motor": "friction", "viscous_motor": "damper", "lag": "lag",
+    "delay": "samples", "torque_offset": "torque", "share": "log", "compliance": "log", "loss": "log",
+    "motor_rate": "log", "load_rate": "log", "torque_rate": "log", "rise": "plain", "fade": "log",
+    "rise_motor": "plain", "fade_motor": "log", "impact": "log",
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
+#: Friction of the load's end and of the motor's.
+FRICTIONS = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
 #: Numbers of the contact laws and of the kinds of parameters in the kernel (layout).
 LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2}
 #: Likewise (layout).
-KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2}
+KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2, "friction": 2, "damper": 2}
 
 #: Noise over the motion below which a speed has none (numerics: so exactly the filter finds an impact).
 EXACT = 3e-6
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
+#: Torsional periods, at the highest pole, from the first motion of a piece to the rows that count (numerics: a gap ten
+#: times the wind-up, before a load thirty times the motor, is crossed within four periods of the drive, and the
+#: nameplate's pole may be three times too high); the noise of the sensor that is no motion, in standard deviations
+#: (numerics: one row in millions), and the part of a piece that may be lost so at most (numerics).
+SETTLED, MOVED, LOST = 15.0, 6.0, 0.25
 #: Slope of a load torque at the start, in standard deviations of the torque in a second (numerics: a period of 2 s).
 DRIFT = 3.0
 #: Orders of differences (numerics: with seven rows in a period the third one of the motion may be 20 times the noise,
@@ -48,7 +56,7 @@ SOME = 2000
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One pass of the filter.
+    """One pass of the filter, over the n rows that count.
 
     Parameters
     ----------
@@ -88,6 +96,9 @@ class ContactFilter:
         A sample is halved so often at most.
     bounds : tuple of int
         First row of each piece, and the number of rows.
+    settling : int
+        Rows after the first motion of a piece that do not count: where in the gap it starts is not known, and the
+        way from there to the first contact would be taken for half of the gap.
     law : str
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
@@ -100,6 +111,8 @@ class ContactFilter:
     charged : bool
         Whether innovations larger than the filter thinks are charged. Else they are divided out: the cost of a filter
         that is lost is low and flat. That is no likelihood, but descents come through.
+    units : (float, float, float)
+        Of torque (Nm), Coulomb (Nm) and viscous friction (Nm s/rad) in θ; the same for all parts of a recording.
     """
 
     torque: Array
@@ -110,12 +123,14 @@ class ContactFilter:
     level: float
     halvings: int
     bounds: tuple[int, ...]
+    settling: int = 0
     law: str = "viscoelastic"
     ramp: bool = False
     behind: bool = False
     drifts: bool = False
     inertia: tuple[float, float] = (1.0, np.inf)
     charged: bool = True
+    units: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -136,7 +151,7 @@ class ContactFilter:
         if not floor > (0.0 if counted else EXACT * float(np.std(measured))):
             raise InvalidInput("speed_motor", "no noise", "a sensor's noise", "Check the channel.")
         halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
-        return cls(
+        flt = cls(
             predictor.torque,
             np.ascontiguousarray(measured),
             dt,
@@ -145,11 +160,27 @@ class ContactFilter:
             floor,
             halvings,
             predictor.bounds,
+            int(np.ceil(SETTLED / (pole * dt))),
         )
+        torque = max(flt.torque_deviation, 1e-300)
+        return replace(flt, units=(torque, torque, torque / max(flt.speed_deviation, 1e-300)))
 
     @property
     def rows(self) -> int:
         return int(self.torque.size)
+
+    @cached_property
+    def counting(self) -> NDArray[np.intp]:
+        """Rows that count."""
+        if not self.settling:
+            return np.arange(self.rows)
+        rows = []
+        for first, end in pairwise(self.bounds):
+            measured = self.measured[first:end]
+            moves = np.abs(measured - measured[0] if self.counted else measured) > MOVED * self.floor
+            begin = int(np.argmax(moves)) + self.settling if np.any(moves) else end
+            rows.append(np.arange(first + min(begin, int(LOST * (end - first))), end))
+        return np.concatenate(rows)
 
     def part(self, rows: slice) -> ContactFilter:
         """The same over some rows."""
@@ -175,7 +206,7 @@ class ContactFilter:
         """A pass with the parameters θ, and its sensitivities to the free ones."""
         from ....kernels.innovations.contact_switching import innovations
 
-        m, n, q = len(free), self.rows, self.values(theta)
+        m, n, q, counts = len(free), self.rows, self.values(theta), self.counting
         residuals, variances, jacobian = np.zeros((n, 1)), np.ones((n, 1)), np.zeros((m, n, 1))
         with np.errstate(all="ignore"):
             twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
@@ -190,16 +221,17 @@ class ContactFilter:
             self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip
         with np.errstate(all="ignore"):
-            scale = 1.0 / (self.level * np.sqrt(variances[:, 0]))
-            weighted = residuals[:, 0] * scale
+            variance = variances[counts, 0]
+            scale = 1.0 / (self.level * np.sqrt(variance))
+            weighted = residuals[counts, 0] * scale
             size = min(float(np.mean(weighted**2)), 1.0 if self.charged else np.inf)
-            rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variances[:, 0]))
+            rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance))
             beyond, slope = self._beyond_slow_motion(q[INDEX["inertia_motor"]], q[INDEX["inertia_load"]])
             rows += np.log(self.level / self.floor) + 0.5 * np.log1p(beyond**2)
         cost = float(np.mean(rows))
-        jacobian = jacobian[:, :, 0] * scale
+        jacobian = jacobian[:, counts, 0] * scale
         if beyond:
-            weight = np.sqrt(n * size)
+            weight = np.sqrt(counts.size * size)
             weighted = np.append(weighted, weight * beyond)
             last = weight * np.array([slope.get(NAMES[place], 0.0) for place in free])
             jacobian = np.column_stack([jacobian, last])
@@ -273,9 +305,8 @@ class ContactFilter:
         return float(np.exp(theta)) if kind == "log" else theta * self._unit(kind)
 
     def _unit(self, kind: str) -> float:
-        if kind == "samples":
-            return self.dt
-        return self.torque_deviation if kind == "torque" else 1.0
+        torque, friction, damper = self.units
+        return {"samples": self.dt, "torque": torque, "friction": friction, "damper": damper}.get(kind, 1.0)
 
 
 def white_noise(values: Array) -> float:

@@ -5,26 +5,33 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..gain_schedule import Stage
 from ..identifiability import Told
 from ..innovations import NAMES as TOLD
-from ..innovations import Predictor
+from ..innovations import Predictor, from_theta
 from .filter import INDEX, ContactFilter
 from .likelihood import Box, Candidate, fitted_rates, minimise
 from .starts import unknown
+
+Array = NDArray[np.float64]
 
 #: Gauss–Newton steps before and after the rates are fitted (numerics: two or three reach the edge of an interval).
 STEPS = 6
 
 
-def intervals(stage: Stage, told: Told, box: Box) -> Box:
+def intervals(flt: ContactFilter, stage: Stage, told: Told, box: Box) -> Box:
     """The box, no wider than the fit's intervals where it tells a value."""
-    box = Box(box.lower.copy(), box.upper.copy())
-    for i, half in zip(stage.free, told.half, strict=True):
-        place = INDEX[TOLD[i]]
-        box.lower[place], box.upper[place] = told.theta[i] - half, told.theta[i] + half
-    return box
+    places, half = [INDEX[TOLD[i]] for i in stage.free], np.zeros(len(TOLD))
+    half[stage.free] = told.half
+
+    def end(bounds: Array, theta: Array) -> Array:
+        values = dict(zip(TOLD, map(float, from_theta(theta, flt.dt)), strict=True))
+        bounds[places] = flt.theta(values)[places]
+        return bounds
+
+    return Box(end(box.lower.copy(), told.theta - half), end(box.upper.copy(), told.theta + half))
 
 
 def within_intervals(
@@ -48,7 +55,7 @@ def within_intervals(
     if predictor.joint_piece is not None:
         values |= dict(zip(("share", "compliance"), predictor.joint_piece, strict=True)) | {"loss": 1.0}
         free += [INDEX["share"], INDEX["compliance"]]
-    theta, box = flt.theta(values), intervals(stage, told, box)
+    theta, box = flt.theta(values), intervals(flt, stage, told, box)
     # Unknown torques stand for nothing else: with their rates as they come, a right fit looks poor.
     for _ in range(2):
         theta = fitted_rates(flt, theta)

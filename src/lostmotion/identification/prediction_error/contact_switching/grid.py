@@ -30,7 +30,7 @@ FIRST, NEXT = 2, ((60, 3), (20, 6))
 
 def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Iterator[Array]:
     """The grid; what is fixed keeps the nameplate's value."""
-    slow = SlowFriction.of(flt, start)
+    slow = SlowFriction.of(flt, start.pole_frequency)
     torque, total, pole = flt.torque_deviation, flt.inertia[0], 2.0 * np.pi * start.pole_frequency
     known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
     if start.coulomb_motor > 0.0 or start.viscous_motor > 0.0:
@@ -46,7 +46,7 @@ def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Ite
             "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * torque / stiffness,
             "coulomb": (1.0 - AT_MOTOR) * slow.coulomb, "viscous": (1.0 - AT_MOTOR) * slow.viscous,
             "coulomb_motor": AT_MOTOR * slow.coulomb, "viscous_motor": AT_MOTOR * slow.viscous,
-            "load_torque": slow.load_torque, "lag": LAG * flt.dt, "delay": LAG * flt.dt,
+            "lag": LAG * flt.dt, "delay": LAG * flt.dt,
         } | unknown(flt, omega) | known  # fmt: skip
         yield flt.theta(values)
 
@@ -55,7 +55,7 @@ def race(flt: ContactFilter, start: Drivetrain, fixed: Collection[str], box: Box
     """Ends of the descents that get furthest, the lowest first.
 
     All points of the grid get a few steps; the lowest get more of them. A point is not judged where it lies: what is
-    not in the grid (where the friction is, a lag, a load torque) makes more of its cost than what is.
+    not in the grid (where the friction is, a lag) makes more of its cost than what is.
     """
     free = free_places(start, fixed)
     begun = [Candidate("grid", theta, np.inf, flt, free) for theta in points(flt, start, fixed)]

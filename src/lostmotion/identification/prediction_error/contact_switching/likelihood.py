@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
 from ..innovations import THREADS
-from .filter import INDEX, ContactFilter, pole_of
+from .filter import FRICTIONS, INDEX, ContactFilter, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -37,12 +37,15 @@ RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate", "impact"), 3.0
 ROUNDS, ROUND_GAIN = 3, 1e-3
 #: What has bounds of its own, wherever a descent starts.
 BOUNDED = (
-    "lag", "delay", "asymmetry", "asymmetry_motor", "load_torque", "share", "compliance", "loss",
+    *FRICTIONS, "lag", "delay", "torque_offset", "share", "compliance", "loss",
     "rise", "fade", "rise_motor", "fade_motor",
 )  # fmt: skip
-#: Constant load torque at most, over the torque's standard deviation; loss factor of the shaft beyond a third inertia
-#: over that at the gap, either way (numerics: hardly damped steel beside rubber).
-MOST_LOAD, MOST_LOSS = 5.0, 1e4
+#: Constant torque on the motor at most, over the torque's standard deviation; loss factor of the shaft beyond a third
+#: inertia over that at the gap, either way (numerics: hardly damped steel beside rubber).
+MOST_OFFSET, MOST_LOSS = 5.0, 1e4
+#: Friction at least and at most, in its unit (numerics: the smallest is none, the largest holds the drive; a ten
+#: thousandth still shows in 18 bit).
+FRICTION_BOUNDS = (1e-8, 100.0)
 #: Rise of a friction towards rest at most, and the speeds over which it fades, over the speed's standard deviation
 #: (numerics: a slower one is not seen, a faster one is viscous).
 MOST_RISE, FADE_BOUNDS = 3.0, (3e-3, 1.0)
@@ -58,7 +61,7 @@ class Box:
     @classmethod
     def around(cls, flt: ContactFilter, theta: Array, far: float) -> Box:
         """Within a factor ``far``, its square for a backlash, which a nameplate may lack; lag and delay within 20 ms,
-        asymmetries and parts below one.
+        parts below one, friction anything from none on.
 
         A measured torque is ahead of that which acts by a sample at most: it is what acted at the row.
         """
@@ -67,9 +70,9 @@ class Box:
         upper[INDEX["backlash"]] += np.log(far)
         lower[INDEX["lag"]], upper[INDEX["lag"]] = np.log(1.02 * flt.dt), np.log(flt.dt + 0.02)
         lower[INDEX["delay"]], upper[INDEX["delay"]] = -1.0, 0.02 / flt.dt
-        for name in ("asymmetry", "asymmetry_motor"):
-            lower[INDEX[name]], upper[INDEX[name]] = -0.95, 0.95
-        lower[INDEX["load_torque"]], upper[INDEX["load_torque"]] = -MOST_LOAD, MOST_LOAD
+        for name in FRICTIONS:
+            lower[INDEX[name]], upper[INDEX[name]] = FRICTION_BOUNDS
+        lower[INDEX["torque_offset"]], upper[INDEX["torque_offset"]] = -MOST_OFFSET, MOST_OFFSET
         for name, least, most in (
             ("share", 2e-3, 0.95),
             ("compliance", 0.01, 0.99),
@@ -104,7 +107,7 @@ def minimise(
 ) -> tuple[Array, float]:
     """θ and cost after Gauss–Newton steps over the free entries of θ in a trust region, one at least.
 
-    What is at a bound and wants beyond it stays there: the others' steps are those without it.
+    What would go beyond a bound stops there, and the others' steps are those beside it.
     """
     cost, radius = np.inf, RADIUS
     # What began outside of the box moves on from there.
@@ -119,8 +122,8 @@ def minimise(
         if not np.any(moves):
             break
         for attempt in range(TRIES):
-            step, trial = np.zeros(len(free)), theta.copy()
-            step[moves] = _step(hessian[np.ix_(moves, moves)], gradient[moves], radius)
+            trial, room = theta.copy(), (lower - theta[free], upper - theta[free])
+            step = _step_within(hessian, gradient, moves, room, radius)
             trial[free] = np.clip(theta[free] + step, lower, upper)
             reached = flt.run(trial).cost
             if reached < cost:
@@ -143,6 +146,23 @@ def inverse_hessian(jacobian: Array) -> Array:
     scaled = hessian / np.outer(scale, scale) + 1e-10 * np.eye(scale.size)
     with np.errstate(over="ignore"):
         return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))
+
+
+def _step_within(
+    hessian: Array, gradient: Array, moves: NDArray[np.bool_], room: tuple[Array, Array], radius: float
+) -> Array:
+    """Step that stays in the room (least, most). What does not move or stops at a bound is known to the others' steps:
+    cut off afterwards, it left them with a change of its own that nothing made up for."""
+    step, moves, (least, most) = np.zeros(gradient.size), moves.copy(), room
+    while np.any(moves):
+        known = hessian[np.ix_(moves, ~moves)] @ step[~moves]
+        step[moves] = _step(hessian[np.ix_(moves, moves)], gradient[moves] + known, radius)
+        beyond = moves & ((step < least) | (step > most))
+        if not np.any(beyond):
+            break
+        step[beyond] = np.clip(step, least, most)[beyond]
+        moves &= ~beyond
+    return step
 
 
 def _step(hessian: Array, gradient: Array, radius: float) -> Array:

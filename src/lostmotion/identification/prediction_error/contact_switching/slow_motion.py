@@ -41,17 +41,17 @@ def sure_inertia(told: tuple[float, float], start: Drivetrain) -> tuple[float, f
 
 @dataclass(frozen=True)
 class SlowFriction:
-    """Coulomb (Nm) and viscous (Nm s/rad) friction of the drive as one body, and a constant load torque (Nm)."""
+    """Coulomb (Nm) and viscous (Nm s/rad) friction of the drive as one body, and a constant torque against it (Nm)."""
 
     coulomb: float
     viscous: float
-    load_torque: float
+    constant: float
 
     @classmethod
-    def of(cls, flt: ContactFilter, start: Drivetrain) -> SlowFriction:
+    def of(cls, flt: ContactFilter, pole: float) -> SlowFriction:
         """By least squares of torque = J·acceleration + M_c·sgn(speed) + d_v·speed + M_L, with the filter's J if it is
-        known."""
-        edge = min(SLOW * start.pole_frequency, SLOW_DT / flt.dt)
+        known; ``pole``: torsional frequency, Hz."""
+        edge = min(SLOW * pole, SLOW_DT / flt.dt)
         every = max(1, int(1.0 / (ROWS_PER_PERIOD * edge * flt.dt)))
         columns, torques = [], []
         for first, end in pairwise(flt.bounds):

@@ -55,8 +55,7 @@ def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]
         "inertia_motor",
         "coulomb_motor",
         "viscous_motor",
-        "asymmetry_motor",
-        "load_torque",
+        "torque_offset",
         "lag",
         "delay",
     )
@@ -65,12 +64,11 @@ def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]
 
 def free_places(start: Drivetrain, fixed: Collection[str]) -> list[int]:
     """Places of what is fitted; friction of the motor stays where the nameplate gives it, or the load's is fixed."""
-    kinds: dict[str, list[str]] = {"coulomb": ["asymmetry", "load_torque"], "viscous": [], "lag": ["delay"]}
+    kinds = {"lag": ["delay"]}
     if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
-        kinds["coulomb"] += ["coulomb_motor", "asymmetry_motor"]
-        kinds["viscous"] += ["viscous_motor"]
+        kinds |= {"coulomb": ["coulomb_motor"], "viscous": ["viscous_motor"]}
     names = [one for name in TOLD if name not in fixed for one in (name, *kinds.get(name, []))]
-    return sorted(INDEX[name] for name in names)
+    return sorted(INDEX[name] for name in (*names, "torque_offset"))
 
 
 def start_values(

@@ -22,6 +22,7 @@ from .filter import ContactFilter
 from .likelihood import Candidate
 from .slow_motion import NAMEPLATE
 from .starts import told_vector
+from .structures.no_gap import gap_of
 from .structures.rising_friction import friction_lines
 
 Array = NDArray[np.float64]
@@ -90,10 +91,12 @@ class Fit:
             return self.stays()
         if self.contradicted_by(found):
             return self.nothing(problem.contradicted())
-        lost = (half > np.log(NOT_EXCITED)) | (~self.core & (not explained))
+        lost, bound = (half > np.log(NOT_EXCITED)) | (~self.core & (not explained)), self.told.gap_bound
+        if bound is not None:
+            bound = max(bound, *(gap_of(one) for one in found))
         names = [NAMES[i] for i, doubtful in zip(self.stage.free, wider | lost, strict=True) if doubtful]
         doubt = problem.others_as_well(names)
-        return replace(self, told=replace(self.told, half=half))._without(lost, doubt)
+        return replace(self, told=replace(self.told, half=half, gap_bound=bound))._without(lost, doubt)
 
     def nothing(self, reason: Problem) -> Outcome:
         """No value."""
@@ -108,7 +111,9 @@ class Fit:
         free = [i for i in stage.free if i not in places]
         stage = _at(self.predictor, replace(stage, free=free, unexcited=(*stage.unexcited, *places)), theta)
         covariance = told.covariance[np.ix_(~lost, ~lost)]
-        return self.predictor, stage, Told(theta, covariance, told.half[~lost]), [reason]
+        # A gap shows beside inertias and stiffness.
+        bound = None if any(NAMES[i] in NEEDED for i in places) else told.gap_bound
+        return self.predictor, stage, Told(theta, covariance, told.half[~lost], bound), [reason]
 
     def replaced_by(self, found: Estimate) -> Outcome:
         """The other estimator's values in the place of the fit's."""

@@ -41,9 +41,8 @@ def test_parts_of_a_model(flt: ContactFilter):
     assert "no gap" in parts_of(candidate(flt, backlash=1e-6))
     assert "friction at both ends" in parts_of(candidate(flt, coulomb_motor=1.0))
     assert "friction at the motor" in parts_of(candidate(flt, coulomb_motor=1.0, coulomb=0.01))
-    assert "friction that differs by direction" in parts_of(candidate(flt, asymmetry=0.3))
-    assert "friction that differs by direction" not in parts_of(candidate(flt, asymmetry_motor=0.3))
-    assert "a constant load torque" in parts_of(candidate(flt, load_torque=-1.0))
+    pushed = replace(candidate(flt), flt=replace(flt, torque=flt.torque - 3.0))
+    assert "a constant torque" in parts_of(pushed)
     assert (
         parts_of(candidate(flt, share=0.1, compliance=0.3))[0]
         == "three masses, 10 % of the motor's on the shaft"
@@ -56,9 +55,9 @@ def test_parts_of_a_model(flt: ContactFilter):
 
 def test_others_are_named_by_what_differs():
     own = ("two masses", "a gap", "friction at the load")
-    others = (("two masses", "no gap", "friction at the load"), (*own, "a constant load torque"))
+    others = (("two masses", "no gap", "friction at the load"), (*own, "a constant torque"))
     texts = Structure(own, others, compared=True).texts()
     assert texts["structure"] == "two masses, a gap, friction at the load"
-    assert texts["would predict as well"] == "no gap, without a gap; a constant load torque"
+    assert texts["would predict as well"] == "no gap, without a gap; a constant torque"
     assert Structure((), (), compared=True).texts()["structure"] == "none"
     assert Structure(own).texts()["would predict as well"] == "not compared"

@@ -66,7 +66,7 @@ def test_it_is_told_as_the_line_closest_to_it_at_the_recorded_speeds(constant: C
     theta, flt = constant.theta.copy(), constant.flt
     theta[[INDEX["rise"], INDEX["fade"]]] = RISE, np.log(FADE)
     rising = replace(constant, theta=theta, free=sorted({*constant.free, INDEX["rise"], INDEX["fade"]}))
-    coulomb, viscous = np.exp(theta[[INDEX["coulomb"], INDEX["viscous"]]])
+    coulomb, viscous = flt.values(theta)[[INDEX["coulomb"], INDEX["viscous"]]]
     torque = coulomb * (1.0 + RISE * np.exp(-flt.speeds / FADE)) + viscous * flt.speeds
     line = np.linalg.lstsq(np.column_stack([np.ones(torque.size), flt.speeds]), torque, rcond=None)[0]
     lines = friction_lines(rising)

@@ -26,9 +26,11 @@ TWO_MASSES = {
 }  # fmt: skip
 
 
-def recorded(behind: bool, further: float = 9000.0, own: float = 4000.0) -> ContactFilter:
+def recorded(
+    behind: bool, further: float = 9000.0, own: float = 4000.0, backlash: float = 0.01
+) -> ContactFilter:
     """20 bits of a chain with a joint of a tenth of the motor's or load's inertia beside the gap."""
-    shafts = [lm.Shaft(further, 3.0), lm.Shaft(own, 0.3, backlash=0.01)]
+    shafts = [lm.Shaft(further, 3.0), lm.Shaft(own, 0.3, backlash=backlash)]
     inertias, friction = [0.045, 0.005, 0.08], lm.Friction(1.0)
     if behind:
         shafts, inertias = shafts[::-1], [0.05, 0.008, 0.072]
@@ -62,37 +64,43 @@ def test_descents_start_on_either_side_of_the_gap():
     assert len({(place.share, place.compliance) for place in places()}) == len(places()) / 2
 
 
+def stiff_joint(behind: bool, backlash: float) -> tuple[ContactFilter, dict[str, float]]:
+    """A chain whose further shaft is the softer one, and its values with the joint at the other."""
+    flt, further, own = recorded(behind, 4000.0, 9000.0, backlash), 3.0 / 4000.0, 0.3 / 9000.0
+    compliance = 9000.0 / 13_000.0
+    sides = (0.08, 0.05) if behind else (0.05, 0.08)
+    values = TWO_MASSES | {
+        "backlash": backlash, "share": 0.1, "compliance": compliance, "loss": further / own,
+        "stiffness": 4000.0 / two_springs(*sides, 1.0, 0.1, compliance)[0],
+        "damping": (compliance * further + (1.0 - compliance) * own) * 36e6 / 13_000.0,
+    }  # fmt: skip
+    return replace(flt, behind=behind), values
+
+
 @pytest.mark.parametrize("behind", [False, True], ids=["before the gap", "behind it"])
 def test_without_a_gap_the_softer_shaft_divides_motor_and_load(behind: bool):
-    """Two names for one chain; where a gap shows, it is the joint whatever the shafts are."""
-    flt = replace(recorded(behind), behind=behind)
-    values = TWO_MASSES | {"backlash": 0.0, "share": 0.2, "compliance": 0.7, "loss": 3.0}
+    """Two names for one chain, which start with other unknown torques: the second has to be fitted before it is judged.
+    A motor inertia was 20 % too small beside ±0.7 % for want of that."""
+    flt, values = stiff_joint(behind, 0.0)
     theta, free = flt.theta(values), sorted(INDEX[name] for name in (*FREE, "share", "compliance", "loss"))
-    first = Candidate("one name", theta, flt.run(theta).cost, flt, free)
-    other = split_at_the_softest_shaft(first)
-    # The filter starts the third inertia with its side, so that the costs differ a little.
+    box = Box.around(flt, theta, 30.0)
+    free.remove(INDEX["backlash"])
+    first = polish(Candidate("one name", theta, np.inf, flt, free), flt, box)
+    other = split_at_the_softest_shaft(first, box)
     assert other.flt.behind is not behind and other.cost == pytest.approx(first.cost, abs=2e-3)
     told = dict(zip(INDEX, flt.values(other.theta), strict=True))
-    piece = 0.2 * values["inertia_load" if behind else "inertia_motor"]
-    sign = 1.0 if behind else -1.0
-    assert told["inertia_motor"] == pytest.approx(values["inertia_motor"] + sign * piece)
-    assert told["inertia_load"] == pytest.approx(values["inertia_load"] - sign * piece)
-    assert (told["compliance"], told["loss"]) == pytest.approx((0.3, 1.0 / 3.0))
-    assert split_at_the_softest_shaft(other) is other
+    motor, load = (0.058, 0.072) if behind else (0.045, 0.085)
+    assert (told["inertia_motor"], told["inertia_load"]) == pytest.approx((motor, load), rel=0.01)
+    assert told["compliance"] == pytest.approx(4000.0 / 13_000.0, rel=0.05)
+    assert split_at_the_softest_shaft(other, box) is other
     for name in ("inertia_motor", "inertia_load", "stiffness"):  # what is fixed keeps its value
         fixed = replace(first, free=[place for place in free if place != INDEX[name]])
-        assert split_at_the_softest_shaft(fixed) is fixed
+        assert split_at_the_softest_shaft(fixed, box) is fixed
 
 
 def test_where_a_gap_shows_it_is_the_joint_whatever_the_shafts_are():
-    flt, further, own = recorded(False, 4000.0, 9000.0), 3.0 / 4000.0, 0.3 / 9000.0
-    compliance = 9000.0 / 13_000.0
-    values = TWO_MASSES | {
-        "share": 0.1, "compliance": compliance, "loss": further / own,
-        "stiffness": 4000.0 / two_springs(0.05, 0.08, 1.0, 0.1, compliance)[0],
-        "damping": (compliance * further + (1.0 - compliance) * own) * 36e6 / 13_000.0,
-    }  # fmt: skip
+    flt, values = stiff_joint(False, 0.01)
     theta = flt.theta(values)
     shown = Candidate("true", theta, flt.run(theta).cost, flt, [INDEX[name] for name in FREE])
     assert shown.cost < 0.1
-    assert split_at_the_softest_shaft(shown) is shown
+    assert split_at_the_softest_shaft(shown, Box.around(flt, theta, 30.0)) is shown

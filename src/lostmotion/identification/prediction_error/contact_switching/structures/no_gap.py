@@ -12,7 +12,7 @@ from ..filter import INDEX
 from ..likelihood import Box, Candidate, inverse_hessian, minimise
 from ..likelihood_ratio import alike
 
-PLACE = INDEX["backlash"]
+PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
 #: Gauss–Newton steps without the gap, or with one of a given size (numerics: what a small gap changes).
 STEPS = 4
 #: Steps from one size of the gap to the next until the bound lies between two; how near these are at the end; and how
@@ -20,11 +20,19 @@ STEPS = 4
 STRIDE, NARROW, FAR = 4.0, 1.3, 1e4
 
 
+def gap_of(candidate: Candidate) -> float:
+    """Backlash, rad."""
+    return float(np.exp(candidate.theta[PLACE]))
+
+
 def bare(candidate: Candidate) -> Candidate:
-    """The candidate with a backlash of zero; its cost is still that with the gap."""
+    """The candidate with a backlash of zero; its cost is still that with the gap.
+
+    Without a gap a constant torque on the motor is one on the load, which the filter follows anyway: it stays.
+    """
     theta = candidate.theta.copy()
     theta[PLACE] = -np.inf
-    return replace(candidate, theta=theta, free=[i for i in candidate.free if i != PLACE])
+    return replace(candidate, theta=theta, free=[i for i in candidate.free if i not in (PLACE, OFFSET)])
 
 
 def without_gap(best: Candidate, box: Box) -> Candidate | None:
@@ -48,7 +56,7 @@ def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:
     if colour is None:
         return None
     # Two costs differ by half the square of the deviation, over the rows.
-    rise = 0.5 * (student_factor(1) * wider * colour) ** 2 / flt.rows
+    rise = 0.5 * (student_factor(1) * wider * colour) ** 2 / flt.counting.size
 
     def cost(gap: float) -> float:
         theta = gapless.theta.copy()
@@ -75,7 +83,7 @@ def _colour(gapless: Candidate, gap: float) -> float | None:
     """By how much slow innovations widen the interval of a gap over white ones; None where it has no effect."""
     run, theta = gapless.flt.run(gapless.theta, gapless.free), gapless.theta.copy()
     theta[PLACE] = np.log(gap)
-    rows = gapless.flt.rows
+    rows = gapless.flt.counting.size
     effect = (gapless.flt.run(theta).weighted - run.weighted)[:rows]
     if not np.any(effect):
         return None

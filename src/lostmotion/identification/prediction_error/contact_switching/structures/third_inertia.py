@@ -7,12 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..filter import INDEX, ContactFilter
-from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
+from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish
 from ..likelihood_ratio import alike
 from .no_gap import bare
 
 #: Steps of a descent at each noise level (numerics).
 STEPS = 4
+#: A drive costs so much more without its gap if that shows at all (numerics: without one, up to 0.2 more until the
+#: rates of the unknown torques are fitted).
+SHOWN = 0.5
 #: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
 #: softest shaft (numerics).
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
@@ -50,7 +53,7 @@ def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, 
     return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
 
 
-def split_at_the_softest_shaft(candidate: Candidate) -> Candidate:
+def split_at_the_softest_shaft(candidate: Candidate, box: Box) -> Candidate:
     """The same three inertias with motor and load divided at the softer shaft, where no gap shows which is the joint.
 
     Without a gap, a third inertia before it and one behind it are two names for one drive.
@@ -75,4 +78,8 @@ def split_at_the_softest_shaft(candidate: Candidate) -> Candidate:
     )  # fmt: skip
     flt = replace(candidate.flt, behind=not place.behind)
     other = replace(bare(candidate), theta=theta, flt=flt, cost=flt.run(theta).cost)
+    if other.cost > candidate.cost + SHOWN:
+        return candidate
+    # The unknown torque of the third inertia is that of its side: the rates are others.
+    other = polish(other, flt, box)
     return other if alike(other, candidate, 0.0) else candidate
