@@ -94,8 +94,8 @@ class Search:
     ) -> Search:
         """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
         friction = SlowFriction.of(flt, start.pole_frequency)
-        flt = replace(flt, units=(flt.units[0], friction.coulomb, friction.viscous))
-        flt = replace(flt, inertia=sure_inertia(slow, start))
+        units = (flt.units[0], friction.coulomb, friction.viscous)
+        flt = replace(flt, units=units, inertia=sure_inertia(slow, start))
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
         rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
@@ -173,11 +173,8 @@ class Search:
         if abs(fits[0].cost) < NOISE_ALONE:
             return []
         # How the torque goes between rows makes up for a third inertia: both are tried.
-        few = [
-            replace(one, flt=replace(one.flt, ramp=ramp))
-            for one in apart(fits, ELSEWHERE)[:FEW]
-            for ramp in (False, True)
-        ]
+        pairs = product(apart(fits, ELSEWHERE)[:FEW], (False, True))
+        few = [replace(one, flt=replace(one.flt, ramp=ramp)) for one, ramp in pairs]
         tried = side_by_side(
             lambda one: with_third_inertia(*one, self.coarse, self.box), [*product(few, places())]
         )
