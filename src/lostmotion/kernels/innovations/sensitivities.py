@@ -6,8 +6,6 @@ is a product with the transition's change. By differences of whole motions it ta
 
 from __future__ import annotations
 
-import math
-
 from ..jit import njit
 from .columns import add, combine
 from .delayed_torque import delayed
@@ -105,7 +103,8 @@ def follow(
     deviation, rate, travel = doubt
     inputs[:WIDE] = x
     inputs[TORQUE], inputs[EDGE], inputs[JUMP] = u, edge, jump
-    inputs[MOTOR], inputs[LOAD] = math.copysign(c[OF_MOTOR], x[1]), math.copysign(c[OF_LOAD], x[2])
+    inputs[MOTOR] = c[OF_MOTOR] if x[1] > 0.0 else -c[OF_MOTOR]
+    inputs[LOAD] = c[OF_LOAD] if x[2] > 0.0 else -c[OF_LOAD]
     for i in range(COLUMNS):
         when_closed[i] = weight * inputs[i]
         when_open[i] = inputs[i] - when_closed[i]
