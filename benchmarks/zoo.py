@@ -24,18 +24,22 @@ from zoo_observer import observer_errors
 from zoo_tables import Scores, picture, summary, tables
 
 import lostmotion as lm
-from lostmotion.errors import LostMotionError
+from lostmotion.errors import InvalidInput, LostMotionError
 from lostmotion.identification.prediction_error.identifiability import NOT_EXCITED
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.identification.prediction_error.slow_motion.total_inertia import of_slow_motion
 
 
 def identified(seed: int, longest: int, second: bool, total: bool) -> dict[str, Any] | None:
-    """What ``identify`` finds of one drive, beside its truth; None if the recording has more than ``longest`` rows.
+    """What ``identify`` finds of one drive, beside its truth; None if the recording has more than ``longest`` rows, or
+    the seed has no drive that keeps its speed.
 
     ``total``: only the total inertia of the slow motion.
     """
-    drive = lm.rig.drive(seed)
+    try:
+        drive = lm.rig.drive(seed)
+    except InvalidInput:
+        return None
     if len(drive.recording) > longest:
         return None
     judged = {name: value for name, value in drive.truth.parameters.items() if value is not None}

@@ -89,7 +89,10 @@ def motion(draw: Draw, plant: Plant, nameplate: Drivetrain) -> Motion:
                 command = recording["torque_motor"][delay::steps][: rows - MOST_STEPS]
                 return Motion(recording, command, steps, delay, kind, load, number == len(runs) - 1)
     raise InvalidInput(
-        "rig.drive", f"seed {draw.seed}, which overspeeds", "a drive that keeps its speed", "Report it."
+        "rig.drive",
+        f"seed {draw.seed}, which overspeeds",
+        "a drive that keeps its speed",
+        "Take another seed: one in thousands has no speed control that holds it.",
     )
 
 

@@ -33,6 +33,20 @@ def test_a_torque_that_is_wrong_in_one_half_shows(flt: ContactFilter, values: di
     assert apart[TOLD.index("stiffness")] > 0.03
 
 
+def test_a_half_at_a_standstill_tells_nothing(flt: ContactFilter, values: dict[str, float]):
+    part = flt.liveliest(3000)
+    still = np.full(part.rows, part.measured[0] if part.counted else 0.0)
+    measured = np.concatenate([still, part.measured])
+    waited = replace(
+        part,
+        torque=np.concatenate([np.zeros(part.rows), part.torque]),
+        measured=measured,
+        bounds=(0, measured.size),
+    )
+    best, box = fitted(waited, values | {"rise": 0.1, "fade": 1.0})
+    assert np.max(disagreement(best, [], box)[CORE]) < 0.01
+
+
 def test_a_law_counts_as_far_as_the_recording_is_not_explained(flt: ContactFilter, values: dict[str, float]):
     best, box = fitted(flt.liveliest(4000), values)
     best = replace(best, cost=0.5)

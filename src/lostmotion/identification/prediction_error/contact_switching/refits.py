@@ -31,7 +31,9 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
     half = best.flt.rows // 2
     # All rows first: they take as long as both halves beside them.
     parts = [replace(best.flt, level=MORE_NOISE * best.flt.level)]
-    parts += [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
+    halves = [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
+    # A standstill tells nothing.
+    parts += [rows for rows in halves if rows.speed_deviation > 0.0]
 
     def again(flt: ContactFilter) -> Candidate:
         # From a higher noise level, where the cost is smooth: a fit that cannot get away proves nothing.
@@ -40,11 +42,11 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
         ends = [replace(one, flt=replace(flt, level=flt.level)) for one in (found, best)]
         return min((polish(one, flt, box) for one in ends), key=cost_of)
 
-    noisy, *halves = side_by_side(again, parts)
+    noisy, *found = side_by_side(again, parts)
     error = scatter(best)[1]
     shifts = [_beyond_chance(noisy, best, error)[0]]
     # The fit of all rows is the mean of those of both halves, each by its information.
-    for shift, part in (_beyond_chance(one, best, error) for one in halves):
+    for shift, part in (_beyond_chance(one, best, error) for one in found):
         shifts.append(np.minimum(2.0 * part, 1.0) * shift)
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]
