@@ -47,6 +47,7 @@ from .transitions import (
     OFFSET,
     STIFFNESS,
     WIDE,
+    fill_changed_model,
     fill_model,
     layout,
 )
@@ -175,13 +176,13 @@ def innovations(
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, (finest + 1) * BLOCK
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
-    noise, other, errors = np.zeros(2 * square), np.zeros(2 * square), np.zeros(8 * square)
+    noise, errors = np.zeros(2 * square), np.zeros(8 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
     fill_model(parameters, dt, law, finest, kind, level, models[0], numbers[0], noise)
     for j in range(m):
         q = parameters.copy()
         q[free[j]] = _changed(q[free[j]], kinds[j], units[j], _STEP, dt)
-        fill_model(q, dt, law, finest, kind, level, models[j + 1], numbers[j + 1], other)
+        fill_changed_model(free[j], q, dt, law, finest, kind, level, models, numbers, j + 1)
     _sensor_rows(parameters, sensors, counted, law, third, angle, tail, head, rows, offsets)
     for which in range(8):
         error_transition(

@@ -50,6 +50,8 @@ COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_
 
 #: Largest norm before squaring, as in ``two_mass`` (numerics).
 _NORM = 0.5
+#: What no transition depends on.
+_BESIDE = (BACKLASH, COULOMB, COULOMB_MOTOR, TORQUE_OFFSET, RISE, FADE, RISE_MOTOR, FADE_MOTOR)
 #: Halvings of a sample whose torque is a ramp, to find what the ramp does (numerics: 1e-4 of it).
 _RAMP = 6
 #: A lag below this part of a sample is none: its pole would take the digits of all others (numerics).
@@ -151,30 +153,32 @@ def _continuous(q, dt, n, third, load, slope, angle, tail, head, closed, law, bl
 
 
 @njit(**COMPILED)
-def _double(step, noise, half, other):
-    """noise += step·noise·stepᵀ, and step = step·step."""
-    n, size = noise.shape[0], step.shape[0]
+def _double_noise(step, noise, half):
+    """noise += step·noise·stepᵀ, which is symmetric."""
+    n = noise.shape[0]
     for i in range(n):
         for j in range(n):
+            half[i, j] = 0.0
+        for k in range(n):
+            factor = step[i, k]
+            if factor != 0.0:
+                for j in range(n):
+                    half[i, j] += factor * noise[k, j]
+    for i in range(n):
+        for j in range(i + 1):
             total = 0.0
             for k in range(n):
-                total += step[i, k] * noise[k, j]
-            half[i, j] = total
-    for i in range(n):
-        for j in range(n):
-            for k in range(n):
-                noise[i, j] += half[i, k] * step[j, k]
-    product(step, step, other)
-    for i in range(size):
-        for j in range(size):
-            step[i, j] = other[i, j]
+                total += half[i, k] * step[j, k]
+            noise[i, j] += total
+            if j < i:
+                noise[j, i] += total
 
 
 @njit(**COMPILED)
 def _transitions(block, density, dt, n, finest, table, at, noise):
     """exp(block·dt/2ʲ) for j = 0 … finest at table[at …], and noise = ∫exp(A·s)·density·exp(Aᵀ·s)ds over dt.
 
-    By series and doublings; n states, whose columns come first.
+    By series and doublings; n states, whose columns come first. No noise where density is empty.
     """
     size, states = block.shape[0], density.shape[0]
     norm, doublings = 0.0, 0
@@ -201,7 +205,9 @@ def _transitions(block, density, dt, n, finest, table, at, noise):
                 for j in range(4):
                     table[at + left * BLOCK + (WIDE + j) * WIDE + i] = step[i, n + j]
         if left > 0:
-            _double(step, noise, half, other)
+            _double_noise(step, noise, half)
+            product(step, step, other)
+            step, other = other, step
 
 
 @njit(**COMPILED)
@@ -252,13 +258,29 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise.
 
     ``kind``: whether the torque is a ramp, a third mass sits behind the gap, the load torque has a slope, the speed is
-    counted, the angle a state.
+    counted, the angle a state. An empty ``noise`` is not filled.
     """
     ramp, behind, drifts, counted, angled = kind
     third, load, slope, angle, tail, head, n, nc = layout(q, angled, behind, drifts)
-    block, density, own = np.zeros((n + 4, n + 4)), np.zeros((nc, nc)), np.zeros((nc, nc))
-    # Torque noise that moves motor or load as fast as their rates say: a lone inertia that is seen by its speed, or by
-    # its angle, has a filter of that bandwidth.
+    states = nc if noise.size > 0 else 0
+    block, density, own = np.zeros((n + 4, n + 4)), np.zeros((states, states)), np.zeros((states, states))
+    if states > 0:
+        _fill_density(q, dt, third, load, slope, counted, behind, level, density)
+    for closed in range(2):
+        _continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
+        at = closed * (finest + 1) * BLOCK
+        _transitions(block, density, dt, n, finest, table, at, own)
+        _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
+        for i in range(states):
+            for j in range(states):
+                noise[(closed * WIDE + i) * WIDE + j] = own[i, j]
+    fill_numbers(q, dt, law, behind, level, c)
+
+
+@njit(**COMPILED)
+def _fill_density(q, dt, third, load, slope, counted, behind, level, density):
+    """Torque noise that moves motor or load as fast as their rates say: a lone inertia that is seen by its speed, or by
+    its angle, has a filter of that bandwidth."""
     power = 4.0 if counted else 2.0
     density[1, 1], density[2, 2] = q[MOTOR_RATE] ** power * dt, q[LOAD_RATE] ** power * dt
     if third > 0:
@@ -266,14 +288,11 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     if load > 0:  # the rate is that of the torque in a second, or of its slope
         noisy = slope if slope > 0 else load
         density[noisy, noisy] = (q[TORQUE_RATE] / level) ** 2
-    for closed in range(2):
-        _continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
-        at = closed * (finest + 1) * BLOCK
-        _transitions(block, density, dt, n, finest, table, at, own)
-        _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
-        for i in range(nc):
-            for j in range(nc):
-                noise[(closed * WIDE + i) * WIDE + j] = own[i, j]
+
+
+@njit(**COMPILED)
+def fill_numbers(q, dt, law, behind, level, c):
+    """Fill what a model has beside its transitions."""
     c[LEAD] = 0.0 if law == DEAD_ZONE else _shafts(q, behind)[2]
     c[HALF] = 0.5 * q[BACKLASH]
     c[OF_MOTOR], c[OF_MOTOR + 1], c[OF_MOTOR + 2] = q[COULOMB_MOTOR], q[RISE_MOTOR], q[FADE_MOTOR]
@@ -282,6 +301,17 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     c[WHOLE] = math.floor(q[DELAY] / dt)
     c[PART] = q[DELAY] / dt - c[WHOLE]
     # What an impact's force does otherwise than its law says acts on both sides of the gap.
-    j_tail, j_head = _at_the_gap(q, third > 0, behind)
+    j_tail, j_head = _at_the_gap(q, q[SHARE] > 0.0, behind)
     kick = q[IMPACT] / (j_tail + j_head) / level
     c[KICKS], c[KICKS + 1] = kick * j_head, -kick * j_tail
+
+
+@njit(**COMPILED)
+def fill_changed_model(place, q, dt, law, finest, kind, level, models, numbers, row):
+    """Fill row ``row`` of the models' transitions and numbers, which differ from row 0 in the parameter at ``place``:
+    what that does not change is copied."""
+    if place in _BESIDE:
+        models[row] = models[0]
+        fill_numbers(q, dt, law, kind[1], level, numbers[row])
+    else:
+        fill_model(q, dt, law, finest, kind, level, models[row], numbers[row], np.zeros(0))

@@ -22,13 +22,19 @@ _DOUBLINGS = 60
 
 @njit(cache=True, nogil=True)
 def product(a, b, out):
-    """out = a·b; explicit loops compile ten times faster than array expressions."""
+    """out = a·b; explicit loops compile ten times faster than array expressions.
+
+    Row by row, which makes vector instructions; a drivetrain's matrices are mostly zeros, as the first factor they are
+    left out.
+    """
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
-            total = 0.0
-            for k in range(b.shape[0]):
-                total += a[i, k] * b[k, j]
-            out[i, j] = total
+            out[i, j] = 0.0
+        for k in range(b.shape[0]):
+            factor = a[i, k]
+            if factor != 0.0:
+                for j in range(out.shape[1]):
+                    out[i, j] += factor * b[k, j]
 
 
 @njit(cache=True, nogil=True)
@@ -102,7 +108,7 @@ def add_series(block, density, half, term, other, h, step, noise):
     factor = h
     for order in range(1, _TERMS + 1):
         product(block, density, half)
-        product(term, block, other)
+        product(block, term, other)  # powers of one matrix commute
         for i in range(step.shape[0]):
             for j in range(step.shape[0]):
                 term[i, j] = other[i, j] * h / order

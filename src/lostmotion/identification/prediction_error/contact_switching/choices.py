@@ -63,7 +63,8 @@ def other_parts(
             start="rising friction",
         )
 
-    before, behind = ([place for place in places() if place.behind == side] for side in (False, True))
+    starts = places(best, rows)
+    before, behind = ([place for place in starts if place.behind == side] for side in (False, True))
     has = Place.of(best)
     sides = [
         side

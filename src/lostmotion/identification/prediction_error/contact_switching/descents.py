@@ -173,11 +173,12 @@ class Search:
         if abs(fits[0].cost) < NOISE_ALONE:
             return []
         # How the torque goes between rows makes up for a third inertia: both are tried.
-        pairs = product(apart(fits, ELSEWHERE)[:FEW], (False, True))
-        few = [replace(one, flt=replace(one.flt, ramp=ramp)) for one, ramp in pairs]
-        tried = side_by_side(
-            lambda one: with_third_inertia(*one, self.coarse, self.box), [*product(few, places())]
-        )
+        pairs = [
+            (replace(one, flt=replace(one.flt, ramp=ramp)), place)
+            for one in apart(fits, ELSEWHERE)[:FEW]
+            for ramp, place in product((False, True), places(one, self.coarse))
+        ]
+        tried = side_by_side(lambda pair: with_third_inertia(*pair, self.coarse, self.box), pairs)
         tried = apart(sorted(tried, key=cost_of))[:FEW]
         best = side_by_side(lambda one: polish(one, one.over(self.part), self.box), tried)
         place = Place.of(min(best, key=cost_of))

@@ -29,6 +29,8 @@ PARAMETERS = {
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
+#: Which of them enter as a logarithm, and which as that of lag + sample time.
+LOGARITHM, LAG = (np.array([kind == wanted for kind in PARAMETERS.values()]) for wanted in ("log", "lag"))
 #: Friction of the load's end and of the motor's.
 FRICTIONS = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
 #: Numbers of the contact laws and of the kinds of parameters in the kernel (layout).
@@ -215,7 +217,7 @@ class ContactFilter:
         innovations(
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
-            np.array([self._unit(PARAMETERS[NAMES[i]]) for i in free]),
+            self._units[list(free)],
             self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind, self.drifts, np.zeros(1, dtype=np.int64),
             self.counted, np.ones(1), np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None],
             self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
@@ -281,12 +283,18 @@ class ContactFilter:
 
     def theta(self, values: Mapping[str, float]) -> Array:
         """Parameter vector of values, SI, zero where there is none; −inf for the logarithm of zero."""
-        with np.errstate(divide="ignore"):
-            return np.array([self._forth(kind, values.get(name, 0.0)) for name, kind in PARAMETERS.items()])
+        given = np.array([values.get(name, 0.0) for name in NAMES])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(
+                LOGARITHM, np.log(given), np.where(LAG, np.log(given + self.dt), given / self._units)
+            )
 
     def values(self, theta: Array) -> Array:
         """Values of a parameter vector, SI."""
-        return np.array([self._back(kind, t) for kind, t in zip(PARAMETERS.values(), theta, strict=True)])
+        with np.errstate(over="ignore", invalid="ignore"):
+            grown = np.exp(theta)
+            lag = np.maximum(grown - self.dt, 0.0)
+            return np.where(LOGARITHM, grown, np.where(LAG, lag, theta * self._units))
 
     def changed(self, theta: Array, **values: float) -> Array:
         """The parameter vector with other values, SI."""
@@ -294,19 +302,12 @@ class ContactFilter:
         other[places] = self.theta(values)[places]
         return other
 
-    def _forth(self, kind: str, value: float) -> float:
-        if kind == "lag":
-            return float(np.log(value + self.dt))
-        return float(np.log(value)) if kind == "log" else value / self._unit(kind)
-
-    def _back(self, kind: str, theta: float) -> float:
-        if kind == "lag":
-            return max(float(np.exp(theta)) - self.dt, 0.0)
-        return float(np.exp(theta)) if kind == "log" else theta * self._unit(kind)
-
-    def _unit(self, kind: str) -> float:
+    @cached_property
+    def _units(self) -> Array:
+        """(23,) units of the parameters that enter plainly; one for the others."""
         torque, friction, damper = self.units
-        return {"samples": self.dt, "torque": torque, "friction": friction, "damper": damper}.get(kind, 1.0)
+        units = {"samples": self.dt, "torque": torque, "friction": friction, "damper": damper}
+        return np.array([units.get(kind, 1.0) for kind in PARAMETERS.values()])
 
 
 def white_noise(values: Array) -> float:

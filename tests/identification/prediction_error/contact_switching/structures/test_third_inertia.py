@@ -11,6 +11,7 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import (
+    PLACES,
     Place,
     places,
     split_at_the_softest_shaft,
@@ -59,9 +60,35 @@ def test_a_descent_finds_it_on_its_side(behind: bool):
     assert found.start == "two masses"
 
 
-def test_descents_start_on_either_side_of_the_gap():
-    assert {place.behind for place in places()} == {False, True}
-    assert len({(place.share, place.compliance) for place in places()}) == len(places()) / 2
+def hub() -> tuple[ContactFilter, Candidate, Box]:
+    """A motor with a heavy hub on a stiff shaft, and what two masses make of it: three rows in a period of the second
+    mode."""
+    dt, shafts = 3e-3, [lm.Shaft(4.4, 6e-4), lm.Shaft(0.15, 1.6e-5)]
+    inertias = [3.6e-5, 1.5e-5, 13.3e-5]
+    rng = np.random.default_rng(1)
+    torque = 0.012 * np.repeat(rng.choice([-1.0, 1.0], 500), 4)
+    speed = lm.simulate(lm.Drivetrain(inertias, shafts), torque_motor=torque, dt=dt)["speed_motor"]
+    flt = ContactFilter(
+        torque, speed + 0.3 * rng.standard_normal(speed.size), dt, False, 0.3, 0.3, 6, (0, speed.size)
+    )
+    two = {"inertia_motor": 5.1e-5, "inertia_load": 13.3e-5, "stiffness": 0.145, "damping": 1.6e-5}
+    theta = flt.theta(two | {"motor_rate": 1.0, "load_rate": 1.0})
+    free, box = [INDEX[name] for name in two], Box.around(flt, theta, 30.0)
+    return flt, polish(Candidate("two masses", theta, np.inf, flt, free), flt, box), box
+
+
+def test_descents_start_where_the_candidate_predicts_best():
+    """From the usual places alone no descent finds a heavy hub on a stiff shaft (a motor inertia 2 % off, ±0.7)."""
+    flt, two, box = hub()
+    starts = places(two, flt)
+    usual, further = starts[: 2 * len(PLACES)], starts[2 * len(PLACES) :]
+    assert [(one.share, one.compliance) for one in usual] == 2 * list(PLACES)
+    assert {one.behind for one in further} == {False, True}
+
+    def lowest(begun: list[Place]) -> float:
+        return min(with_third_inertia(two, place, flt, box).cost for place in begun)
+
+    assert lowest(further) < 0.05 < 0.15 < min(two.cost, lowest(usual))
 
 
 def stiff_joint(behind: bool, backlash: float) -> tuple[ContactFilter, dict[str, float]]:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..filter import INDEX, ContactFilter
-from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish
+from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
 from ..likelihood_ratio import alike
 from .no_gap import bare
+
+Array = NDArray[np.float64]
 
 #: Steps of a descent at each noise level (numerics).
 STEPS = 4
@@ -19,6 +23,10 @@ SHOWN = 0.5
 #: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
 #: softest shaft (numerics).
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
+#: Shares and compliances that are looked at, and how many of the best on either side descents start with (numerics: a
+#: lightly damped mode shows within a third of its frequency).
+SHARES, COMPLIANCES = (0.03, 0.1, 0.3, 0.6), (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.97)
+FOLLOWED = 2
 
 
 @dataclass(frozen=True)
@@ -38,17 +46,39 @@ class Place:
         return cls(share, compliance, loss, candidate.flt.behind) if share > 0.0 else None
 
 
-def places() -> list[Place]:
-    """Where descents start, on either side of the gap."""
-    return [
-        Place(share, compliance, behind=behind) for behind in (False, True) for share, compliance in PLACES
+def places(candidate: Candidate, rows: ContactFilter) -> list[Place]:
+    """Where descents start, on either side of the gap: always the same, and those with which the candidate predicts
+    some rows best.
+
+    Share and compliance keep the first mode, so that a place near that of the drive lowers the cost as it is.
+    """
+    sides = (False, True)
+    usual, looked_at = (
+        [Place(*pair, behind=behind) for behind in sides for pair in pairs]
+        for pairs in (PLACES, tuple(product(SHARES, COMPLIANCES)))
+    )
+    costs = side_by_side(lambda place: _cost_with(candidate, place, rows), looked_at)
+    best = [looked_at[i] for i in np.argsort(costs, kind="stable")]
+    return usual + [
+        place for behind in sides for place in [one for one in best if one.behind == behind][:FOLLOWED]
     ]
+
+
+def _cost_with(candidate: Candidate, place: Place, rows: ContactFilter) -> float:
+    flt, theta = _at(candidate, place, rows)
+    return flt.run(theta).cost
+
+
+def _at(candidate: Candidate, place: Place, rows: ContactFilter) -> tuple[ContactFilter, Array]:
+    """Filter and θ of the candidate with a third inertia there."""
+    flt = replace(candidate.over(rows), behind=place.behind)
+    values = {"share": place.share, "compliance": place.compliance, "loss": place.loss}
+    return flt, flt.changed(candidate.theta, **values)
 
 
 def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, box: Box) -> Candidate:
     """The candidate with a third inertia over some rows; its descent comes down from a higher noise level."""
-    flt = replace(candidate.over(rows), behind=place.behind)
-    theta = flt.changed(candidate.theta, share=place.share, compliance=place.compliance, loss=place.loss)
+    flt, theta = _at(candidate, place, rows)
     free = sorted({*candidate.free, INDEX["share"], INDEX["compliance"], INDEX["loss"]})
     return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
 
