@@ -83,11 +83,11 @@ def test_they_are_those_of_whole_motions(contact: int, deviation: float, ramp: b
         if deviation > 0.0:
             weight, edge, _ = mean_gap(x[0] + c[of + LEAD] * rate + travel, c[of + HALF], deviation)
         blend(t, at, at + WHOLE, weight, mixed)
-        moved(mixed, 0, c, of, n, x, u, jump, edge, y)
+        moved(mixed, 0, c, of, n, x, u, jump, edge, 0, y)
         return y, u, jump, edge, weight
 
     y, u, jump, edge, weight = after(0)
-    assert slides(x, y)
+    assert slides(x, y, 0)
     assert not rises(numbers)
     expected = np.array([(after(j + 1)[0] - y)[:n] / STEP for j in range(len(FREE))])
 

@@ -19,8 +19,9 @@ import numpy as np
 
 from ..jit import njit
 from .columns import add, copy, product_of, turned_product
-from .delayed_torque import delayed
+from .delayed_torque import delayed, torque_at_ends
 from .gap_in_doubt import blend, mean_gap
+from .holding import fill_loads, holds, stops
 from .motion import (
     error_transition,
     moved,
@@ -45,10 +46,13 @@ from .transitions import (
     NO_GAP,
     NUMBERS,
     OFFSET,
+    PART,
     STIFFNESS,
     WIDE,
     fill_changed_model,
     fill_model,
+    fill_numbers,
+    fill_transitions,
     layout,
 )
 
@@ -126,6 +130,16 @@ def _start(third, unknown, slope_at, angle, spread, p):
 
 
 @njit(**COMPILED)
+def _fill_resting(parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, models, changes):
+    """Fill transitions of the model and of those with a changed parameter in which what is stuck rests all the while,
+    and their changes."""
+    fill_transitions(parameters, dt, law, finest, kind, level, stuck, models[0], np.zeros(0))
+    for j in range(free.size):
+        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, stuck, models, j + 1)
+    fill_changes(models, numbers, (finest + 1) * BLOCK, _STEP, changes, np.zeros(free.size, dtype=np.int64))
+
+
+@njit(**COMPILED)
 def innovations(
     parameters, free, kinds, units, dt, law, finest, ramp, behind, drifts, sensors, counted, ratios, bounds, torque,
     measured, level, spread, residuals, variances, jacobian,
@@ -176,18 +190,18 @@ def innovations(
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, (finest + 1) * BLOCK
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
-    noise, errors = np.zeros(2 * square), np.zeros(8 * square)
+    noise, errors = np.zeros(2 * square), np.zeros(2 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
     fill_model(parameters, dt, law, finest, kind, level, models[0], numbers[0], noise)
+    changed = np.zeros((m, parameters.size))
     for j in range(m):
-        q = parameters.copy()
-        q[free[j]] = _changed(q[free[j]], kinds[j], units[j], _STEP, dt)
-        fill_changed_model(free[j], q, dt, law, finest, kind, level, models, numbers, j + 1)
+        changed[j] = parameters
+        changed[j, free[j]] = _changed(parameters[free[j]], kinds[j], units[j], _STEP, dt)
+        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, 0, models, j + 1)
+        fill_numbers(changed[j], dt, law, behind, level, numbers[j + 1])
     _sensor_rows(parameters, sensors, counted, law, third, angle, tail, head, rows, offsets)
-    for which in range(8):
-        error_transition(
-            models.reshape(-1), (which >> 2) * whole, n, which & 3, (0.0, 0.0), errors, which * square
-        )
+    for which in range(2):
+        error_transition(models.reshape(-1), which * whole, n, 0, (0.0, 0.0), errors, which * square)
     t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
     lead, half = c[LEAD], c[HALF]
     changes, what = np.zeros((m, 2 * BLOCK)), np.zeros(m, dtype=np.int64)
@@ -199,6 +213,9 @@ def innovations(
     # Sensitivities of the state to θ, column after column, and where they go.
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
     held = _held(parameters, dt, finest)
+    # Models in which motor, load or both rest all the while, and their changes: filled when that first happens.
+    resting, resting_changes = np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
+    loads, filled = np.zeros((3, 2, 2, 2, COLUMNS)), np.zeros(3, dtype=np.bool_)
     piece, contact, rest, base, weight = -1, 0, 0, 0.0, 0.0
     for k in range(torque.size):
         if k == bounds[piece + 1]:
@@ -286,39 +303,65 @@ def innovations(
             doubt = level * math.sqrt(max(variance, 0.0))
             if doubt <= abs(travel) or abs(abs(z) - half) >= _DOUBT * doubt + abs(travel):
                 doubt = 0.0
-        before, rested, quiet, at, slopes = contact, rest, False, closed * whole, (0.0, 0.0)
+        before, rested, quiet, at, slopes, stuck = contact, rest, False, closed * whole, (0.0, 0.0), 0
+        table = t
         if doubt > 0.0:
             weight, edge, extra = mean_gap(z + travel, half, doubt)
             blend(t, 0, whole, weight, mixed)
-            rest = moved(mixed, 0, c, 0, n, x, u, jump, edge, y)
+            rest = moved(mixed, 0, c, 0, n, x, u, jump, edge, 0, y)
             slopes = slopes_of_friction(c, 0, x, y)
             copy(y, x)
             z = x[0] + lead * (x[tail] - x[head])
             contact = 1 if z > half else -1 if z < -half else 0
             error_transition(mixed, 0, n, rest, slopes, f, 0)
         else:
-            rest = moved(t, at, c, 0, n, x, u, jump, contact * half, y)
+            if rest != 0 and stops(t, at, c, rest, x):
+                if resting.size == 0:
+                    resting, resting_changes = np.zeros((3, m + 1, model)), np.zeros((3, m, 2 * BLOCK))
+                    fill_loads(parameters, dt, law, kind, loads)
+                if not filled[rest - 1]:
+                    filled[rest - 1] = True
+                    _fill_resting(
+                        parameters, changed, free, dt, law, finest, kind, level, rest, numbers, resting[rest - 1],
+                        resting_changes[rest - 1],
+                    )  # fmt: skip
+                stuck, table = rest, resting.reshape(-1)
+                at += (rest - 1) * (m + 1) * model
+                for end in range(2):
+                    if stuck & (1 << end):
+                        x[1 + end] = 0.0
+            moved_to = moved(table, at, c, 0, n, x, u, jump, contact * half, stuck, y)
             z = y[0] + lead * (y[tail] - y[head])
             quiet = next_contact(contact, z, y[0], half, gap_law) == contact and not reversed_motion(
                 c, 0, x, y
             )
-            quiet = quiet and rest == rested and (rest == 0 or held == 0)
+            quiet = quiet and moved_to == rested == stuck
+            if quiet and stuck != 0:
+                first, last = torque_at_ends(u, jump, c[PART], ramp)
+                quiet = holds(loads, closed, stuck, c, x, first, y, last, contact * half)
             if quiet:
-                slopes = slopes_of_friction(c, 0, x, y)
+                rest, slopes = moved_to, slopes_of_friction(c, 0, x, y)
+                if stuck != 0:
+                    copy(x, old)
                 copy(y, x)
             else:
+                copy(old, x)
+                stuck = 0
                 contact, rest, weight = through_changes(
                     t, 0, c, 0, finest, held, ramp, n, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
                 )  # fmt: skip
-        if quiet and slopes[0] == 0.0 and slopes[1] == 0.0:
-            where = (4 * closed + rest) * square
+        if quiet and stuck == 0 and slopes[0] == 0.0 and slopes[1] == 0.0:
+            where = closed * square
             product_of(errors, where, n, slope, m, next_slope)
             product_of(errors, where, nc, p, nc, work)
             turned_product(work, errors, where, nc, noise, closed, p)
         else:
             if quiet:
                 weight = closed
-                error_transition(t, at, n, rest, slopes, f, 0)
+                error_transition(table, at, n, 0, slopes, f, 0)
+                for end in range(2):
+                    if stuck & (1 << end):  # what moves it stops at once
+                        f[(1 + end) * WIDE : (2 + end) * WIDE] = 0.0
             product_of(f, 0, n, slope, m, next_slope)
             product_of(f, 0, nc, p, nc, work)
             turned_product(work, f, 0, nc, noise, 1 if weight > 0.5 else 0, p)
@@ -333,12 +376,13 @@ def innovations(
             p[tail * WIDE + head] += kick * back
             p[head * WIDE + tail] += kick * back
         # How the parameters move the state within this sample.
-        if m > 0 and not rising and (quiet or doubt > 0.0) and slides(old, x):
-            where = (t, at) if quiet else (mixed, 0)
+        if m > 0 and not rising and (quiet or doubt > 0.0) and slides(old, x, stuck):
+            where = (table, at) if quiet else (mixed, 0)
             if quiet:
                 weight, edge = float(closed), before * half
+            own = resting_changes[stuck - 1].reshape(-1) if stuck != 0 else change
             follow(
-                t, whole, where, c, change, what, n, torque, k, ramp, old, u, jump, edge, weight, before,
+                t, whole, where, c, own, what, n, torque, k, ramp, old, u, jump, edge, weight, before,
                 (doubt, rate, travel), _STEP, room, next_slope,
             )  # fmt: skip
             for i in range(m * WIDE):
@@ -349,11 +393,11 @@ def innovations(
             begin, of = (j + 1) * model, (j + 1) * NUMBERS
             u, jump = delayed(torque, k, c, of, ramp)
             if quiet:
-                moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], y)
+                moved(table, begin + at, c, of, n, old, u, jump, before * c[of + HALF], stuck, y)
             elif doubt > 0.0:
                 weight, edge, _ = mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
                 blend(t, begin, begin + whole, weight, mixed)
-                moved(mixed, 0, c, of, n, old, u, jump, edge, y)
+                moved(mixed, 0, c, of, n, old, u, jump, edge, 0, y)
             else:
                 copy(old, gain)
                 through_changes(

@@ -17,3 +17,12 @@ def delayed(torque, k, c, of, ramp):
     after = torque[min(max(first + 1, 0), last)]
     end = after + c[of + PART] * (now - after) + c[of + OFFSET]
     return 0.5 * (mean + end), mean - end
+
+
+@njit(forceinline=True, **COMPILED)
+def torque_at_ends(mean, jump, part, ramp):
+    """Torque at the beginning and at the end of a sample, from its mean and what it is higher by at the beginning."""
+    if ramp:
+        return mean + 0.5 * jump, mean - 0.5 * jump
+    # It is held, and changes after this part of the sample.
+    return mean + ((1.0 - part) * jump if part > 0.0 else 0.0), mean - part * jump

@@ -31,11 +31,11 @@ from .transitions import (
 
 
 @njit(forceinline=True, **COMPILED)
-def moved(t, at, c, of, n, x, torque, jump, edge, out):
+def moved(t, at, c, of, n, x, torque, jump, edge, stuck, out):
     """State after a sub-step with the transition at t[at …] and a model's numbers at c[of …].
 
-    ``torque``: its mean; ``jump``: by how much it is higher at the beginning, of whole samples. Returns 1 if the motor
-    sticks, plus 2 if the load does.
+    ``torque``: its mean; ``jump``: by how much it is higher at the beginning, of whole samples; ``stuck``: what rests
+    all the while, by the transition. Returns 1 if the motor sticks, plus 2 if the load does.
     """
     motor_at, load_at = at + MOTOR * WIDE, at + LOAD * WIDE
     combine(t, at, n, x, 0, 1, NOTHING, 0, out, 0)
@@ -44,9 +44,12 @@ def moved(t, at, c, of, n, x, torque, jump, edge, out):
     if jump != 0.0:
         add(t, at + JUMP * WIDE, jump, out, 0)
     i, j = of + OF_MOTOR, of + OF_LOAD
-    motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[i + 2])
-    free = out[2] + t[motor_at + 2] * motor
-    held, load_rests = mean_friction(x[2], free, t[load_at + 2], c[j], c[j + 1], c[j + 2])
+    motor, motor_rests, held, load_rests = 0.0, True, 0.0, True
+    if not stuck & 1:
+        motor, motor_rests = mean_friction(x[1], out[1], t[motor_at + 1], c[i], c[i + 1], c[i + 2])
+    if not stuck & 2:
+        free = out[2] + t[motor_at + 2] * motor
+        held, load_rests = mean_friction(x[2], free, t[load_at + 2], c[j], c[j + 1], c[j + 2])
     add(t, motor_at, motor, out, 0)
     add(t, load_at, held, out, 0)
     # Exactly at rest: rounding is no motion.
@@ -147,7 +150,7 @@ def through_changes(
             continue
         at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
         u = torque + shape_mean(part, finest, done, size) * jump
-        stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
+        stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, 0, y)
         z = y[0] + lead * (y[tail] - y[head])
         after = next_contact(contact, z, y[0], half, law)
         changes = after != contact or stuck != rest or reversed_motion(c, of, x, y)
@@ -172,7 +175,7 @@ def through_changes(
         if after != contact:
             contact = after
             at = begin + ((finest + 1 if contact != 0 else 0) + finest) * BLOCK
-            stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, y)
+            stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, 0, y)
             if errors:
                 follow_errors(t, at, n, stuck, slopes_of_friction(c, of, x, y), 1.0 - share, f, work)
             for i in range(WIDE):

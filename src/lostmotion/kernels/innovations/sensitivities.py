@@ -34,9 +34,9 @@ _INPUTS, COLUMNS = 5, WIDE + 5
 
 
 @njit(**COMPILED)
-def slides(x, y):
-    """Whether motor and load slide all the way from state x to y."""
-    return x[1] * y[1] > 0.0 and x[2] * y[2] > 0.0
+def slides(x, y, stuck):
+    """Whether motor and load slide all the way from state x to y, but for what rests all the way."""
+    return (x[1] * y[1] > 0.0 or stuck & 1) and (x[2] * y[2] > 0.0 or stuck & 2)
 
 
 @njit(**COMPILED)
@@ -92,7 +92,7 @@ def _add_torques(t, at, c, of, x, torque, jump, per_step, slope, to):
 def follow(
     t, whole, where, c, change, what, n, torque, k, ramp, x, u, jump, edge, weight, contact, doubt, step, room, slope
 ):  # fmt: skip
-    """Add to ``slope`` what each parameter does to the state within sample k, in which both inertias slide.
+    """Add to ``slope`` what each parameter does to the state within sample k, in which both inertias slide or rest.
 
     The open transition begins at t[0], the closed one at t[whole]; ``where`` are an array and the place in it of that
     which holds, with the gap closed by ``weight``; ``doubt``: deviation of the gap's argument (0: none), its rate, and

@@ -119,7 +119,7 @@ def _at_the_gap(q, third, behind):
 
 
 @njit(**COMPILED)
-def _continuous(q, dt, n, third, load, slope, angle, tail, head, closed, law, block):
+def fill_continuous(q, dt, n, third, load, slope, angle, tail, head, closed, law, block):
     """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
     block[:] = 0.0
     jm, jl = q[INERTIA_MOTOR], q[INERTIA_LOAD]
@@ -260,6 +260,14 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     ``kind``: whether the torque is a ramp, a third mass sits behind the gap, the load torque has a slope, the speed is
     counted, the angle a state. An empty ``noise`` is not filled.
     """
+    fill_transitions(q, dt, law, finest, kind, level, 0, table, noise)
+    fill_numbers(q, dt, law, kind[1], level, c)
+
+
+@njit(**COMPILED)
+def fill_transitions(q, dt, law, finest, kind, level, stuck, table, noise):
+    """Fill transitions and noise, see ``fill_model``; ``stuck``: 1 if the motor rests all the while, plus 2 if the load
+    does."""
     ramp, behind, drifts, counted, angled = kind
     third, load, slope, angle, tail, head, n, nc = layout(q, angled, behind, drifts)
     states = nc if noise.size > 0 else 0
@@ -267,14 +275,16 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     if states > 0:
         _fill_density(q, dt, third, load, slope, counted, behind, level, density)
     for closed in range(2):
-        _continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
+        fill_continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
+        for end in range(2):
+            if stuck & (1 << end):
+                block[1 + end] = 0.0
         at = closed * (finest + 1) * BLOCK
         _transitions(block, density, dt, n, finest, table, at, own)
         _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
         for i in range(states):
             for j in range(states):
                 noise[(closed * WIDE + i) * WIDE + j] = own[i, j]
-    fill_numbers(q, dt, law, behind, level, c)
 
 
 @njit(**COMPILED)
@@ -307,11 +317,10 @@ def fill_numbers(q, dt, law, behind, level, c):
 
 
 @njit(**COMPILED)
-def fill_changed_model(place, q, dt, law, finest, kind, level, models, numbers, row):
-    """Fill row ``row`` of the models' transitions and numbers, which differ from row 0 in the parameter at ``place``:
-    what that does not change is copied."""
+def fill_changed_model(place, q, dt, law, finest, kind, level, stuck, models, row):
+    """Fill row ``row`` of the models' transitions, which differs from row 0 in the parameter at ``place``: what that
+    does not change is copied."""
     if place in _BESIDE:
         models[row] = models[0]
-        fill_numbers(q, dt, law, kind[1], level, numbers[row])
     else:
-        fill_model(q, dt, law, finest, kind, level, models[row], numbers[row], np.zeros(0))
+        fill_transitions(q, dt, law, finest, kind, level, stuck, models[row], np.zeros(0))

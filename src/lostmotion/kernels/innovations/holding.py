@@ -1,0 +1,91 @@
+"""Whether friction holds an inertia that rests, for the contact-switching filter."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..jit import njit
+from .transitions import (
+    COMPILED,
+    EDGE,
+    MOTOR,
+    OF_MOTOR,
+    TORQUE,
+    WIDE,
+    fill_continuous,
+    layout,
+)
+
+#: What is left of the speed of an inertia that rests stops in less than this part of a sample, or it does not rest
+#: (numerics: so short a way is none).
+_AT_ONCE = 1.0 / 16.0
+
+
+@njit(**COMPILED)
+def fill_loads(q, dt, law, kind, loads):
+    """Fill what each state and input makes of the torque on motor and load, which friction has to hold, Nm per unit,
+    and of its change over a sample: loads[stuck − 1, closed, end, 0 or 1, column of a transition]."""
+    _, behind, drifts, _, angled = kind
+    third, load, slope, angle, tail, head, n, _ = layout(q, angled, behind, drifts)
+    block = np.zeros((n + 4, n + 4))
+    for stuck in range(1, 4):
+        for closed in range(2):
+            fill_continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
+            for end in range(2):
+                own, row, per_torque = (
+                    loads[stuck - 1, closed, end],
+                    block[1 + end],
+                    -block[1 + end, n + 2 + end],
+                )
+                for i in range(n):
+                    own[0, i] = row[i] / per_torque
+                own[0, TORQUE], own[0, EDGE] = row[n] / per_torque, row[n + 1] / per_torque
+            for end in range(2):
+                if stuck & (1 << end):
+                    block[1 + end] = 0.0
+            for end in range(2):
+                own = loads[stuck - 1, closed, end]
+                for i in range(n):
+                    for j in range(n):
+                        own[1, i] += own[0, j] * block[j, i] * dt
+                    own[1, TORQUE] += own[0, i] * block[i, n] * dt
+                    own[1, EDGE] += own[0, i] * block[i, n + 1] * dt
+
+
+@njit(**COMPILED)
+def stops(t, at, c, stuck, x):
+    """Whether friction stops what is left of the speed of the inertias that rest at once; their transition over a whole
+    sample is at t[at …]."""
+    for end in range(2):
+        if stuck & (1 << end):
+            change = c[OF_MOTOR + 3 * end] * abs(t[at + (MOTOR + end) * WIDE + 1 + end])
+            if abs(x[1 + end]) > _AT_ONCE * change:
+                return False
+    return True
+
+
+@njit(forceinline=True, **COMPILED)
+def _load(own, x, torque, edge):
+    total = own[TORQUE] * torque + own[EDGE] * edge
+    for i in range(WIDE):
+        total += own[i] * x[i]
+    return total
+
+
+@njit(**COMPILED)
+def holds(loads, closed, stuck, c, x, first, y, last, edge):
+    """Whether friction holds all inertias that rest from state x with the torque ``first`` on the motor to state y with
+    ``last``: the torque on them in between is a parabola of its values and slopes at both ends."""
+    for end in range(2):
+        if stuck & (1 << end):
+            own = loads[stuck - 1, closed, end]
+            begin, final = _load(own[0], x, first, edge), _load(own[0], y, last, edge)
+            bend = _load(own[1], y, last, edge) - _load(own[1], x, first, edge)
+            level = c[OF_MOTOR + 3 * end] * (1.0 + c[OF_MOTOR + 3 * end + 1])
+            slope = final - begin - 0.5 * bend
+            most = max(abs(begin), abs(final))
+            if slope * (slope + bend) < 0.0:  # it turns
+                most = max(most, abs(begin - 0.5 * slope * slope / bend))
+            if most > level:
+                return False
+    return True
