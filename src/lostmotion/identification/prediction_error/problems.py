@@ -86,6 +86,18 @@ def contradicted() -> Problem:
     )
 
 
+def beyond_nameplate(name: str, found: float, nameplate: float, factor: float) -> Problem:
+    unit = PARAMETER_UNITS[name]
+    return Problem(
+        "warning",
+        name,
+        f"{found:.4g} {unit}, which predicts best",
+        f"within a factor of {factor:g} of the nameplate's {nameplate:.4g} {unit}",
+        f"{_NOTHING}: so far away a wrong minimum is likelier. Check the value under [nameplate]; if it was a guess, "
+        "give this one and identify again.",
+    )
+
+
 def others_as_well(names: Sequence[str]) -> Problem:
     return Problem(
         "warning",

@@ -22,7 +22,7 @@ MORE_NOISE = 3.0
 
 
 def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> Array:
-    """(8,) largest distance of other fits from the best, in the logarithm.
+    """(8,) largest distance of other fits from the best, in the logarithm, as far as they tell a value.
 
     Where the model is right, each half of the rows tells the same but for chance, and so does a filter that counts on
     more noise. Where it is not, the values make up for what it lacks, and by how much depends on the rows and on how
@@ -42,11 +42,10 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
         ends = [replace(one, flt=replace(flt, level=flt.level)) for one in (found, best)]
         return min((polish(one, flt, box) for one in ends), key=cost_of)
 
-    noisy, *found = side_by_side(again, parts)
-    error = scatter(best)[1]
-    shifts = [_beyond_chance(noisy, best, error)[0]]
-    # The fit of all rows is the mean of those of both halves, each by its information.
-    for shift, part in (_beyond_chance(one, best, error) for one in found):
+    error, shifts = scatter(best)[1], []
+    # The fit of all rows is the mean of those of both halves, each by its information; and what a fit with more noise
+    # hardly tells it cannot disagree about.
+    for shift, part in (_beyond_chance(one, best, error) for one in side_by_side(again, parts)):
         shifts.append(np.minimum(2.0 * part, 1.0) * shift)
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]

@@ -25,6 +25,10 @@ from .starts import told_vector
 from .structures.no_gap import gap_of
 from .structures.rising_friction import friction_lines
 
+#: No inertia or stiffness is identified further from the nameplate's than by this factor (calibrated on development
+#: drives 1850 to 2049, 2026-11-26, whose nameplates are right within three: of 70 one was, by 15, and wrong by 42).
+FURTHEST = 4.0
+
 Array = NDArray[np.float64]
 Outcome = tuple[Predictor, Stage, Told, list[Problem]]
 
@@ -123,7 +127,12 @@ class Fit:
         lines = friction_lines(found.best)
         friction = {name: lines[name] for name in ("coulomb_motor", "viscous_motor")}
         predictor = replace(self.predictor, base=self.predictor.base.with_parameters(**friction))
-        theta = self._nameplate()
+        nameplate = self._nameplate()
+        for i in free:
+            if NAMES[i] in NEEDED and abs(found.theta[i] - nameplate[i]) > np.log(FURTHEST):
+                value, expected = np.exp(found.theta[i]), np.exp(nameplate[i])
+                return self.nothing(problem.beyond_nameplate(NAMES[i], value, expected, FURTHEST))
+        theta = nameplate.copy()
         theta[free] = found.theta[free]
         if found.gap_bound is not None:
             theta = without_gap(theta)
