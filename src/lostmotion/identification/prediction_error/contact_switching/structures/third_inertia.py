@@ -23,9 +23,9 @@ SHOWN = 0.5
 #: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
 #: softest shaft (numerics).
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
-#: Shares and compliances that are looked at, and how many of the best on either side descents start with (numerics: a
-#: lightly damped mode shows within a third of its frequency).
+#: Shares and compliances that are looked at (numerics: a mode shows within a third of its frequency).
 SHARES, COMPLIANCES = (0.03, 0.1, 0.3, 0.6), (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.97)
+#: With how many of the best on either side descents start as well (numerics).
 FOLLOWED = 2
 
 
