@@ -18,10 +18,11 @@ import math
 import numpy as np
 
 from ..jit import njit
+from .channels import ANGLE_MOTOR, SPEED_LOAD, SPEED_MOTOR, TORQUE_SHAFT, TWIST
 from .columns import add, copy, product_of, turned_product
 from .delayed_torque import delayed, torque_at_ends
 from .gap_in_doubt import blend, mean_gap
-from .holding import fill_loads, holds, stops
+from .holding import fill_loads, fill_resting, holds, stops
 from .motion import (
     error_transition,
     moved,
@@ -52,12 +53,8 @@ from .transitions import (
     fill_changed_model,
     fill_model,
     fill_numbers,
-    fill_transitions,
     layout,
 )
-
-#: Sensors.
-SPEED_MOTOR, SPEED_LOAD, TWIST, ANGLE_MOTOR, TORQUE_SHAFT = range(5)
 
 #: An edge is in doubt within so many standard deviations (numerics: beyond, the chance is a thousandth).
 _DOUBT = 3.0
@@ -127,16 +124,6 @@ def _start(third, unknown, slope_at, angle, spread, p):
         p[slope_at * WIDE + slope_at] = spread[3] ** 2
     if angle > 0:
         p[angle * WIDE + angle] = 1.0
-
-
-@njit(**COMPILED)
-def _fill_resting(parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, models, changes):
-    """Fill transitions of the model and of those with a changed parameter in which what is stuck rests all the while,
-    and their changes."""
-    fill_transitions(parameters, dt, law, finest, kind, level, stuck, models[0], np.zeros(0))
-    for j in range(free.size):
-        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, stuck, models, j + 1)
-    fill_changes(models, numbers, (finest + 1) * BLOCK, _STEP, changes, np.zeros(free.size, dtype=np.int64))
 
 
 @njit(**COMPILED)
@@ -321,9 +308,9 @@ def innovations(
                     fill_loads(parameters, dt, law, kind, loads)
                 if not filled[rest - 1]:
                     filled[rest - 1] = True
-                    _fill_resting(
-                        parameters, changed, free, dt, law, finest, kind, level, rest, numbers, resting[rest - 1],
-                        resting_changes[rest - 1],
+                    fill_resting(
+                        parameters, changed, free, dt, law, finest, kind, level, rest, numbers, _STEP,
+                        resting[rest - 1], resting_changes[rest - 1],
                     )  # fmt: skip
                 stuck, table = rest, resting.reshape(-1)
                 at += (rest - 1) * (m + 1) * model

@@ -1,24 +1,41 @@
-"""Whether friction holds an inertia that rests, for the contact-switching filter."""
+"""Motor or load at rest over whole samples: their transitions, and whether friction holds them, for the
+contact-switching filter."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..jit import njit
+from .sensitivities import fill_changes
 from .transitions import (
+    BLOCK,
     COMPILED,
     EDGE,
     MOTOR,
     OF_MOTOR,
     TORQUE,
     WIDE,
+    fill_changed_model,
     fill_continuous,
+    fill_transitions,
     layout,
 )
 
 #: What is left of the speed of an inertia that rests stops in less than this part of a sample, or it does not rest
 #: (numerics: so short a way is none).
 _AT_ONCE = 1.0 / 16.0
+
+
+@njit(**COMPILED)
+def fill_resting(
+    parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, step, models, changes
+):
+    """Fill the transitions in which what is stuck rests all the while, of the model and of those with a changed
+    parameter, and their changes; see ``transitions`` and ``sensitivities``."""
+    fill_transitions(parameters, dt, law, finest, kind, level, stuck, models[0], np.zeros(0))
+    for j in range(free.size):
+        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, stuck, models, j + 1)
+    fill_changes(models, numbers, (finest + 1) * BLOCK, step, changes, np.zeros(free.size, dtype=np.int64))
 
 
 @njit(**COMPILED)
