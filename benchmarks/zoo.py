@@ -38,7 +38,8 @@ def identified(seed: int, longest: int, second: bool, total: bool) -> dict[str, 
     """
     try:
         drive = lm.rig.drive(seed)
-    except InvalidInput:
+    except InvalidInput as none:
+        print(none, flush=True)
         return None
     if len(drive.recording) > longest:
         return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -86,15 +87,11 @@ def contradicted() -> Problem:
     )
 
 
-def beyond_nameplate(name: str, found: float, nameplate: float, factor: float) -> Problem:
-    unit = PARAMETER_UNITS[name]
-    return Problem(
-        "warning",
-        name,
-        f"{found:.4g} {unit}, which predicts best",
-        f"within a factor of {factor:g} of the nameplate's {nameplate:.4g} {unit}",
-        f"{_NOTHING}: so far away a wrong minimum is likelier. Check the value under [nameplate]; if it was a guess, "
-        "give this one and identify again.",
+def wrong_minimum(name: str, found: float, nameplate: float, factor: float) -> Problem:
+    far = far_from_nameplate(name, found, nameplate, factor)
+    return replace(
+        far,
+        remedy=f"{_NOTHING}: values so far away are rarely right. {far.remedy} Or measure {name} in another way.",
     )
 
 
@@ -191,7 +188,7 @@ def no_gap(bound: float, nameplate: float) -> Problem:
 
 def far_from_nameplate(name: str, found: float, nameplate: float, factor: float) -> Problem:
     unit = PARAMETER_UNITS[name]
-    expected = f"within a factor of {factor} of the nameplate's {nameplate:.4g} {unit}"
+    expected = f"within a factor of {factor:g} of the nameplate's {nameplate:.4g} {unit}"
     remedy = "Check the value under [nameplate], and scale and unit in the channel of the torque."
     return Problem.warning(name, f"{found:.4g} {unit}", expected, remedy)
 

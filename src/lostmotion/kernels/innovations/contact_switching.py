@@ -325,7 +325,11 @@ def innovations(
             quiet = quiet and moved_to == rested == stuck
             if quiet and stuck != 0:
                 first, last = torque_at_ends(u, jump, c[PART], ramp)
-                quiet = holds(loads, closed, stuck, c, x, first, y, last, contact * half)
+                if ramp:
+                    quiet = holds(loads, closed, stuck, c, x, first, y, last, contact * half)
+                else:  # the torque steps somewhere between
+                    quiet = holds(loads, closed, stuck, c, x, first, y, first, contact * half)
+                    quiet = quiet and holds(loads, closed, stuck, c, x, last, y, last, contact * half)
             if quiet:
                 rest, slopes = moved_to, slopes_of_friction(c, 0, x, y)
                 if stuck != 0:
@@ -333,7 +337,7 @@ def innovations(
                 copy(y, x)
             else:
                 copy(old, x)
-                stuck = 0
+                stuck, table, at = 0, t, closed * whole
                 contact, rest, weight = through_changes(
                     t, 0, c, 0, finest, held, ramp, n, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
                 )  # fmt: skip

@@ -21,8 +21,8 @@ from .transitions import (
     layout,
 )
 
-#: What is left of the speed of an inertia that rests stops in less than this part of a sample, or it does not rest
-#: (numerics: so short a way is none).
+#: An inertia counts as at rest if friction stops what is left of its speed within this part of a sample (numerics: so
+#: short a way is none).
 _AT_ONCE = 1.0 / 16.0
 
 
@@ -40,28 +40,26 @@ def fill_resting(
 
 @njit(**COMPILED)
 def fill_loads(q, dt, law, kind, loads):
-    """Fill what each state and input makes of the torque on motor and load, which friction has to hold, Nm per unit,
-    and of its change over a sample: loads[stuck − 1, closed, end, 0 or 1, column of a transition]."""
+    """Fill the torque that friction must hold on motor and load, Nm per unit of each state and input, and its change
+    over a sample: loads[stuck − 1, closed, end, 0 or 1, column of a transition].
+
+    The change is without that of the torque and without the friction of what slides: of its difference between both
+    ends of a sample neither is part.
+    """
     _, behind, drifts, _, angled = kind
-    third, load, slope, angle, tail, head, n, _ = layout(q, angled, behind, drifts)
-    block = np.zeros((n + 4, n + 4))
-    for stuck in range(1, 4):
-        for closed in range(2):
-            fill_continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
+    places = layout(q, angled, behind, drifts)
+    n = places[6]
+    free, block = np.zeros((n + 4, n + 4)), np.zeros((n + 4, n + 4))
+    for closed in range(2):
+        fill_continuous(q, dt, places, closed == 1, law, 0, free)
+        for stuck in range(1, 4):
+            fill_continuous(q, dt, places, closed == 1, law, stuck, block)
             for end in range(2):
-                own, row, per_torque = (
-                    loads[stuck - 1, closed, end],
-                    block[1 + end],
-                    -block[1 + end, n + 2 + end],
-                )
+                own, per_torque = loads[stuck - 1, closed, end], -free[1 + end, n + 2 + end]
                 for i in range(n):
-                    own[0, i] = row[i] / per_torque
-                own[0, TORQUE], own[0, EDGE] = row[n] / per_torque, row[n + 1] / per_torque
-            for end in range(2):
-                if stuck & (1 << end):
-                    block[1 + end] = 0.0
-            for end in range(2):
-                own = loads[stuck - 1, closed, end]
+                    own[0, i] = free[1 + end, i] / per_torque
+                own[0, TORQUE] = free[1 + end, n] / per_torque
+                own[0, EDGE] = free[1 + end, n + 1] / per_torque
                 for i in range(n):
                     for j in range(n):
                         own[1, i] += own[0, j] * block[j, i] * dt
@@ -71,8 +69,8 @@ def fill_loads(q, dt, law, kind, loads):
 
 @njit(**COMPILED)
 def stops(t, at, c, stuck, x):
-    """Whether friction stops what is left of the speed of the inertias that rest at once; their transition over a whole
-    sample is at t[at …]."""
+    """Whether friction stops at once what is left of the speed of what is stuck; the transition of a whole sample is at
+    t[at …]."""
     for end in range(2):
         if stuck & (1 << end):
             change = c[OF_MOTOR + 3 * end] * abs(t[at + (MOTOR + end) * WIDE + 1 + end])

@@ -1,7 +1,7 @@
 """How the parameters move the state within a sample in which nothing changes, for the contact-switching filter.
 
-While both inertias slide the state after a sample is linear in the transition's entries, so its change with a parameter
-is a product with the transition's change. By differences of whole motions it takes three times as long.
+While both inertias slide or rest the state after a sample is linear in the transition's entries, so its change with a
+parameter is a product with the transition's change. By differences of whole motions it takes three times as long.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _INPUTS, COLUMNS = 5, WIDE + 5
 
 @njit(**COMPILED)
 def slides(x, y, stuck):
-    """Whether motor and load slide all the way from state x to y, but for what rests all the way."""
+    """Whether motor and load slide or rest all the way from state x to y."""
     return (x[1] * y[1] > 0.0 or stuck & 1) and (x[2] * y[2] > 0.0 or stuck & 2)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..jit import njit
 from .intermediate_inertia import two_springs
-from .two_mass import add_series, product
+from .two_mass import add_series, congruence, product
 
 # Places in a row of parameters, SI units. A share of zero: two masses. An infinite stiffness: rigid. A torque rate of
 # zero: no unknown load torque. ``TORQUE_OFFSET``: what acts on the motor beside the torque of the recording, always the
@@ -50,7 +50,7 @@ COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_
 
 #: Largest norm before squaring, as in ``two_mass`` (numerics).
 _NORM = 0.5
-#: What no transition depends on.
+#: What no transition depends on, of what is ever free.
 _BESIDE = (BACKLASH, COULOMB, COULOMB_MOTOR, TORQUE_OFFSET, RISE, FADE, RISE_MOTOR, FADE_MOTOR)
 #: Halvings of a sample whose torque is a ramp, to find what the ramp does (numerics: 1e-4 of it).
 _RAMP = 6
@@ -119,8 +119,10 @@ def _at_the_gap(q, third, behind):
 
 
 @njit(**COMPILED)
-def fill_continuous(q, dt, n, third, load, slope, angle, tail, head, closed, law, block):
-    """Fill the block [A, inputs; 0, 0] for the gap closed or open."""
+def fill_continuous(q, dt, places, closed, law, stuck, block):
+    """Fill the block [A, inputs; 0, 0] for the gap closed or open; ``places``: see ``layout``; ``stuck``: 1 if the
+    motor rests, plus 2 if the load does."""
+    third, load, slope, angle, tail, head, n, _ = places
     block[:] = 0.0
     jm, jl = q[INERTIA_MOTOR], q[INERTIA_LOAD]
     k, further, rate, other = _shafts(q, head != 2)
@@ -150,28 +152,9 @@ def fill_continuous(q, dt, n, third, load, slope, angle, tail, head, closed, law
     else:
         block[1, n] = 1.0 / jm
     block[1, n + 2], block[2, n + 3] = -1.0 / jm, -1.0 / jl
-
-
-@njit(**COMPILED)
-def _double_noise(step, noise, half):
-    """noise += step·noise·stepᵀ, which is symmetric."""
-    n = noise.shape[0]
-    for i in range(n):
-        for j in range(n):
-            half[i, j] = 0.0
-        for k in range(n):
-            factor = step[i, k]
-            if factor != 0.0:
-                for j in range(n):
-                    half[i, j] += factor * noise[k, j]
-    for i in range(n):
-        for j in range(i + 1):
-            total = 0.0
-            for k in range(n):
-                total += half[i, k] * step[j, k]
-            noise[i, j] += total
-            if j < i:
-                noise[j, i] += total
+    for end in range(2):
+        if stuck & (1 << end):
+            block[1 + end] = 0.0
 
 
 @njit(**COMPILED)
@@ -205,7 +188,7 @@ def _transitions(block, density, dt, n, finest, table, at, noise):
                 for j in range(4):
                     table[at + left * BLOCK + (WIDE + j) * WIDE + i] = step[i, n + j]
         if left > 0:
-            _double_noise(step, noise, half)
+            congruence(step, noise, half, noise, False)
             product(step, step, other)
             step, other = other, step
 
@@ -258,7 +241,7 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise.
 
     ``kind``: whether the torque is a ramp, a third mass sits behind the gap, the load torque has a slope, the speed is
-    counted, the angle a state. An empty ``noise`` is not filled.
+    counted, the angle a state.
     """
     fill_transitions(q, dt, law, finest, kind, level, 0, table, noise)
     fill_numbers(q, dt, law, kind[1], level, c)
@@ -267,18 +250,16 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
 @njit(**COMPILED)
 def fill_transitions(q, dt, law, finest, kind, level, stuck, table, noise):
     """Fill transitions and noise, see ``fill_model``; ``stuck``: 1 if the motor rests all the while, plus 2 if the load
-    does."""
+    does. An empty ``noise`` is not filled."""
     ramp, behind, drifts, counted, angled = kind
-    third, load, slope, angle, tail, head, n, nc = layout(q, angled, behind, drifts)
+    places = layout(q, angled, behind, drifts)
+    third, load, slope, _, _, _, n, nc = places
     states = nc if noise.size > 0 else 0
     block, density, own = np.zeros((n + 4, n + 4)), np.zeros((states, states)), np.zeros((states, states))
     if states > 0:
         _fill_density(q, dt, third, load, slope, counted, behind, level, density)
     for closed in range(2):
-        fill_continuous(q, dt, n, third, load, slope, angle, tail, head, closed == 1, law, block)
-        for end in range(2):
-            if stuck & (1 << end):
-                block[1 + end] = 0.0
+        fill_continuous(q, dt, places, closed == 1, law, stuck, block)
         at = closed * (finest + 1) * BLOCK
         _transitions(block, density, dt, n, finest, table, at, own)
         _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))

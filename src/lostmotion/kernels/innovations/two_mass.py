@@ -24,8 +24,8 @@ _DOUBLINGS = 60
 def product(a, b, out):
     """out = a·b; explicit loops compile ten times faster than array expressions.
 
-    Row by row, which makes vector instructions; a drivetrain's matrices are mostly zeros, as the first factor they are
-    left out.
+    Row by row, which makes vector instructions. Zeros of the first factor are skipped, also where the second is
+    infinite: a drivetrain's matrices have many.
     """
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):

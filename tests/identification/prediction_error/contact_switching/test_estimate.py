@@ -14,7 +14,7 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
     EXACT,
     EXPLAINED,
     TOLD,
-    WIDE,
+    WIDEST,
     distance,
     sharp,
     told,
@@ -84,14 +84,14 @@ def test_what_other_fits_disagree_about_belongs_to_the_interval(best: Candidate)
     found = told(best, [best], apart, box(best), ())
     expected = np.hypot(plain.half, DISAGREEMENT * apart)
     assert found.half == pytest.approx(expected)
-    wide = told(best, [best], apart * WIDE / (0.9 * DISAGREEMENT * 0.05), box(best), ())
+    wide = told(best, [best], apart * WIDEST / (0.9 * DISAGREEMENT * 0.05), box(best), ())
     assert np.flatnonzero(np.isinf(wide.half)).tolist() == [TOLD.index("stiffness")]
 
 
 def test_a_wide_interval_is_told_up_to_its_limit(best: Candidate):
-    apart = np.where(np.array(TOLD) == "stiffness", 0.9 * WIDE / DISAGREEMENT, 0.0)
+    apart = np.where(np.array(TOLD) == "stiffness", 0.9 * WIDEST / DISAGREEMENT, 0.0)
     found = told(best, [best], apart, box(best), ())
-    assert found.half[TOLD.index("stiffness")] == pytest.approx(0.9 * WIDE, rel=1e-3)
+    assert found.half[TOLD.index("stiffness")] == pytest.approx(0.9 * WIDEST, rel=1e-3)
 
 
 def test_a_torque_from_row_to_row_leaves_half_a_row_of_lag_open(best: Candidate):

@@ -299,6 +299,33 @@ def test_sensitivities_are_those_of_the_innovations(plant: lm.Drivetrain, counte
         assert np.linalg.norm(slope - measured) < 0.02 * np.linalg.norm(measured), name
 
 
+@pytest.mark.parametrize("ramp", [False, True], ids=["held torque", "ramp"])
+def test_sensitivities_are_those_of_the_innovations_where_friction_holds(plant: lm.Drivetrain, ramp: bool):
+    """Ten samples in a torsional period, a fifth of which the motor rests, and a delay that is no whole number of
+    samples. In a row in which one breaks away the change jumps: the median of rows is looked at."""
+    dt, rows, fine, delay = 1e-3, 1200, 20, 8
+    held = plant.with_parameters(backlash=0.0, coulomb=8.0, coulomb_motor=3.0, lag=0.0)
+    at = np.arange(rows)
+    torque = 9.0 * np.sin(0.0107 * at) + 3.0 * np.sin(0.04 * at)
+    between = (
+        np.interp((np.arange(rows * fine) + 0.5) / fine, at, torque) if ramp else np.repeat(torque, fine)
+    )
+    acting = np.concatenate([np.full(delay, torque[0]), between])[: rows * fine]
+    speed = lm.simulate(held, torque_motor=acting, dt=dt / fine)["speed_motor"][::fine]
+    flt = ContactFilter(torque, speed.copy(), dt, False, 1e-2, 1e-2, 6, (0, rows), ramp=ramp)
+    known = {name: value for name, value in held.parameters().items() if name in PARAMETERS}
+    theta = flt.theta(known | {"delay": delay / fine * dt, "motor_rate": 100.0, "load_rate": 30.0})
+    assert flt.run(theta).cost < -2.0
+    assert np.mean(speed == 0.0) > 0.2
+    names = ["delay", "torque_offset", *(name for name, value in known.items() if value > 0.0)]
+    run = flt.run(theta, [INDEX[n] for n in names])
+    for name, slope in zip(names, run.jacobian, strict=True):
+        theta_moved = theta.copy()
+        theta_moved[INDEX[name]] += 1e-5
+        measured = (flt.run(theta_moved).weighted - run.weighted) / 1e-5
+        assert np.median(np.abs(slope - measured)) < 0.02 * np.median(np.abs(measured)) + 1e-9, name
+
+
 def test_a_lag_of_next_to_nothing_is_none(plant: lm.Drivetrain):
     """A pole far beyond all others would take their digits."""
     linear, held = plant.with_parameters(backlash=0.0, coulomb=0.0, lag=0.0), command()

@@ -33,9 +33,13 @@ def test_a_torque_that_is_wrong_in_one_half_shows(flt: ContactFilter, values: di
     assert apart[TOLD.index("stiffness")] > 0.03
 
 
-def test_a_half_at_a_standstill_tells_nothing(flt: ContactFilter, values: dict[str, float]):
+@pytest.mark.parametrize("parts", [{"rise": 0.1, "fade": 1.0}, {"coulomb_motor": 1.0}], ids=["rise", "motor"])
+def test_a_half_at_a_standstill_tells_nothing(
+    flt: ContactFilter, values: dict[str, float], parts: dict[str, float]
+):
     part = flt.liveliest(3000)
-    still = np.full(part.rows, part.measured[0] if part.counted else 0.0)
+    noise = 0.0 if part.counted else 0.01 * np.random.default_rng(5).standard_normal(part.rows)
+    still = np.full(part.rows, part.measured[0] if part.counted else 0.0) + noise
     measured = np.concatenate([still, part.measured])
     waited = replace(
         part,
@@ -43,8 +47,27 @@ def test_a_half_at_a_standstill_tells_nothing(flt: ContactFilter, values: dict[s
         measured=measured,
         bounds=(0, measured.size),
     )
-    best, box = fitted(waited, values | {"rise": 0.1, "fade": 1.0})
-    assert np.max(disagreement(best, [], box)[CORE]) < 0.01
+    assert waited.moves and not waited.part(slice(0, part.rows)).moves
+    best, box = fitted(waited, values | parts)
+    assert np.max(disagreement(best, [], box)[CORE]) < (0.01 if "rise" in parts else 0.1)
+
+
+def test_a_fit_with_more_noise_counts_as_far_as_it_tells_a_value(
+    flt: ContactFilter, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
+):
+    best, box = fitted(flt.liveliest(3000), values)
+    place = TOLD.index("backlash")
+
+    def beyond(part: float) -> float:
+        def told(one: Candidate, *_: object) -> tuple[np.ndarray, np.ndarray]:
+            more_noise = one.flt.rows == best.flt.rows
+            return np.full(8, 0.3 if more_noise else 0.0), np.full(8, part)
+
+        monkeypatch.setattr(refits, "_beyond_chance", told)
+        return float(disagreement(best, [], box)[place])
+
+    assert beyond(1.0) == pytest.approx(0.3)
+    assert beyond(0.01) == pytest.approx(0.003)
 
 
 def test_a_law_counts_as_far_as_the_recording_is_not_explained(flt: ContactFilter, values: dict[str, float]):

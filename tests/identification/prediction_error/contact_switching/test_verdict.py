@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from table_i import PAPER
 
+from lostmotion.identification.prediction_error.contact_switching.estimate import Estimate
 from lostmotion.identification.prediction_error.contact_switching.filter import NAMES, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
 from lostmotion.identification.prediction_error.contact_switching.verdict import APART, Fit
@@ -61,6 +62,21 @@ def test_what_is_three_times_off_the_nameplate_is_beyond_it(fit: Fit):
     assert not fit.beyond_nameplate()
     assert replace(fit, start=PLANT.with_parameters(stiffness=3.1 * PLANT.stiffness)).beyond_nameplate()
     assert not replace(fit, start=PLANT.with_parameters(coulomb=4.0 * PLANT.coulomb)).beyond_nameplate()
+
+
+def test_a_stiffness_far_from_the_nameplate_is_that_of_a_wrong_minimum(fit: Fit):
+    def found(factor: float, half: float = 0.01) -> Estimate:
+        theta = fit.told.theta.copy()
+        theta[TOLD.index("stiffness")] = np.log(factor * 9000.0)
+        return Estimate(theta, np.full(8, half), np.eye(8), away(fit))
+
+    for factor in (3.9, 1.0 / 3.9):
+        assert fit.wrong_minimum(found(factor)) is None
+    for factor in (4.1, 1.0 / 4.1):
+        wrong = fit.wrong_minimum(found(factor))
+        assert wrong is not None and wrong.where == "stiffness" and "9000 Nm/rad" in wrong.expected
+        assert "scale and unit" in wrong.remedy
+    assert fit.wrong_minimum(found(4.1, np.inf)) is None  # it is not identified anyway
 
 
 def test_where_nothing_explains_the_recording_only_the_core_is_told(fit: Fit):

@@ -80,7 +80,8 @@ def confirmed(
         # Of two that agree, the one that knows all of it better.
         elif found is not None and (doubtful or np.all(found.half[stage.free] <= told.half)):
             compared.insert(0, found.best)
-            return fit.replaced_by(found)
+            wrong = fit.wrong_minimum(found) if doubtful else None
+            return fit.nothing(wrong) if wrong else fit.replaced_by(found)
     if excess > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
     if not stage.free:

@@ -63,12 +63,10 @@ def other_parts(
             start="rising friction",
         )
 
-    starts = places(best, rows)
-    before, behind = ([place for place in starts if place.behind == side] for side in (False, True))
     has = Place.of(best)
     sides = [
-        side
-        for side in ([Place(*known)] if known else before, behind)
-        if has is None or side[0].behind != has.behind
+        [Place(*known)] if known and not behind else places(best, rows, [behind])
+        for behind in (False, True)
+        if has is None or behind != has.behind
     ]
     return [*map(third, sides), *(rising(fade) for fade in FADES if may_rise(best))]

@@ -22,21 +22,23 @@ from .structures.no_gap import gap_bound, gap_of, without_gap
 
 Array = NDArray[np.float64]
 
-#: What the model leaves unexplained is no noise: it may push a value one way in all rows. Part of it that does so
-#: (calibrated on calibration drives 10400 to 10529, 2026-11-24), and by how much a value is wrong of which other fits
-#: of the same recording differ (calibrated on development drives 1850 to 2049, 2026-11-26: with 2 instead of 3 three
-#: more of 270 values are identified, 93.4 instead of 93.8 % hold; see docs/benchmarks/zoo.md).
-COHERENT, DISAGREEMENT = 0.02, 2.0
+#: What the model leaves unexplained is no noise: it may push a value one way in all rows. This part of it does so
+#: (calibrated on calibration drives 10400 to 10529, 2026-11-24, see docs/benchmarks/zoo.md).
+COHERENT = 0.02
+#: Half width over the disagreement of other fits of the same recording (calibrated on development drives 1850 to 2049,
+#: 2026-11-26: with 2 instead of 3 213 instead of 210 of 270 values are identified, 93.4 instead of 93.8 % hold).
+DISAGREEMENT = 2.0
 #: Least half width, in the logarithm (numerics: the filter places an impact to a 2000th of a period, and keeps its gain
 #: over a sample).
 EXACT = 1e-4
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 #: An inertia, stiffness or backlash is not identified where candidates that predict better or alike are further away
-#: than this, in the logarithm (calibrated on development drives: right values agree within a tenth), or its half width
-#: is larger than the second (calibrated on development drives 1850 to 2049, 2026-11-26: with 0.5 instead of 0.2 20 more
-#: of 259 values are identified, 94.2 instead of 93.6 % hold and 4 instead of 5 are grossly wrong; with 0.8 10 more).
-APART, WIDE = 0.2, 0.5
+#: than this, in the logarithm (calibrated on development drives: right values agree within a tenth).
+APART = 0.2
+#: Nor where its half width is larger than this (calibrated on development drives 1850 to 2049, 2026-11-26: with 0.5
+#: instead of 0.2 199 instead of 179 of 259 values are identified, 94.2 instead of 93.6 % hold).
+WIDEST = 0.5
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25
@@ -71,7 +73,8 @@ def distance(one: Candidate, other: Candidate) -> Array:
 def scatter(candidate: Candidate) -> tuple[Array, Array]:
     """Covariance (8, 8) of the told parameters by chance, and their standard errors (8,); infinite: not excited."""
     run = candidate.flt.run(candidate.theta, candidate.free)
-    if not np.all(np.isfinite(run.jacobian)):  # numbers that grow without bound tell nothing
+    # Numbers that grow without bound tell nothing, nor does a standstill.
+    if not np.all(np.isfinite(run.jacobian)) or not np.any(run.jacobian):
         return np.zeros((len(TOLD), len(TOLD))), np.full(len(TOLD), np.inf)
     size = np.linalg.norm(run.jacobian, axis=1)
     shown, parts = size > NO_INFORMATION * np.max(size), told_slopes(candidate)
@@ -117,7 +120,7 @@ def told(
         half[-1] += np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt))
     # Places that predict as well and lie far apart are no interval, and neither is what noise and rows scatter as far.
     # Friction, damping and lag make up for what the model lacks.
-    half[CORE] = np.where((apart[CORE] > APART) | (half[CORE] > WIDE), np.inf, half[CORE])
+    half[CORE] = np.where((apart[CORE] > APART) | (half[CORE] > WIDEST), np.inf, half[CORE])
     if abs(best.cost) >= EXPLAINED:
         half[[i for i in range(len(TOLD)) if i not in CORE]] = np.inf
     for i, name in enumerate(TOLD):

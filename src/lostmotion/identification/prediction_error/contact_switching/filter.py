@@ -178,11 +178,20 @@ class ContactFilter:
             return np.arange(self.rows)
         rows = []
         for first, end in pairwise(self.bounds):
-            measured = self.measured[first:end]
-            moves = np.abs(measured - measured[0] if self.counted else measured) > MOVED * self.floor
+            moves = self._moves(first, end)
             begin = int(np.argmax(moves)) + self.settling if np.any(moves) else end
             rows.append(np.arange(first + min(begin, int(LOST * (end - first))), end))
         return np.concatenate(rows)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the motor moves at all."""
+        return any(np.any(self._moves(first, end)) for first, end in pairwise(self.bounds))
+
+    def _moves(self, first: int, end: int) -> NDArray[np.bool_]:
+        """Which rows of a segment are no standstill."""
+        measured = self.measured[first:end]
+        return np.abs(measured - measured[0] if self.counted else measured) > MOVED * self.floor
 
     def part(self, rows: slice) -> ContactFilter:
         """The same over some rows."""

@@ -22,7 +22,8 @@ MORE_NOISE = 3.0
 
 
 def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> Array:
-    """(8,) largest distance of other fits from the best, in the logarithm, as far as they tell a value.
+    """(8,) largest distance of other fits from the best, in the logarithm; of other rows and more noise as far as they
+    tell a value.
 
     Where the model is right, each half of the rows tells the same but for chance, and so does a filter that counts on
     more noise. Where it is not, the values make up for what it lacks, and by how much depends on the rows and on how
@@ -32,8 +33,7 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
     # All rows first: they take as long as both halves beside them.
     parts = [replace(best.flt, level=MORE_NOISE * best.flt.level)]
     halves = [best.flt.part(rows) for rows in (slice(0, half), slice(half, best.flt.rows))]
-    # A standstill tells nothing.
-    parts += [rows for rows in halves if rows.speed_deviation > 0.0]
+    parts += [rows for rows in halves if rows.moves]  # a standstill tells nothing
 
     def again(flt: ContactFilter) -> Candidate:
         # From a higher noise level, where the cost is smooth: a fit that cannot get away proves nothing.
@@ -43,10 +43,11 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
         return min((polish(one, flt, box) for one in ends), key=cost_of)
 
     error, shifts = scatter(best)[1], []
-    # The fit of all rows is the mean of those of both halves, each by its information; and what a fit with more noise
-    # hardly tells it cannot disagree about.
-    for shift, part in (_beyond_chance(one, best, error) for one in side_by_side(again, parts)):
-        shifts.append(np.minimum(2.0 * part, 1.0) * shift)
+    # The fit of all rows is the mean of those of its parts, each by its information: one that hardly tells a value
+    # moves it little. So it is with more noise.
+    for one in side_by_side(again, parts):
+        shift, part = _beyond_chance(one, best, error)
+        shifts.append(np.minimum(part * best.flt.rows / one.flt.rows, 1.0) * shift)
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]
     return np.asarray(np.max(shifts, axis=0))

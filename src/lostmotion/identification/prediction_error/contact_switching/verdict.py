@@ -25,9 +25,8 @@ from .starts import told_vector
 from .structures.no_gap import gap_of
 from .structures.rising_friction import friction_lines
 
-#: No inertia or stiffness is identified further from the nameplate's than by this factor (calibrated on development
-#: drives 1850 to 2049, 2026-11-26, whose nameplates are right within three: of 70 one was, by 15, and wrong by 42).
-FURTHEST = 4.0
+#: What two masses stand for may be off by so much more than the nameplate (numerics).
+ROOM = 4.0 / 3.0
 
 Array = NDArray[np.float64]
 Outcome = tuple[Predictor, Stage, Told, list[Problem]]
@@ -119,6 +118,16 @@ class Fit:
         bound = None if any(NAMES[i] in NEEDED for i in places) else told.gap_bound
         return self.predictor, stage, Told(theta, covariance, told.half[~lost], bound), [reason]
 
+    def wrong_minimum(self, found: Estimate) -> Problem | None:
+        """The problem of another estimator's inertia or stiffness that is further from the nameplate's than that may be
+        wrong; None if there is none. Right values are rarely so far off, those of a wrong minimum may be anywhere."""
+        nameplate, furthest = self._nameplate(), NAMEPLATE * ROOM
+        for name in NEEDED:
+            i = NAMES.index(name)
+            if np.isfinite(found.half[i]) and abs(found.theta[i] - nameplate[i]) > np.log(furthest):
+                return problem.wrong_minimum(name, np.exp(found.theta[i]), np.exp(nameplate[i]), furthest)
+        return None
+
     def replaced_by(self, found: Estimate) -> Outcome:
         """The other estimator's values in the place of the fit's."""
         free = [i for i in range(len(NAMES)) if np.isfinite(found.half[i])]
@@ -127,12 +136,7 @@ class Fit:
         lines = friction_lines(found.best)
         friction = {name: lines[name] for name in ("coulomb_motor", "viscous_motor")}
         predictor = replace(self.predictor, base=self.predictor.base.with_parameters(**friction))
-        nameplate = self._nameplate()
-        for i in free:
-            if NAMES[i] in NEEDED and abs(found.theta[i] - nameplate[i]) > np.log(FURTHEST):
-                value, expected = np.exp(found.theta[i]), np.exp(nameplate[i])
-                return self.nothing(problem.beyond_nameplate(NAMES[i], value, expected, FURTHEST))
-        theta = nameplate.copy()
+        theta = self._nameplate()
         theta[free] = found.theta[free]
         if found.gap_bound is not None:
             theta = without_gap(theta)

@@ -81,9 +81,10 @@ def test_descents_start_where_the_candidate_predicts_best():
     """From the usual places alone no descent finds a heavy hub on a stiff shaft (a motor inertia 2 % off, ±0.7)."""
     flt, two, box = hub()
     starts = places(two, flt)
-    usual, further = starts[: 2 * len(PLACES)], starts[2 * len(PLACES) :]
-    assert [(one.share, one.compliance) for one in usual] == 2 * list(PLACES)
-    assert {one.behind for one in further} == {False, True}
+    assert len(set(starts)) == len(starts) and {one.behind for one in starts} == {False, True}
+    assert starts == [*places(two, flt, [False]), *places(two, flt, [True])]
+    further = [one for one in starts if (one.share, one.compliance) not in PLACES]
+    usual = [one for one in starts if one not in further]
 
     def lowest(begun: list[Place]) -> float:
         return min(with_third_inertia(two, place, flt, box).cost for place in begun)

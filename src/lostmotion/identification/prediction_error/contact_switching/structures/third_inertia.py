@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -23,7 +24,7 @@ SHOWN = 0.5
 #: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
 #: softest shaft (numerics).
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
-#: Shares and compliances that are looked at (numerics: a mode shows within a third of its frequency).
+#: Shares and compliances that are looked at (numerics: the frequencies of their second modes are a third apart).
 SHARES, COMPLIANCES = (0.03, 0.1, 0.3, 0.6), (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.97)
 #: With how many of the best on either side descents start as well (numerics).
 FOLLOWED = 2
@@ -46,22 +47,19 @@ class Place:
         return cls(share, compliance, loss, candidate.flt.behind) if share > 0.0 else None
 
 
-def places(candidate: Candidate, rows: ContactFilter) -> list[Place]:
-    """Where descents start, on either side of the gap: always the same, and those with which the candidate predicts
-    some rows best.
+def places(candidate: Candidate, rows: ContactFilter, sides: Sequence[bool] = (False, True)) -> list[Place]:
+    """Where descents start, before the gap (False) or behind it: always the same, and those with which the candidate
+    predicts some rows best.
 
     Share and compliance keep the first mode, so that a place near that of the drive lowers the cost as it is.
     """
-    sides = (False, True)
-    usual, looked_at = (
-        [Place(*pair, behind=behind) for behind in sides for pair in pairs]
-        for pairs in (PLACES, tuple(product(SHARES, COMPLIANCES)))
-    )
-    costs = side_by_side(lambda place: _cost_with(candidate, place, rows), looked_at)
-    best = [looked_at[i] for i in np.argsort(costs, kind="stable")]
-    return usual + [
-        place for behind in sides for place in [one for one in best if one.behind == behind][:FOLLOWED]
-    ]
+    starts = []
+    for behind in sides:
+        others = [Place(*pair, behind=behind) for pair in product(SHARES, COMPLIANCES) if pair not in PLACES]
+        costs = side_by_side(lambda place: _cost_with(candidate, place, rows), others)
+        starts += [Place(*pair, behind=behind) for pair in PLACES]
+        starts += [others[i] for i in np.argsort(costs, kind="stable")[:FOLLOWED]]
+    return starts
 
 
 def _cost_with(candidate: Candidate, place: Place, rows: ContactFilter) -> float:
