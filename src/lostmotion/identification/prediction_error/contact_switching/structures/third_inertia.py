@@ -24,7 +24,7 @@ SHOWN = 0.5
 #: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
 #: softest shaft (numerics).
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
-#: Shares and compliances that are looked at (numerics: the frequencies of their second modes are a third apart).
+#: Shares and compliances that are looked at (numerics: a light or a heavy joint, on a stiff or a soft shaft).
 SHARES, COMPLIANCES = (0.03, 0.1, 0.3, 0.6), (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.97)
 #: With how many of the best on either side descents start as well (numerics).
 FOLLOWED = 2
