@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lostmotion.identification.prediction_error.contact_switching import estimate
 from lostmotion.identification.prediction_error.contact_switching.estimate import (
     COHERENT,
     CORE,
@@ -116,6 +117,15 @@ def test_of_load_spring_and_gap_one_alone_is_not_told(best: Candidate):
     # What is fixed is known.
     found = told(best, both, NOTHING, box(best), ("stiffness",))
     assert np.isfinite(found.half[[TOLD.index("inertia_motor"), TOLD.index("backlash")]]).all()
+
+
+def test_what_is_not_explained_may_hide_a_gap(best: Candidate, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(estimate, "without_gap", lambda one, _: one)
+    monkeypatch.setattr(estimate, "gap_bound", lambda *_: 0.5)
+    found = told(best, [best], NOTHING, box(best), ())
+    for cost, bound in ((-0.1, 0.5), (0.09, 0.5), (0.11, None), (-0.3, None)):
+        one = estimate._without_gap(replace(found, best=replace(best, cost=cost)), [best], box(best))
+        assert one.gap_bound == bound, cost
 
 
 def test_a_third_inertia_leaves_damping_open_as_far_as_innovations_are_left(best: Candidate):
