@@ -25,8 +25,9 @@ from .starts import told_vector
 from .structures.no_gap import gap_of
 from .structures.rising_friction import friction_lines
 
-#: What two masses stand for may be off by so much more than the nameplate (numerics).
-ROOM = 4.0 / 3.0
+#: Values further from the nameplate than this are those of a wrong minimum, where nothing else says so (option: a value
+#: ten times off under [nameplate] does no harm).
+FURTHEST = 12.0
 
 Array = NDArray[np.float64]
 Outcome = tuple[Predictor, Stage, Told, list[Problem]]
@@ -121,11 +122,11 @@ class Fit:
     def wrong_minimum(self, found: Estimate) -> Problem | None:
         """The problem of another estimator's inertia or stiffness that is further from the nameplate's than that may be
         wrong; None if there is none. Right values are rarely so far off, those of a wrong minimum may be anywhere."""
-        nameplate, furthest = self._nameplate(), NAMEPLATE * ROOM
+        nameplate = self._nameplate()
         for name in NEEDED:
             i = NAMES.index(name)
-            if np.isfinite(found.half[i]) and abs(found.theta[i] - nameplate[i]) > np.log(furthest):
-                return problem.wrong_minimum(name, np.exp(found.theta[i]), np.exp(nameplate[i]), furthest)
+            if np.isfinite(found.half[i]) and abs(found.theta[i] - nameplate[i]) > np.log(FURTHEST):
+                return problem.wrong_minimum(name, np.exp(found.theta[i]), np.exp(nameplate[i]), FURTHEST)
         return None
 
     def replaced_by(self, found: Estimate) -> Outcome:

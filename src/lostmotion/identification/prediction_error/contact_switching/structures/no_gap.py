@@ -9,7 +9,7 @@ import numpy as np
 from ....statistics.block_covariance import student_factor
 from ...gap.absent_gap import FIRST, shown
 from ..filter import INDEX
-from ..likelihood import Box, Candidate, inverse_hessian, minimise
+from ..likelihood import Box, Candidate, inverse_hessian, minimise, polish
 from ..likelihood_ratio import alike
 
 PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
@@ -38,8 +38,8 @@ def bare(candidate: Candidate) -> Candidate:
 def without_gap(best: Candidate, box: Box) -> Candidate | None:
     """The candidate fitted without its gap; None if it predicts worse."""
     found = bare(best)
-    theta, cost = minimise(found.flt, found.theta, found.free, box, STEPS)
-    found = replace(found, theta=theta, cost=cost)
+    # With its rates: each contact of the smallest gap makes the filter less sure of the motion.
+    found = polish(found, found.flt, box, STEPS)
     return found if alike(found, best) else None
 
 
