@@ -13,7 +13,6 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
     PARAMETERS,
     ContactFilter,
     Run,
-    white_noise,
 )
 from lostmotion.identification.prediction_error.contact_switching.likelihood import fitted_rates
 from lostmotion.identification.prediction_error.innovations import Predictor
@@ -224,13 +223,6 @@ def test_friction_that_differs_by_direction_is_a_constant_torque_beside_one_that
 def test_values_survive_the_parameter_vector(flt: ContactFilter):
     some = {name: 0.1 * (i + 1.0) for i, name in enumerate(PARAMETERS)}
     assert flt.values(flt.theta(some)) == pytest.approx(list(some.values()))
-
-
-@pytest.mark.parametrize("rows", [2000.0, 50.0, 7.0], ids="{:.0f} rows in a period".format)
-def test_noise_of_a_smooth_signal_is_seen(rows: float):
-    row = np.arange(20_000)
-    noise = 1e-3 * np.random.default_rng(3).standard_normal(row.size)
-    assert white_noise(10.0 * np.sin(2.0 * np.pi * row / rows) + noise) == pytest.approx(1e-3, rel=0.05)
 
 
 #: Plant steps in a row of the coarse recordings below, which have 15 rows per torsional period.

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....errors import InvalidInput
+from ...statistics.white_noise import white_noise
 from ..innovations import Predictor
 from ..warnings import count_step
 
@@ -49,9 +49,6 @@ FINEST, HALVINGS = 2000.0, 9
 SETTLED, MOVED, LOST = 15.0, 6.0, 0.25
 #: Slope of a load torque at the start, in standard deviations of the torque in a second (numerics: a period of 2 s).
 DRIFT = 3.0
-#: Orders of differences (numerics: with seven rows in a period the third one of the motion may be 20 times the noise,
-#: the 16th is none of it).
-LEAST_ORDER, MOST_ORDER = 3, 16
 #: Rows whose speeds stand for all (numerics).
 SOME = 2000
 
@@ -317,15 +314,6 @@ class ContactFilter:
         torque, friction, damper = self.units
         units = {"samples": self.dt, "torque": torque, "friction": friction, "damper": damper}
         return np.array([units.get(kind, 1.0) for kind in PARAMETERS.values()])
-
-
-def white_noise(values: Array) -> float:
-    """Standard deviation of white noise in a smooth signal: from differences, by their median; of the order that sees
-    least of the motion."""
-    return min(
-        float(np.median(np.abs(np.diff(values, order)))) / 0.6745 / np.sqrt(comb(2 * order, order))
-        for order in range(LEAST_ORDER, MOST_ORDER + 1)
-    )
 
 
 def pole_of(theta: Array) -> float:
