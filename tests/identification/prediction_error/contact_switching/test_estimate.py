@@ -14,6 +14,8 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
     DISAGREEMENT,
     EXACT,
     EXPLAINED,
+    HIDDEN_MODE,
+    PLACE_UNSEEN,
     TOLD,
     WIDEST,
     distance,
@@ -64,11 +66,15 @@ def test_sharp_is_what_explains_many_rows(best: Candidate):
 
 
 def test_what_is_left_unexplained_widens_all(best: Candidate):
-    plain, cost = told(best, [best], NOTHING, box(best), ()), 0.5
-    poor = told(replace(best, cost=cost), [best], NOTHING, box(best), ())
+    plain, cost = told(best, [best], NOTHING, box(best), ("backlash",)), 0.5
+    worse = replace(best, cost=cost)
+    poor = told(worse, [best], NOTHING, box(best), ("backlash",))
     growth = np.hypot(1.0, COHERENT * np.sqrt(best.flt.counting.size * np.expm1(2.0 * cost)))
     before = np.hypot(1.0, COHERENT * np.sqrt(best.flt.counting.size * np.expm1(2.0 * abs(best.cost))))
-    wide, narrow = (np.sqrt(one.half[:3] ** 2 - EXACT**2) for one in (poor, plain))
+    wide, narrow = (
+        np.sqrt(found.half[:3] ** 2 - estimate._allowance(one)[:3] ** 2 - EXACT**2)
+        for found, one in ((poor, worse), (plain, best))
+    )
     assert wide / narrow == pytest.approx(growth / before)
 
 
@@ -122,17 +128,48 @@ def test_of_load_spring_and_gap_one_alone_is_not_told(best: Candidate):
 def test_what_is_not_explained_may_hide_a_gap(best: Candidate, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(estimate, "without_gap", lambda one, _: one)
     monkeypatch.setattr(estimate, "gap_bound", lambda *_: 0.5)
-    found = told(best, [best], NOTHING, box(best), ())
+    found = replace(told(best, [best], NOTHING, box(best), ()), gap_bound=None)
     for cost, bound in ((-0.1, 0.5), (0.09, 0.5), (0.11, None), (-0.3, None)):
         one = estimate._without_gap(replace(found, best=replace(best, cost=cost)), [best], box(best))
         assert one.gap_bound == bound, cost
 
 
-def test_a_third_inertia_leaves_damping_open_as_far_as_innovations_are_left(best: Candidate):
+@pytest.mark.parametrize("third", [False, True])
+def test_inertias_that_the_model_lacks_are_allowed_for_as_far_as_innovations_are_left(
+    best: Candidate, third: bool
+):
     theta = best.theta.copy()
-    theta[[INDEX["share"], INDEX["compliance"], INDEX["loss"]]] = np.log([0.2, 0.1, 1.0])
-    third = replace(best, theta=theta)
-    place = TOLD.index("damping")
-    left, none = (replace(third, cost=cost) for cost in (2.0, 0.0))
-    assert told(left, [left], NOTHING, box(best), ()).half[place] >= 0.49
-    assert told(none, [none], NOTHING, box(best), ()).half[place] < 0.2
+    if third:  # the second mode is at three times the first
+        theta[[INDEX["share"], INDEX["compliance"], INDEX["loss"]]] = np.log([0.3, 0.3, 1.0])
+    one = replace(best, theta=theta)
+    none, below, left = (estimate._allowance(replace(one, cost=cost)) for cost in (0.0, -2.0, 2.0))
+    assert not np.any(none) and below == pytest.approx(left)
+    assert left[TOLD.index("damping")] == pytest.approx(0.5, rel=0.02)
+    motor, load = TOLD.index("inertia_motor"), TOLD.index("inertia_load")
+    assert left[motor] > 0.05 if third else left[motor] == pytest.approx(2.0 / HIDDEN_MODE**2, rel=0.02)
+    inertias = np.exp(best.theta[[INDEX["inertia_motor"], INDEX["inertia_load"]]])
+    assert left[load] * inertias[1] == pytest.approx(left[motor] * inertias[0]), "the total does not change"
+
+
+def test_a_gap_without_which_the_recording_is_explained_as_well_is_not_told(
+    best: Candidate, monkeypatch: pytest.MonkeyPatch
+):
+    place = TOLD.index("backlash")
+    assert np.isfinite(told(best, [best], NOTHING, box(best), ()).half[place])
+    monkeypatch.setattr(estimate, "without_gap", lambda one, _: one)
+    monkeypatch.setattr(estimate, "gap_bound", lambda *_: None)
+    found = told(best, [best], NOTHING, box(best), ())
+    assert np.isinf(found.half[place]) and found.gap_bound is None
+
+
+def test_where_no_gap_is_seen_motor_and_load_may_be_divided_elsewhere(best: Candidate):
+    found = told(best, [best], NOTHING, box(best), ())
+    assert estimate._with_room_for_its_place(found) is found
+    unseen = replace(found, half=np.where(np.array(TOLD) == "backlash", np.inf, found.half))
+    wider = estimate._with_room_for_its_place(unseen).half
+    motor, load = TOLD.index("inertia_motor"), TOLD.index("inertia_load")
+    room = np.sqrt(wider[[motor, load]] ** 2 - found.half[[motor, load]] ** 2)
+    assert room * np.exp(found.theta[[motor, load]]) == pytest.approx(
+        PLACE_UNSEEN * np.exp(found.theta[motor])
+    )
+    assert wider[TOLD.index("coulomb")] == found.half[TOLD.index("coulomb")]

@@ -13,6 +13,9 @@ from ..likelihood import Box, Candidate, inverse_hessian, minimise, polish
 from ..likelihood_ratio import alike
 
 PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
+#: A drive costs so much more without its gap if that shows at all (numerics: without one, up to 0.2 more until the
+#: rates of the unknown torques are fitted).
+SHOWN = 0.5
 #: Gauss–Newton steps without the gap, or with one of a given size (numerics: what a small gap changes).
 STEPS = 4
 #: Steps from one size of the gap to the next until the bound lies between two; how near these are at the end; and how
@@ -38,6 +41,8 @@ def bare(candidate: Candidate) -> Candidate:
 def without_gap(best: Candidate, box: Box) -> Candidate | None:
     """The candidate fitted without its gap; None if it predicts worse."""
     found = bare(best)
+    if best.flt.run(found.theta).cost > best.cost + SHOWN:
+        return None
     # With its rates: each contact of the smallest gap makes the filter less sure of the motion.
     found = polish(found, found.flt, box, STEPS)
     return found if alike(found, best) else None

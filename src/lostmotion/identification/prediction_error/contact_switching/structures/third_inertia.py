@@ -12,15 +12,12 @@ from numpy.typing import NDArray
 from ..filter import INDEX, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
 from ..likelihood_ratio import alike
-from .no_gap import bare
+from .no_gap import SHOWN, bare
 
 Array = NDArray[np.float64]
 
 #: Steps of a descent at each noise level (numerics).
 STEPS = 4
-#: A drive costs so much more without its gap if that shows at all (numerics: without one, up to 0.2 more until the
-#: rates of the unknown torques are fitted).
-SHOWN = 0.5
 #: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
 #: softest shaft (numerics).
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
