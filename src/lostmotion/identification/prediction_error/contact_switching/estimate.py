@@ -52,7 +52,7 @@ SHOWS_NO_GAP = 0.1
 SHARP = 0.05
 #: A further inertia that is not seen has its mode at this multiple of the torsional frequency; what may be wrong with
 #: motor inertia and stiffness where no gap is seen, so that its place is not either (calibrated on development drives
-#: 2050 to 2757, 2026-11-26: of 742 intervals 94.0 instead of 90.8 % hold).
+#: 2050 to 2890, 2026-11-26: of 744 intervals 94.0 instead of 90.8 % hold).
 HIDDEN_MODE, PLACE_UNSEEN = 8.0, 0.01
 #: A parameter whose change shows less than this part of what the one shown best does is not shown (numerics: rounding).
 NO_INFORMATION = 1e-9
