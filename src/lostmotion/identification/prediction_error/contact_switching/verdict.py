@@ -17,7 +17,7 @@ from ..gap.absent_gap import NEEDED, without_gap
 from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
-from .estimate import APART, CORE, Estimate
+from .estimate import APART, CORE, WIDEST, Estimate
 from .filter import ContactFilter
 from .likelihood import Candidate
 from .slow_motion import NAMEPLATE
@@ -85,19 +85,22 @@ class Fit:
     def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
         """With intervals that contain the candidates' values as well; nothing if they are too far apart.
 
-        Where no candidate explains the recording, friction, damping and lag make up for what the model lacks: they are
+        Inertias, stiffness and backlash are identified up to the same width as by the other estimator. Where no
+        candidate explains the recording, friction, damping and lag make up for what the model lacks: they are
         not identified.
         """
         shift = self.shift(found)
         half = np.hypot(self.told.half, shift)
-        wider = shift > 0.0
-        if not np.any(wider):
+        wider, lost = shift > 0.0, half > np.where(self.core, WIDEST, np.log(NOT_EXCITED))
+        if not np.any(wider | lost):
             return self.stays()
         if self.contradicted_by(found):
             return self.nothing(problem.contradicted())
-        lost, bound = (half > np.log(NOT_EXCITED)) | (~self.core & (not explained)), self.told.gap_bound
+        if np.any(wider):
+            lost |= ~self.core & (not explained)
+        bound = self.told.gap_bound
         if bound is not None:
-            bound = max(bound, *(gap_of(one) for one in found))
+            bound = max([bound, *map(gap_of, found)])
         names = [NAMES[i] for i, doubtful in zip(self.stage.free, wider | lost, strict=True) if doubtful]
         doubt = problem.others_as_well(names)
         return replace(self, told=replace(self.told, half=half, gap_bound=bound))._without(lost, doubt)
