@@ -78,7 +78,7 @@ def confirmed(
         if found is not None and not doubtful and np.any(fit.shift([found.best]) > 0.0):
             others.append(found.best)
         # Of two that agree, the one that knows all of it better.
-        elif found is not None and (doubtful or np.all(found.half[stage.free] <= told.half)):
+        elif found is not None and (doubtful or np.all(found.apart_from_room[stage.free] <= told.half)):
             compared.insert(0, found.best)
             wrong = fit.wrong_minimum(found) if doubtful else None
             return fit.nothing(wrong) if wrong else fit.replaced_by(found)

@@ -60,14 +60,21 @@ NO_INFORMATION = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate; and
-    the bound of a gap (rad), if it does without one."""
+    """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate;
+    the bound of a gap (rad), if it does without one; and the part (8,) of the half widths that is room for what any
+    model of two or three inertias lacks."""
 
     theta: Array
     half: Array
     covariance: Array
     best: Candidate
     gap_bound: float | None = None
+    room: Array | float = 0.0
+
+    @property
+    def apart_from_room(self) -> Array:
+        """(8,) half widths without that room: what compares with those of another estimator of the same drive."""
+        return np.sqrt(np.maximum(self.half**2 - np.asarray(self.room) ** 2, 0.0))
 
 
 def distance(one: Candidate, other: Candidate) -> Array:
@@ -119,8 +126,8 @@ def told(
     covariance, error = scatter(best)
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
-    half = _by_chance(best, error)
-    half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + _allowance(best) ** 2 + EXACT**2)
+    half, room = _by_chance(best, error), _allowance(best)
+    half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + room**2 + EXACT**2)
     # A smooth torque that is held acts as one that goes straight from row to row, half a row later: the lag is one or
     # the other, each by chance.
     if best.flt.ramp:
@@ -147,7 +154,7 @@ def told(
     # like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
     if len(lost & {"inertia_load", "stiffness", "backlash"}) > 1:
         half[:] = np.inf
-    found = Estimate(theta, half, covariance, best)
+    found = Estimate(theta, half, covariance, best, room=room)
     return found if "backlash" in fixed else _with_room_for_its_place(_without_gap(found, others, box))
 
 
@@ -173,14 +180,15 @@ def _without_gap(found: Estimate, others: Sequence[Candidate], box: Box) -> Esti
 
 
 def _with_room_for_its_place(found: Estimate) -> Estimate:
-    """Where no gap is seen, its place is not either: it may divide motor and load at another shaft."""
+    """Where neither a gap is seen nor that there is none, its place is not either: it may divide motor and load at
+    another shaft."""
     motor, load, stiffness, backlash = CORE
-    if np.isfinite(found.half[backlash]):
+    if np.isfinite(found.half[backlash]) or found.gap_bound is not None:
         return found
-    half = found.half.copy()
-    room = PLACE_UNSEEN * np.array([1.0, np.exp(found.theta[motor] - found.theta[load]), 1.0])
-    half[[motor, load, stiffness]] = np.hypot(half[[motor, load, stiffness]], room)
-    return replace(found, half=half)
+    room = np.zeros(len(TOLD))
+    room[[motor, load, stiffness]] = PLACE_UNSEEN
+    room[load] *= np.exp(found.theta[motor] - found.theta[load])
+    return replace(found, half=np.hypot(found.half, room), room=np.hypot(found.room, room))
 
 
 def beyond_chance(best: Candidate) -> float:
