@@ -166,7 +166,11 @@ def test_where_no_gap_is_seen_motor_and_load_may_be_divided_elsewhere(best: Cand
     found = told(best, [best], NOTHING, box(best), ())
     assert estimate._with_room_for_its_place(found) is found
     unseen = replace(found, half=np.where(np.array(TOLD) == "backlash", np.inf, found.half))
-    wider = estimate._with_room_for_its_place(unseen).half
+    none = replace(unseen, gap_bound=0.1)
+    assert estimate._with_room_for_its_place(none) is none, "there is no gap to be elsewhere"
+    with_room = estimate._with_room_for_its_place(unseen)
+    assert with_room.apart_from_room[:3] == pytest.approx(unseen.apart_from_room[:3])
+    wider = with_room.half
     motor, load = TOLD.index("inertia_motor"), TOLD.index("inertia_load")
     room = np.sqrt(wider[[motor, load]] ** 2 - found.half[[motor, load]] ** 2)
     assert room * np.exp(found.theta[[motor, load]]) == pytest.approx(
