@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.kernels.innovations.columns import WIDE
 from lostmotion.kernels.innovations.delayed_torque import torque_at_ends
 from lostmotion.kernels.innovations.holding import fill_loads, holds, stops
 from lostmotion.kernels.innovations.motion import moved
@@ -20,7 +21,6 @@ from lostmotion.kernels.innovations.transitions import (
     NUMBERS,
     STIFFNESS,
     VISCOUS_MOTOR,
-    WIDE,
     fill_numbers,
     fill_transitions,
 )
@@ -56,7 +56,7 @@ def rested(
     x, y, edge, closed = np.zeros(WIDE), np.zeros(WIDE), contact * 0.5 * q[BACKLASH], abs(contact)
     x[:3] = state
     assert moved(table, closed * BLOCK, numbers, 0, 4, x, torque, 0.0, edge, stuck, y) == stuck
-    return y, holds(loads, closed, stuck, numbers, x, torque, y, torque, edge)
+    return y, holds(loads, closed, stuck, numbers, x, torque, y, torque, edge, 1.0)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lostmotion.kernels.innovations.sliding_friction import friction_slope, mean_friction
+from lostmotion.kernels.innovations.sliding_friction import friction_slope, mean_friction, sliding_friction
 
 LEVEL, RISE, FADE = 2.0, 0.4, 0.3
 CURVE = LEVEL, RISE, FADE
@@ -23,6 +23,15 @@ def test_mean_and_slope_are_those_of_the_curve_between_two_speeds(first: float, 
     assert mean == pytest.approx(np.trapezoid(friction(between)) / 10_000, rel=1e-6) and not rests
     slope = (friction(between[-1:]) - friction(between[:1]))[0] / (last - first)
     assert friction_slope(first, last, *CURVE) == pytest.approx(slope, rel=1e-5)
+
+
+@pytest.mark.parametrize("rise", [0.0, RISE])
+@pytest.mark.parametrize(("first", "free"), [(0.5, 0.1), (-0.2, -0.9), (0.4, 0.42), (0.1, 0.05)])
+def test_while_it_slides_its_change_is_that_of_the_mean(first: float, free: float, rise: float):
+    torque, slope = sliding_friction(first, free, -0.01, LEVEL, rise, FADE)
+    assert torque == mean_friction(first, free, -0.01, LEVEL, rise, FADE)[0]
+    higher = mean_friction(first, free + 1e-7, -0.01, LEVEL, rise, FADE)[0]
+    assert slope == pytest.approx((higher - torque) / 1e-7, rel=1e-4, abs=1e-6)
 
 
 def test_at_rest_the_friction_holds_up_to_its_highest_level():

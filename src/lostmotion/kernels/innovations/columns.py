@@ -6,12 +6,17 @@ matrices then takes 130 ns, from these 35 ns (AMD EPYC, 2026-11-24).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..jit import njit
 from ..numerics.vectors import LANES, address, fused, load, read, splat, store, write
-from .transitions import COMPILED, WIDE
 
+COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+#: States at most (layout). Columns are so long: loops of a known length become vector instructions.
+WIDE = 9
 #: Place of a column's last number, behind those of two registers (layout).
 _LAST = 2 * LANES
 #: A column of zeros.

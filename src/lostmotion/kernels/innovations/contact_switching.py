@@ -2,7 +2,7 @@
 
 One model for all: two masses or a third on the shaft, with or without a gap, motor and load friction, any sensors, an
 unknown load torque. Between contacts the model is linear and its transition exact. Where a contact or a friction
-changes within a sample, the sample is halved until the change is found, and the rest goes on in the new state. Where
+changes within a sample, the change is sought in ever smaller parts, and the rest goes on in the new state. Where
 the filter does not know on which side of an edge it is, the gap is taken as its mean over that spread (statistical
 linearisation, Gelb 1974, Applied Optimal Estimation, chapter 6). No law tells an impact exactly: the speeds after it
 may be off by a share of the approach. Innovations beyond what the filter thinks possible make its covariance grow: it
@@ -18,8 +18,9 @@ import math
 import numpy as np
 
 from ..jit import njit
+from .changes import along_path, through_changes
 from .channels import ANGLE_MOTOR, SPEED_LOAD, SPEED_MOTOR, TORQUE_SHAFT, TWIST
-from .columns import add, copy, product_of, turned_product
+from .columns import COMPILED, WIDE, add, copy, product_of, turned_product
 from .delayed_torque import delayed, torque_at_ends
 from .gap_in_doubt import blend, mean_gap
 from .holding import fill_loads, fill_resting, holds, stops
@@ -29,19 +30,17 @@ from .motion import (
     next_contact,
     reversed_motion,
     slopes_of_friction,
-    through_changes,
+    stop_errors,
 )
-from .sensitivities import COLUMNS, fill_changes, follow, rises, slides
+from .sample_parts import parts
+from .sensitivities import COLUMNS, fill_changes, follow, slides
 from .transitions import (
     BACKLASH,
     BLOCK,
-    COMPILED,
     DAMPING,
     DEAD_ZONE,
     EDGE,
     HALF,
-    INERTIA_LOAD,
-    INERTIA_MOTOR,
     KICKS,
     LEAD,
     NO_GAP,
@@ -49,7 +48,6 @@ from .transitions import (
     OFFSET,
     PART,
     STIFFNESS,
-    WIDE,
     fill_changed_model,
     fill_model,
     fill_numbers,
@@ -63,9 +61,6 @@ _DOUBT = 3.0
 _LOST, _MOST = 3.0, 1e6
 #: Step of the differences in θ: far above rounding, far below any interval (numerics).
 _STEP = 1e-6
-#: A piece over which a friction that holds is constant, rad of the torsional period (numerics: 1e-3 of its change), and
-#: halvings for it at most (numerics: with six samples in a period; a model of a faster mode is no drive's).
-_SHORT, _MOST_HELD = 0.1, 4
 
 
 @njit(**COMPILED)
@@ -79,14 +74,21 @@ def _changed(value, kind, unit, change, dt):
 
 
 @njit(**COMPILED)
-def _held(q, dt, finest):
-    """Halvings until a piece is short against the torsional period: so long a friction that holds is constant."""
-    angle = math.sqrt(q[STIFFNESS] * (1.0 / q[INERTIA_MOTOR] + 1.0 / q[INERTIA_LOAD])) * dt
-    halvings = 0
-    while halvings < min(finest, _MOST_HELD) and angle > _SHORT:
-        angle *= 0.5
-        halvings += 1
-    return halvings
+def _filled_at_rest(
+    stuck, resting, changes, filled, parameters, changed, free, dt, law, finest, kind, level, numbers, loads
+):
+    """The models in which motor, load or both rest all the while, and their changes, with those of what is stuck."""
+    if resting.size == 0:
+        m = free.size
+        resting, changes = np.zeros((3, m + 1, 2 * parts(finest) * BLOCK)), np.zeros((3, m, 2 * BLOCK))
+        fill_loads(parameters, dt, law, kind, loads)
+    if not filled[stuck - 1]:
+        filled[stuck - 1] = True
+        fill_resting(
+            parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, _STEP, resting[stuck - 1],
+            changes[stuck - 1],
+        )  # fmt: skip
+    return resting, changes
 
 
 @njit(**COMPILED)
@@ -175,7 +177,7 @@ def innovations(
     third, unknown, slope_at, angle, tail, head, n, nc = layout(parameters, angled, behind, drifts)
     ends, kind = (tail, head), (ramp, behind, drifts, counted, angled)
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
-    square, whole = WIDE * WIDE, (finest + 1) * BLOCK
+    square, whole = WIDE * WIDE, parts(finest) * BLOCK
     models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
     noise, errors = np.zeros(2 * square), np.zeros(2 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
@@ -193,13 +195,13 @@ def innovations(
     lead, half = c[LEAD], c[HALF]
     changes, what = np.zeros((m, 2 * BLOCK)), np.zeros(m, dtype=np.int64)
     fill_changes(models, numbers, whole, _STEP, changes, what)
-    change, rising = changes.reshape(-1), rises(numbers)
+    change = changes.reshape(-1)
     room = (np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(WIDE))
     x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
     p, f, work, mixed = np.zeros(square), np.zeros(square), np.zeros(square + WIDE), np.zeros(BLOCK)
     # Sensitivities of the state to θ, column after column, and where they go.
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
-    held = _held(parameters, dt, finest)
+    path, pieces = np.zeros((1 << finest, 4), dtype=np.int64), 0
     # Models in which motor, load or both rest all the while, and their changes: filled when that first happens.
     resting, resting_changes = np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     loads, filled = np.zeros((3, 2, 2, 2, COLUMNS)), np.zeros(3, dtype=np.bool_)
@@ -303,15 +305,10 @@ def innovations(
             error_transition(mixed, 0, n, rest, slopes, f, 0)
         else:
             if rest != 0 and stops(t, at, c, rest, x):
-                if resting.size == 0:
-                    resting, resting_changes = np.zeros((3, m + 1, model)), np.zeros((3, m, 2 * BLOCK))
-                    fill_loads(parameters, dt, law, kind, loads)
-                if not filled[rest - 1]:
-                    filled[rest - 1] = True
-                    fill_resting(
-                        parameters, changed, free, dt, law, finest, kind, level, rest, numbers, _STEP,
-                        resting[rest - 1], resting_changes[rest - 1],
-                    )  # fmt: skip
+                resting, resting_changes = _filled_at_rest(
+                    rest, resting, resting_changes, filled, parameters, changed, free, dt, law, finest, kind, level,
+                    numbers, loads,
+                )  # fmt: skip
                 stuck, table = rest, resting.reshape(-1)
                 at += (rest - 1) * (m + 1) * model
                 for end in range(2):
@@ -326,21 +323,31 @@ def innovations(
             if quiet and stuck != 0:
                 first, last = torque_at_ends(u, jump, c[PART], ramp)
                 if ramp:
-                    quiet = holds(loads, closed, stuck, c, x, first, y, last, contact * half)
+                    quiet = holds(loads, closed, stuck, c, x, first, y, last, contact * half, 1.0)
                 else:  # the torque steps somewhere between
-                    quiet = holds(loads, closed, stuck, c, x, first, y, first, contact * half)
-                    quiet = quiet and holds(loads, closed, stuck, c, x, last, y, last, contact * half)
+                    quiet = holds(loads, closed, stuck, c, x, first, y, first, contact * half, 1.0)
+                    quiet = quiet and holds(loads, closed, stuck, c, x, last, y, last, contact * half, 1.0)
+            if stuck != 0:
+                copy(x, old)
             if quiet:
                 rest, slopes = moved_to, slopes_of_friction(c, 0, x, y)
-                if stuck != 0:
-                    copy(x, old)
                 copy(y, x)
             else:
-                copy(old, x)
+                lacking, begun = 0, stuck
                 stuck, table, at = 0, t, closed * whole
-                contact, rest, weight = through_changes(
-                    t, 0, c, 0, finest, held, ramp, n, ends, gap_law, u, jump, contact, rested, x, y, True, f, work
-                )  # fmt: skip
+                while True:
+                    if lacking != 0:
+                        resting, resting_changes = _filled_at_rest(
+                            lacking, resting, resting_changes, filled, parameters, changed, free, dt, law, finest,
+                            kind, level, numbers, loads,
+                        )  # fmt: skip
+                    copy(old, x)
+                    contact, rest, weight, pieces, lacking = through_changes(
+                        t, resting.reshape(-1), filled, (m + 1) * model, c, loads, finest, ramp, n, ends, gap_law, u,
+                        jump, before, begun, x, y, f, work, path,
+                    )  # fmt: skip
+                    if lacking == 0:
+                        break
         if quiet and stuck == 0 and slopes[0] == 0.0 and slopes[1] == 0.0:
             where = closed * square
             product_of(errors, where, n, slope, m, next_slope)
@@ -350,9 +357,7 @@ def innovations(
             if quiet:
                 weight = closed
                 error_transition(table, at, n, 0, slopes, f, 0)
-                for end in range(2):
-                    if stuck & (1 << end):  # what moves it stops at once
-                        f[(1 + end) * WIDE : (2 + end) * WIDE] = 0.0
+                stop_errors(stuck, f)
             product_of(f, 0, n, slope, m, next_slope)
             product_of(f, 0, nc, p, nc, work)
             turned_product(work, f, 0, nc, noise, 1 if weight > 0.5 else 0, p)
@@ -367,14 +372,14 @@ def innovations(
             p[tail * WIDE + head] += kick * back
             p[head * WIDE + tail] += kick * back
         # How the parameters move the state within this sample.
-        if m > 0 and not rising and (quiet or doubt > 0.0) and slides(old, x, stuck):
+        if m > 0 and (quiet or doubt > 0.0) and slides(old, x, stuck):
             where = (table, at) if quiet else (mixed, 0)
             if quiet:
                 weight, edge = float(closed), before * half
             own = resting_changes[stuck - 1].reshape(-1) if stuck != 0 else change
             follow(
-                t, whole, where, c, own, what, n, torque, k, ramp, old, u, jump, edge, weight, before,
-                (doubt, rate, travel), _STEP, room, next_slope,
+                t, whole, where, c, own, what, n, torque, k, ramp, old, stuck, u, jump, edge, weight,
+                before, (doubt, rate, travel), _STEP, room, next_slope,
             )  # fmt: skip
             for i in range(m * WIDE):
                 slope[i] = next_slope[i]
@@ -391,9 +396,9 @@ def innovations(
                 moved(mixed, 0, c, of, n, old, u, jump, edge, 0, y)
             else:
                 copy(old, gain)
-                through_changes(
-                    t, begin, c, of, finest, held, ramp, n, ends, gap_law, u, jump, before, rested, gain, y, False,
-                    f, work,
+                along_path(
+                    t, begin, resting.reshape(-1), begin, (m + 1) * model, c, of, finest, ramp, n, ends, gap_law, u,
+                    jump, before, path, pieces, gain, y,
                 )  # fmt: skip
                 copy(gain, y)
             for i in range(WIDE):

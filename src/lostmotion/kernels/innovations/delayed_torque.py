@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ..jit import njit
-from .transitions import COMPILED, OFFSET, PART, WHOLE
+from .columns import COMPILED
+from .transitions import OFFSET, PART, WHOLE
 
 
 @njit(forceinline=True, **COMPILED)

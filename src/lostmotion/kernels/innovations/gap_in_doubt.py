@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 
 from ..jit import njit
-from .transitions import BLOCK, COMPILED
+from .columns import COMPILED
+from .transitions import BLOCK
 
 _ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
 

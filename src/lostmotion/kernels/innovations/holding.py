@@ -6,15 +6,15 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import njit
+from .columns import COMPILED, WIDE
+from .sample_parts import parts
 from .sensitivities import fill_changes
 from .transitions import (
     BLOCK,
-    COMPILED,
     EDGE,
     MOTOR,
     OF_MOTOR,
     TORQUE,
-    WIDE,
     fill_changed_model,
     fill_continuous,
     fill_transitions,
@@ -35,7 +35,7 @@ def fill_resting(
     fill_transitions(parameters, dt, law, finest, kind, level, stuck, models[0], np.zeros(0))
     for j in range(free.size):
         fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, stuck, models, j + 1)
-    fill_changes(models, numbers, (finest + 1) * BLOCK, step, changes, np.zeros(free.size, dtype=np.int64))
+    fill_changes(models, numbers, parts(finest) * BLOCK, step, changes, np.zeros(free.size, dtype=np.int64))
 
 
 @njit(**COMPILED)
@@ -88,14 +88,15 @@ def _load(own, x, torque, edge):
 
 
 @njit(**COMPILED)
-def holds(loads, closed, stuck, c, x, first, y, last, edge):
+def holds(loads, closed, stuck, c, x, first, y, last, edge, share):
     """Whether friction holds all inertias that rest from state x with the torque ``first`` on the motor to state y with
-    ``last``: the torque on them in between is a parabola of its values and slopes at both ends."""
+    ``last``, a share of a sample later: the torque on them in between is a parabola of its values and slopes at both
+    ends."""
     for end in range(2):
         if stuck & (1 << end):
             own = loads[stuck - 1, closed, end]
             begin, final = _load(own[0], x, first, edge), _load(own[0], y, last, edge)
-            bend = _load(own[1], y, last, edge) - _load(own[1], x, first, edge)
+            bend = share * (_load(own[1], y, last, edge) - _load(own[1], x, first, edge))
             level = c[OF_MOTOR + 3 * end] * (1.0 + c[OF_MOTOR + 3 * end + 1])
             slope = final - begin - 0.5 * bend
             most = max(abs(begin), abs(final))

@@ -1,32 +1,23 @@
-"""Motion of two masses, or three, over a sample for the contact-switching filter: from change to change.
+"""Motion of two masses, or three, over a sample or a part of it for the contact-switching filter.
 
-Between contacts the model is linear and its transition exact. Where a contact or a friction changes within a sample,
-the sample is halved until the change is found, and the rest goes on in the new state.
+Between contacts the model is linear and its transition exact.
 """
 
 from __future__ import annotations
 
 from ..jit import njit
-from .columns import NOTHING, add, combine
+from .columns import COMPILED, NOTHING, WIDE, add, combine, product_of
 from .sliding_friction import friction_slope, mean_friction
 from .transitions import (
-    BLOCK,
     CLIPPED,
-    COMPILED,
     EDGE,
-    HALF,
     JUMP,
-    LEAD,
     LOAD,
     MOTOR,
     NO_GAP,
     OF_LOAD,
     OF_MOTOR,
-    PART,
     TORQUE,
-    WIDE,
-    changes_within,
-    shape_mean,
 )
 
 
@@ -84,10 +75,24 @@ def error_transition(t, at, n, stuck, slopes, f, to):
 
 
 @njit(**COMPILED)
-def follow_errors(t, at, n, stuck, slopes, share, f, work):
-    """f = (1 − share)·f + share·(errors over the sub-step)·f; work has room for f and a column."""
+def stop_errors(stuck, f):
+    """What moves an inertia that rests all the while stops at once."""
+    for end in range(2):
+        if stuck & (1 << end):
+            f[(1 + end) * WIDE : (2 + end) * WIDE] = 0.0
+
+
+@njit(**COMPILED)
+def follow_errors(t, at, n, resting, stuck, slopes, share, f, work):
+    """f = (1 − share)·f + share·(errors over the sub-step)·f; work has room for f and a column. ``resting``: what
+    rests by the transition, ``stuck``: what friction has stopped."""
     room = WIDE * WIDE
+    if resting == stuck == 0 and slopes[0] == 0.0 and slopes[1] == 0.0 and share == 1.0:
+        product_of(t, at, n, f, n, work)
+        f[:room] = work[:room]
+        return
     error_transition(t, at, n, stuck, slopes, work, 0)
+    stop_errors(resting, work)
     for j in range(n):
         combine(work, 0, n, f, j * WIDE, 1, NOTHING, 0, work, room)
         for i in range(WIDE):
@@ -120,69 +125,3 @@ def slopes_of_friction(c, of, x, y):
         friction_slope(x[1], y[1], c[i], c[i + 1], c[i + 2]),
         friction_slope(x[2], y[2], c[j], c[j + 1], c[j + 2]),
     )
-
-
-@njit(**COMPILED)
-def through_changes(
-    t, begin, c, of, finest, held, ramp, n, ends, law, torque, jump, contact, rest, x, y, errors, f, work
-):
-    """A sample in which something changes, from event to event.
-
-    x is advanced; returns contact, what sticks, and the share of the sample with the gap closed. The model's
-    transitions are at t[begin …], its numbers at c[of …]; ``ends`` are the places of the speeds before and behind the
-    gap. What sticks is taken as constant over 2⁻ʰᵉˡᵈ of a sample at most. With ``errors``, f is how an error of the
-    state goes on over the sample.
-    """
-    lead, half, part = c[of + LEAD], c[of + HALF], -1.0 if ramp else c[of + PART]
-    tail, head = ends
-    if errors:
-        for j in range(n):
-            for i in range(WIDE):
-                f[j * WIDE + i] = 1.0 if i == j else 0.0
-    left, closed, level = 1 << finest, 0, min(1, finest)
-    while left > 0:
-        while (1 << (finest - level)) > left:
-            level += 1
-        size = 1 << (finest - level)
-        done = (1 << finest) - left
-        if jump != 0.0 and level < finest and changes_within(part, finest, done, size):
-            level += 1
-            continue
-        at = begin + ((finest + 1 if contact != 0 else 0) + level) * BLOCK
-        u = torque + shape_mean(part, finest, done, size) * jump
-        stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, 0, y)
-        z = y[0] + lead * (y[tail] - y[head])
-        after = next_contact(contact, z, y[0], half, law)
-        changes = after != contact or stuck != rest or reversed_motion(c, of, x, y)
-        if (changes and level < finest) or (stuck != 0 and level < held):
-            level += 1
-            continue
-        share = 1.0
-        if after != contact:
-            # The moment within the finest sub-step by linear interpolation: continuous in the parameters.
-            if contact == 0 and law == CLIPPED:
-                z_before, z_after = x[0], y[0]
-            else:
-                z_before, z_after = x[0] + lead * (x[tail] - x[head]), z
-            edge = (contact if contact != 0 else after) * half
-            share = (
-                min(max((edge - z_before) / (z_after - z_before), 0.0), 1.0) if z_after != z_before else 1.0
-            )
-        if errors:
-            follow_errors(t, at, n, stuck, slopes_of_friction(c, of, x, y), share, f, work)
-        for i in range(WIDE):
-            x[i] += share * (y[i] - x[i])
-        if after != contact:
-            contact = after
-            at = begin + ((finest + 1 if contact != 0 else 0) + finest) * BLOCK
-            stuck = moved(t, at, c, of, n, x, u, 0.0, contact * half, 0, y)
-            if errors:
-                follow_errors(t, at, n, stuck, slopes_of_friction(c, of, x, y), 1.0 - share, f, work)
-            for i in range(WIDE):
-                x[i] += (1.0 - share) * (y[i] - x[i])
-        rest = stuck
-        closed += size if contact != 0 else 0
-        left -= size
-        if level > 0 and left % (size << 1) == 0:
-            level -= 1
-    return contact, rest, closed / (1 << finest)

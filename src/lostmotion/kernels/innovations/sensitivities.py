@@ -7,12 +7,12 @@ parameter is a product with the transition's change. By differences of whole mot
 from __future__ import annotations
 
 from ..jit import njit
-from .columns import add, combine
+from .columns import COMPILED, WIDE, add, combine
 from .delayed_torque import delayed
 from .gap_in_doubt import mean_gap
+from .sliding_friction import sliding_friction
 from .transitions import (
     BLOCK,
-    COMPILED,
     EDGE,
     HALF,
     JUMP,
@@ -22,13 +22,13 @@ from .transitions import (
     NUMBERS,
     OF_LOAD,
     OF_MOTOR,
+    OFFSET,
     PART,
     TORQUE,
-    WIDE,
 )
 
-#: What a parameter changes: transitions, torques and friction, the gap (layout).
-_TRANSITIONS, _TORQUES, _GAP = 1, 2, 4
+#: What a parameter changes: transitions, torques, the gap, friction (layout).
+_TRANSITIONS, _TORQUES, _GAP, _FRICTION = 1, 2, 4, 8
 #: Columns of a transition that are not a state's, and all (layout).
 _INPUTS, COLUMNS = 5, WIDE + 5
 
@@ -37,15 +37,6 @@ _INPUTS, COLUMNS = 5, WIDE + 5
 def slides(x, y, stuck):
     """Whether motor and load slide or rest all the way from state x to y."""
     return (x[1] * y[1] > 0.0 or stuck & 1) and (x[2] * y[2] > 0.0 or stuck & 2)
-
-
-@njit(**COMPILED)
-def rises(numbers):
-    """Whether a friction rises towards rest, as it is or with a parameter larger."""
-    found = False
-    for j in range(numbers.shape[0]):
-        found = found or numbers[j, OF_MOTOR + 1] != 0.0 or numbers[j, OF_LOAD + 1] != 0.0
-    return found
 
 
 @njit(**COMPILED)
@@ -67,6 +58,8 @@ def fill_changes(models, numbers, whole, step, changes, what):
             if numbers[j + 1, i] != numbers[0, i]:
                 if i in (LEAD, HALF):
                     what[j] |= _GAP
+                elif i < OFFSET:
+                    what[j] |= _FRICTION
                 elif i <= PART:
                     what[j] |= _TORQUES
 
@@ -79,32 +72,45 @@ def _add_product(transition, at, n, v, slope, to):
 
 
 @njit(forceinline=True, **COMPILED)
-def _add_torques(t, at, c, of, x, torque, jump, per_step, slope, to):
-    """slope += what acts otherwise with a parameter's numbers at c[of …]; torque and jump are what they become more."""
-    add(t, at + TORQUE * WIDE, per_step * torque, slope, to)
-    add(t, at + JUMP * WIDE, per_step * jump, slope, to)
-    motor, load = per_step * (c[of + OF_MOTOR] - c[OF_MOTOR]), per_step * (c[of + OF_LOAD] - c[OF_LOAD])
-    add(t, at + MOTOR * WIDE, motor if x[1] > 0.0 else -motor, slope, to)
-    add(t, at + LOAD * WIDE, load if x[2] > 0.0 else -load, slope, to)
+def _entry_change(t, whole, change, j, weight, chance, column, row):
+    """Change of an entry of the transition that holds with parameter j; ``chance``: that of the contact's."""
+    place = column * WIDE + row
+    opened, closed = change[2 * j * BLOCK + place], change[(2 * j + 1) * BLOCK + place]
+    return opened + weight * (closed - opened) + chance * (t[whole + place] - t[place])
 
 
 @njit(**COMPILED)
 def follow(
-    t, whole, where, c, change, what, n, torque, k, ramp, x, u, jump, edge, weight, contact, doubt, step, room, slope
+    t, whole, where, c, change, what, n, torque, k, ramp, x, stuck, u, jump, edge, weight, contact, doubt, step, room,
+    slope,
 ):  # fmt: skip
     """Add to ``slope`` what each parameter does to the state within sample k, in which both inertias slide or rest.
 
     The open transition begins at t[0], the closed one at t[whole]; ``where`` are an array and the place in it of that
-    which holds, with the gap closed by ``weight``; ``doubt``: deviation of the gap's argument (0: none), its rate, and
-    half its way; ``room``: three columns of inputs and one of a state.
+    which holds, with the gap closed by ``weight``; ``stuck``: what rests by it; ``doubt``: deviation of the gap's
+    argument (0: none), its rate, and half its way; ``room``: three columns of inputs and one of a state.
     """
     inputs, when_open, when_closed, turned = room
     base, at = where
     deviation, rate, travel = doubt
     inputs[:WIDE] = x
-    inputs[TORQUE], inputs[EDGE], inputs[JUMP] = u, edge, jump
-    inputs[MOTOR] = c[OF_MOTOR] if x[1] > 0.0 else -c[OF_MOTOR]
-    inputs[LOAD] = c[OF_LOAD] if x[2] > 0.0 else -c[OF_LOAD]
+    inputs[TORQUE], inputs[EDGE], inputs[JUMP], inputs[MOTOR], inputs[LOAD] = u, edge, jump, 0.0, 0.0
+    turned[:] = 0.0
+    _add_product(base, at, n, inputs, turned, 0)
+    # Without any friction, then without that of the load.
+    free_motor = turned[1]
+    per_motor, per_load = base[at + MOTOR * WIDE + 1], base[at + LOAD * WIDE + 2]
+    motor, motor_bend, load, load_bend = 0.0, 0.0, 0.0, 0.0
+    if not stuck & 1:
+        motor, motor_bend = sliding_friction(
+            x[1], free_motor, per_motor, c[OF_MOTOR], c[OF_MOTOR + 1], c[OF_MOTOR + 2]
+        )
+    free_load = turned[2] + base[at + MOTOR * WIDE + 2] * motor
+    if not stuck & 2:
+        load, load_bend = sliding_friction(
+            x[2], free_load, per_load, c[OF_LOAD], c[OF_LOAD + 1], c[OF_LOAD + 2]
+        )
+    inputs[MOTOR], inputs[LOAD] = motor, load
     for i in range(COLUMNS):
         when_closed[i] = weight * inputs[i]
         when_open[i] = inputs[i] - when_closed[i]
@@ -115,7 +121,8 @@ def follow(
             turned[i] = -turned[i]
         _add_product(t, whole, n, inputs, turned, 0)
     for j in range(what.size):
-        of, to = (j + 1) * NUMBERS, j * WIDE
+        of, to, chance = (j + 1) * NUMBERS, j * WIDE, 0.0
+        motor_before, load_before = slope[to + 1], slope[to + 2]
         if what[j] & _TRANSITIONS:
             if weight < 1.0:
                 _add_product(change, 2 * j * BLOCK, n, when_open, slope, to)
@@ -123,10 +130,39 @@ def follow(
                 _add_product(change, (2 * j + 1) * BLOCK, n, when_closed, slope, to)
         if what[j] & _TORQUES:
             other, turn = delayed(torque, k, c, of, ramp)
-            _add_torques(base, at, c, of, x, other - u, turn - jump, 1.0 / step, slope, to)
+            add(base, at + TORQUE * WIDE, (other - u) / step, slope, to)
+            add(base, at + JUMP * WIDE, (turn - jump) / step, slope, to)
         if what[j] & _GAP:
             place = contact * c[of + HALF]
             if deviation > 0.0:
-                chance, place, _ = mean_gap(x[0] + c[of + LEAD] * rate + travel, c[of + HALF], deviation)
-                add(turned, 0, (chance - weight) / step, slope, to)
+                likely, place, _ = mean_gap(x[0] + c[of + LEAD] * rate + travel, c[of + HALF], deviation)
+                chance = (likely - weight) / step
+                add(turned, 0, chance, slope, to)
             add(base, at + EDGE * WIDE, (place - edge) / step, slope, to)
+        # What is told so far has the frictions as they are.
+        if not stuck & 1:
+            per, beside = (
+                _entry_change(t, whole, change, j, weight, chance, MOTOR, 1),
+                _entry_change(t, whole, change, j, weight, chance, LOAD, 1),
+            )
+            more = slope[to + 1] - motor_before - motor * per - load * beside
+            level = c[OF_MOTOR] if x[1] > 0.0 else -c[OF_MOTOR]
+            more = motor_bend * (more + level * per)
+            if what[j] & _FRICTION:
+                other, _ = sliding_friction(
+                    x[1], free_motor, per_motor, c[of + OF_MOTOR], c[of + OF_MOTOR + 1], c[of + OF_MOTOR + 2]
+                )
+                more += (other - motor) / step
+            if more != 0.0:
+                add(base, at + MOTOR * WIDE, more, slope, to)
+        if not stuck & 2:
+            per = _entry_change(t, whole, change, j, weight, chance, LOAD, 2)
+            level = c[OF_LOAD] if x[2] > 0.0 else -c[OF_LOAD]
+            more = load_bend * (slope[to + 2] - load_before + (level - load) * per)
+            if what[j] & _FRICTION:
+                other, _ = sliding_friction(
+                    x[2], free_load, per_load, c[of + OF_LOAD], c[of + OF_LOAD + 1], c[of + OF_LOAD + 2]
+                )
+                more += (other - load) / step
+            if more != 0.0:
+                add(base, at + LOAD * WIDE, more, slope, to)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from ..jit import njit
-from .transitions import COMPILED
+from .columns import COMPILED
 
 #: Speeds over the fading speed that differ by less are one (numerics: the quotient's rounding).
 _ONE = 1e-4
@@ -24,6 +24,22 @@ def _mean_rise(first, last, rise, fade):
     if abs(far - near) < _ONE:
         return rise * math.exp(-0.5 * (near + far))
     return rise * (math.exp(-near) - math.exp(-far)) / (far - near)
+
+
+@njit(forceinline=True, **COMPILED)
+def sliding_friction(before, free, per_torque, level, rise, fade):
+    """``mean_friction`` of an inertia that slides all the while, and its change with the speed at the end that it would
+    have without the rise."""
+    slipping = level if before > 0.0 else -level
+    if rise == 0.0:
+        return slipping, 0.0
+    end = free + slipping * per_torque
+    if end * before <= 0.0:
+        return slipping * (1.0 + _mean_rise(before, 0.0, rise, fade)), 0.0
+    mean, near, far = _mean_rise(before, end, rise, fade), abs(before) / fade, abs(end) / fade
+    if abs(far - near) < _ONE:
+        return slipping * (1.0 + mean), -0.5 * level * mean / fade
+    return slipping * (1.0 + mean), level * (rise * math.exp(-far) - mean) / ((far - near) * fade)
 
 
 @njit(forceinline=True, **COMPILED)

@@ -1,4 +1,4 @@
-"""Transitions of the drivetrain model over a sample and its halves, for each state of the contact.
+"""Transitions of the drivetrain model over a sample and its parts, for each state of the contact.
 
 States::
 
@@ -11,12 +11,13 @@ The last is known without error; the covariance is that of the others.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from ..jit import njit
+from .columns import COMPILED, NOTHING, WIDE, combine
 from .intermediate_inertia import two_springs
+from .sample_parts import DIGIT, part_number, part_within, parts, shape_mean, until_change
 from .two_mass import add_series, congruence, product
 
 # Places in a row of parameters, SI units. A share of zero: two masses. An infinite stiffness: rigid. A torque rate of
@@ -32,8 +33,6 @@ from .two_mass import add_series, congruence, product
 #: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
 VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
 
-#: States at most (layout). Columns of a transition are so long: loops of a known length become vector instructions.
-WIDE = 9
 #: A transition's columns: states, then torque, gap edge, friction of motor and of load, and what a torque that changes
 #: within the sample does that its mean does not (of a whole sample alone).
 TORQUE, EDGE, MOTOR, LOAD, JUMP = range(WIDE, WIDE + 5)
@@ -45,8 +44,6 @@ BLOCK = (WIDE + 5) * WIDE
 #: (rad/s), constant torque on the motor (Nm), delay in whole samples and its rest, and by how much the speeds before
 #: and behind the gap may be off after the contact has changed, over the approach and the noise.
 LEAD, HALF, OF_MOTOR, OF_LOAD, OFFSET, WHOLE, PART, KICKS, NUMBERS = 0, 1, 2, 5, 8, 9, 10, 11, 13
-
-COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 #: Largest norm before squaring, as in ``two_mass`` (numerics).
 _NORM = 0.5
@@ -159,7 +156,8 @@ def fill_continuous(q, dt, places, closed, law, stuck, block):
 
 @njit(**COMPILED)
 def _transitions(block, density, dt, n, finest, table, at, noise):
-    """exp(block·dt/2ʲ) for j = 0 … finest at table[at …], and noise = ∫exp(A·s)·density·exp(Aᵀ·s)ds over dt.
+    """Transitions over the parts of a sample, see ``sample_parts``, from table[at] on, and noise =
+    ∫exp(A·s)·density·exp(Aᵀ·s)ds over dt.
 
     By series and doublings; n states, whose columns come first. No noise where density is empty.
     """
@@ -182,35 +180,39 @@ def _transitions(block, density, dt, n, finest, table, at, noise):
     add_series(block, rest, half, term, other, h, step, noise)
     for left in range(doublings, -1, -1):
         if left <= finest:
+            to = at + part_number(1 << (finest - left), finest) * BLOCK
             for i in range(n):
                 for j in range(n):
-                    table[at + left * BLOCK + j * WIDE + i] = step[i, j]
+                    table[to + j * WIDE + i] = step[i, j]
                 for j in range(4):
-                    table[at + left * BLOCK + (WIDE + j) * WIDE + i] = step[i, n + j]
+                    table[to + (WIDE + j) * WIDE + i] = step[i, n + j]
         if left > 0:
             congruence(step, noise, half, noise, False)
             product(step, step, other)
             step, other = other, step
+    _fill_sums(table, at, n, finest)
 
 
 @njit(**COMPILED)
-def shape_mean(part, finest, done, size):
-    """Mean over a piece of what a torque within a sample differs from its mean by; done and size in finest pieces.
-
-    A held torque changes after ``part`` of the sample: 1 before, 0 after, less the mean. A ramp (part < 0) falls from
-    0.5 to −0.5.
-    """
-    whole = 1 << finest
-    if part < 0.0:
-        return 0.5 - (done + 0.5 * size) / whole
-    return min(max((part * whole - done) / size, 0.0), 1.0) - part
+def _fill_sums(table, at, n, finest):
+    """Fill the transitions over 3, 5, 6 and 7 pieces of each size from those over 1, 2 and 4."""
+    for digit in range(0, finest, DIGIT):
+        for first, second in ((2, 1), (4, 1), (4, 2), (4, 3)):
+            if (first + second) << digit < 1 << finest:
+                _join(table, at, n, finest, first << digit, second << digit)
 
 
 @njit(**COMPILED)
-def changes_within(part, finest, done, size):
-    """Whether a held torque changes inside a piece."""
-    change = part * (1 << finest)
-    return done < change < done + size
+def _join(table, at, n, finest, first, second):
+    """Fill the transition over two parts, one after the other, from those of either."""
+    a, b = at + part_number(first, finest) * BLOCK, at + part_number(second, finest) * BLOCK
+    to = at + part_number(first + second, finest) * BLOCK
+    for column in range(WIDE + 4):
+        if column < n:
+            combine(table, b, n, table, a + column * WIDE, 1, NOTHING, 0, table, to + column * WIDE)
+        elif column >= WIDE:
+            base = b + column * WIDE
+            combine(table, b, n, table, a + column * WIDE, 1, table, base, table, to + column * WIDE)
 
 
 @njit(**COMPILED)
@@ -218,13 +220,10 @@ def _fill_jump(table, at, finest, n, part):
     """Column ``JUMP`` of the whole sample: what ``shape_mean`` adds."""
     x, y, done = np.zeros(WIDE), np.zeros(WIDE), 0
     while done < 1 << finest:
-        level = min(finest, _RAMP) if part < 0.0 else 0
-        while level < finest:
-            size = 1 << (finest - level)
-            if done % size == 0 and not changes_within(part, finest, done, size):
-                break
-            level += 1
-        size, column = 1 << (finest - level), at + level * BLOCK
+        size = part_within(until_change(part, finest, done), finest)
+        if part < 0.0:
+            size = 1 << max(finest - _RAMP, 0)
+        column = at + part_number(size, finest) * BLOCK
         mean = shape_mean(part, finest, done, size)
         for i in range(n):
             y[i] = mean * table[column + TORQUE * WIDE + i]
@@ -260,7 +259,7 @@ def fill_transitions(q, dt, law, finest, kind, level, stuck, table, noise):
         _fill_density(q, dt, third, load, slope, counted, behind, level, density)
     for closed in range(2):
         fill_continuous(q, dt, places, closed == 1, law, stuck, block)
-        at = closed * (finest + 1) * BLOCK
+        at = closed * parts(finest) * BLOCK
         _transitions(block, density, dt, n, finest, table, at, own)
         _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
         for i in range(states):
