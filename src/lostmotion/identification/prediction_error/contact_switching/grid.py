@@ -26,6 +26,8 @@ POLES = tuple(np.geomspace(0.25, 4.0, 5))
 BACKLASHES = (0.02, 0.3, 2.0, 10.0)
 #: Steps of each round, and how many are in it at most (numerics: a start shows after two steps whether it leads on).
 FIRST, NEXT = 2, ((60, 3), (20, 6))
+#: Part of the rows that tell the rates of the grid's points, and rows at least (numerics: they are sought by threes).
+RATES, FEWEST = 4, 500
 
 
 def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Iterator[Array]:
@@ -60,11 +62,11 @@ def race(flt: ContactFilter, start: Drivetrain, fixed: Collection[str], box: Box
     free = free_places(start, fixed)
     begun = [Candidate("grid", theta, np.inf, flt, free) for theta in points(flt, start, fixed)]
 
-    def lowest(found: list[Candidate], steps: int) -> list[Candidate]:
-        ends = side_by_side(lambda one: rates_first(one, box, steps), found)
+    def lowest(found: list[Candidate], steps: int, rows: ContactFilter) -> list[Candidate]:
+        ends = side_by_side(lambda one: rates_first(one, box, steps, rows), found)
         return sorted(ends, key=cost_of)
 
-    found = lowest(begun, FIRST)
+    found = lowest(begun, FIRST, flt.liveliest(max(FEWEST, flt.rows // RATES)))
     for most, steps in NEXT:
-        found = lowest(found[:most], steps)
+        found = lowest(found[:most], steps, flt)
     return found

@@ -253,11 +253,13 @@ def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int =
     return found
 
 
-def rates_first(candidate: Candidate, box: Box, iterations: int) -> Candidate:
-    """The candidate after a few steps with rates at which its filter is not lost: what it follows with an unknown
-    torque at first, it follows with its parameters then."""
+def rates_first(
+    candidate: Candidate, box: Box, iterations: int, rows: ContactFilter | None = None
+) -> Candidate:
+    """The candidate after a few steps with rates at which its filter is not lost, there or over other rows: what it
+    follows with an unknown torque at first, it follows with its parameters then."""
     flt, free = candidate.flt, candidate.free
-    theta, cost = minimise(flt, fitted_rates(flt, candidate.theta), free, box, iterations)
+    theta, cost = minimise(flt, fitted_rates(rows or flt, candidate.theta), free, box, iterations)
     return replace(candidate, theta=theta, cost=cost)
 
 
