@@ -77,7 +77,9 @@ def compare_contacts(
 ) -> ContactComparison:
     """Identify under the laws "viscoelastic" and "dead_zone", and compare how well they predict the motor speed.
 
-    With no damping, or hardly any motion inside the gap, the two are the same law. Parameters as in ``identify``.
+    With no damping, or hardly any motion inside the gap, the two are the same law. Both are fitted by the observer of
+    constant gain alone, as the second estimator has laws of its own: ``identify`` judges the values. Parameters as
+    there.
 
     Returns
     -------
@@ -92,6 +94,7 @@ def compare_contacts(
             fixed=fixed,
             contact=law,
             joint_piece=False,
+            second_estimator=False,
             speed_from_counts=speed_from_counts,
         )
         for law in CONTACTS
