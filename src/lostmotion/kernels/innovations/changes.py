@@ -1,7 +1,7 @@
 """A sample in which a contact or a friction changes, for the contact-switching filter.
 
 The change is sought in eighths of the sample, eighths of these, and so on; the rest goes on in the new state. Other
-parameters that hardly differ follow the pieces that were found.
+parameters that hardly differ follow the sub-steps that were found.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .transitions import BLOCK, CLIPPED, HALF, LEAD, PART
 
 @njit(forceinline=True, **COMPILED)
 def _share_until(contact, after, c, of, law, ends, x, y):
-    """Share of a piece from state x to y until the contact changes, by linear interpolation: continuous in the
+    """Share of a sub-step from state x to y until the contact changes, by linear interpolation: continuous in the
     parameters."""
     half, lead = c[of + HALF], c[of + LEAD]
     if contact == 0 and law == CLIPPED:
@@ -41,17 +41,17 @@ def through_changes(
 ):  # fmt: skip
     """A sample in which something changes, from change to change.
 
-    x is advanced; returns contact, what rests, the share of the sample with the gap closed, the pieces, and which
-    transitions at rest it lacks (0: none; else nothing is done).
+    x is advanced; returns contact, what rests, the share of the sample with the gap closed, the number of sub-steps,
+    and which transitions at rest it lacks (0: none; else nothing is done).
 
     The transitions are at t[0 …], see ``sample_parts``, those of what rests at r[(stuck − 1)·model …] if ``filled``,
     and the model's numbers at c[0 …]; ``ends`` are the places of the speeds before and behind the gap; ``loads``: see
     ``holding``. f is filled with how an error of the state goes on over the sample, and ``path`` with the begin and
-    length of each piece, in finest parts, what rests, and the contact after it.
+    length of each sub-step, in finest parts, what rests, and the contact after it.
     """
     lead, half, part = c[LEAD], c[HALF], -1.0 if ramp else c[PART]
-    whole, closed_at, pieces, closed, done = 1 << finest, parts(finest) * BLOCK, 0, 0, 0
-    # The mean of a ramp stands for all of a piece.
+    whole, closed_at, steps, closed, done = 1 << finest, parts(finest) * BLOCK, 0, 0, 0
+    # The mean of a ramp stands for all of a sub-step.
     longest = whole >> 1 if ramp and finest > 0 else whole
     for j in range(n):
         for i in range(WIDE):
@@ -97,8 +97,8 @@ def through_changes(
                 slopes = slopes_of_friction(c, 0, x, y)
                 follow_errors(table, at, n, rest, 0, slopes, 1.0, f, work)
                 copy(y, x)
-                path[pieces, 0], path[pieces, 1], path[pieces, 2], path[pieces, 3] = done, size, rest, contact
-                pieces += 1
+                path[steps, 0], path[steps, 1], path[steps, 2], path[steps, 3] = done, size, rest, contact
+                steps += 1
                 closed += size if contact != 0 else 0
                 done += size
                 room -= size
@@ -109,7 +109,7 @@ def through_changes(
                 room = 1 << digit
                 digit -= DIGIT
                 continue
-            # The finest piece, in which it changes.
+            # The finest sub-step, in which it changes.
             at = (closed_at if contact != 0 else 0) + part_number(1, finest) * BLOCK
             u = torque + shape_mean(part, finest, done, 1) * jump
             rest = moved(t, at, c, 0, n, x, u, 0.0, contact * half, 0, y)
@@ -127,25 +127,25 @@ def through_changes(
                 _advance(x, y, 1.0 - share)
             if rest != 0 and not filled[rest - 1]:
                 return contact, rest, 0.0, 0, rest
-            path[pieces, 0], path[pieces, 1], path[pieces, 2], path[pieces, 3] = done, 1, 0, contact
-            pieces += 1
+            path[steps, 0], path[steps, 1], path[steps, 2], path[steps, 3] = done, 1, 0, contact
+            steps += 1
             closed += 1 if contact != 0 else 0
             done += 1
             break
-    return contact, rest, closed / whole, pieces, 0
+    return contact, rest, closed / whole, steps, 0
 
 
 @njit(**COMPILED)
 def along_path(
-    t, begin, r, at_rest, model, c, of, finest, ramp, n, ends, law, torque, jump, contact, path, pieces, x, y
+    t, begin, r, at_rest, model, c, of, finest, ramp, n, ends, law, torque, jump, contact, path, steps, x, y
 ):
-    """The same sample with a model that hardly differs, by the pieces that were found: x is advanced.
+    """The same sample with a model that hardly differs, by the sub-steps that were found: x is advanced.
 
     Its transitions are at t[begin …], those at rest at r[at_rest + (stuck − 1)·model …], its numbers at c[of …].
     """
     half, part, closed_at = c[of + HALF], -1.0 if ramp else c[of + PART], parts(finest) * BLOCK
-    for piece in range(pieces):
-        done, size, rest, after = path[piece, 0], path[piece, 1], path[piece, 2], path[piece, 3]
+    for i in range(steps):
+        done, size, rest, after = path[i, 0], path[i, 1], path[i, 2], path[i, 3]
         place = part_number(size, finest) * BLOCK
         u = torque + shape_mean(part, finest, done, size) * jump
         at, edge = place + (closed_at if contact != 0 else 0), contact * half

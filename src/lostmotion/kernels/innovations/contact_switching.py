@@ -201,7 +201,7 @@ def innovations(
     p, f, work, mixed = np.zeros(square), np.zeros(square), np.zeros(square + WIDE), np.zeros(BLOCK)
     # Sensitivities of the state to θ, column after column, and where they go.
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
-    path, pieces = np.zeros((1 << finest, 4), dtype=np.int64), 0
+    path, steps = np.zeros((1 << finest, 4), dtype=np.int64), 0
     # Models in which motor, load or both rest all the while, and their changes: filled when that first happens.
     resting, resting_changes = np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     loads, filled = np.zeros((3, 2, 2, 2, COLUMNS)), np.zeros(3, dtype=np.bool_)
@@ -342,7 +342,7 @@ def innovations(
                             kind, level, numbers, loads,
                         )  # fmt: skip
                     copy(old, x)
-                    contact, rest, weight, pieces, lacking = through_changes(
+                    contact, rest, weight, steps, lacking = through_changes(
                         t, resting.reshape(-1), filled, (m + 1) * model, c, loads, finest, ramp, n, ends, gap_law, u,
                         jump, before, begun, x, y, f, work, path,
                     )  # fmt: skip
@@ -398,7 +398,7 @@ def innovations(
                 copy(old, gain)
                 along_path(
                     t, begin, resting.reshape(-1), begin, (m + 1) * model, c, of, finest, ramp, n, ends, gap_law, u,
-                    jump, before, path, pieces, gain, y,
+                    jump, before, path, steps, gain, y,
                 )  # fmt: skip
                 copy(gain, y)
             for i in range(WIDE):

@@ -43,7 +43,7 @@ def part_within(size, finest):
 
 @njit(**COMPILED)
 def shape_mean(part, finest, done, size):
-    """Mean over a piece of what a torque within a sample differs from its mean by; done and size in finest parts.
+    """Mean over a part of what a torque within a sample differs from its mean by; done and size in finest parts.
 
     A held torque changes after ``part`` of the sample: 1 before, 0 after, less the mean. A ramp (part < 0) falls from
     0.5 to −0.5.
@@ -56,7 +56,7 @@ def shape_mean(part, finest, done, size):
 
 @njit(forceinline=True, **COMPILED)
 def until_change(part, finest, done):
-    """Finest pieces from ``done`` until a held torque changes, the one in which it does alone, or the sample ends."""
+    """Finest parts from ``done`` until a held torque changes, the one in which it does alone, or the sample ends."""
     change, end = part * (1 << finest), 1 << finest
     if done < change < end:
         return max(int(change) - done, 1)

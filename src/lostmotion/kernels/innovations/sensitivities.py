@@ -139,12 +139,10 @@ def follow(
                 chance = (likely - weight) / step
                 add(turned, 0, chance, slope, to)
             add(base, at + EDGE * WIDE, (place - edge) / step, slope, to)
-        # What is told so far has the frictions as they are.
+        # Until here the frictions are what they are without the change.
         if not stuck & 1:
-            per, beside = (
-                _entry_change(t, whole, change, j, weight, chance, MOTOR, 1),
-                _entry_change(t, whole, change, j, weight, chance, LOAD, 1),
-            )
+            per = _entry_change(t, whole, change, j, weight, chance, MOTOR, 1)
+            beside = _entry_change(t, whole, change, j, weight, chance, LOAD, 1)
             more = slope[to + 1] - motor_before - motor * per - load * beside
             level = c[OF_MOTOR] if x[1] > 0.0 else -c[OF_MOTOR]
             more = motor_bend * (more + level * per)
