@@ -47,7 +47,9 @@ def disagreement(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> 
     # moves it little. So it is with more noise.
     for one in side_by_side(again, parts):
         shift, part = _beyond_chance(one, best, error)
-        shifts.append(np.minimum(part * best.flt.rows / one.flt.rows, 1.0) * shift)
+        counts = np.minimum(part * best.flt.rows / one.flt.rows, 1.0)
+        with np.errstate(invalid="ignore"):  # a fit without such a value is as far away as can be
+            shifts.append(np.where(np.isinf(shift), np.inf, counts * shift))
     unexplained = max(best.cost, 0.0)
     shifts += [distance(one, best) for one in under_laws if one.cost < best.cost + unexplained]
     return np.asarray(np.max(shifts, axis=0))
