@@ -35,6 +35,18 @@ def _advance(x, y, share):
         x[i] += share * (y[i] - x[i])
 
 
+@njit(forceinline=True, **COMPILED)
+def _contact_after(contact, c, law, ends, y):
+    """Contact in state y after a sub-step."""
+    return next_contact(contact, y[0] + c[LEAD] * (y[ends[0]] - y[ends[1]]), y[0], c[HALF], law)
+
+
+@njit(forceinline=True, **COMPILED)
+def _note(path, step, done, size, rest, contact):
+    """One sub-step of the path."""
+    path[step, 0], path[step, 1], path[step, 2], path[step, 3] = done, size, rest, contact
+
+
 @njit(**COMPILED)
 def through_changes(
     t, r, filled, model, c, loads, finest, ramp, n, ends, law, torque, jump, contact, rest, x, y, f, work, path
@@ -49,7 +61,7 @@ def through_changes(
     ``holding``. f is filled with how an error of the state goes on over the sample, and ``path`` with the begin and
     length of each sub-step, in finest parts, what rests, and the contact after it.
     """
-    lead, half, part = c[LEAD], c[HALF], -1.0 if ramp else c[PART]
+    half, part = c[HALF], -1.0 if ramp else c[PART]
     whole, closed_at, steps, closed, done = 1 << finest, parts(finest) * BLOCK, 0, 0, 0
     # The mean of a ramp stands for all of a sub-step.
     longest = whole >> 1 if ramp and finest > 0 else whole
@@ -77,7 +89,7 @@ def through_changes(
                 at, edge = begin + part_number(size, finest) * BLOCK, contact * half
                 u = torque + shape_mean(part, finest, done, size) * jump
                 stuck = moved(table, at, c, 0, n, x, u, 0.0, edge, rest, y)
-                after = next_contact(contact, y[0] + lead * (y[ends[0]] - y[ends[1]]), y[0], half, law)
+                after = _contact_after(contact, c, law, ends, y)
                 same = after == contact and stuck == rest and not reversed_motion(c, 0, x, y)
                 if same and rest != 0:
                     share, slant = size / whole, 0.5 * size / whole * jump if ramp else 0.0
@@ -97,7 +109,7 @@ def through_changes(
                 slopes = slopes_of_friction(c, 0, x, y)
                 follow_errors(table, at, n, rest, 0, slopes, 1.0, f, work)
                 copy(y, x)
-                path[steps, 0], path[steps, 1], path[steps, 2], path[steps, 3] = done, size, rest, contact
+                _note(path, steps, done, size, rest, contact)
                 steps += 1
                 closed += size if contact != 0 else 0
                 done += size
@@ -113,7 +125,7 @@ def through_changes(
             at = (closed_at if contact != 0 else 0) + part_number(1, finest) * BLOCK
             u = torque + shape_mean(part, finest, done, 1) * jump
             rest = moved(t, at, c, 0, n, x, u, 0.0, contact * half, 0, y)
-            after = next_contact(contact, y[0] + lead * (y[ends[0]] - y[ends[1]]), y[0], half, law)
+            after = _contact_after(contact, c, law, ends, y)
             share = 1.0
             if after != contact:
                 share = _share_until(contact, after, c, 0, law, ends, x, y)
@@ -127,7 +139,7 @@ def through_changes(
                 _advance(x, y, 1.0 - share)
             if rest != 0 and not filled[rest - 1]:
                 return contact, rest, 0.0, 0, rest
-            path[steps, 0], path[steps, 1], path[steps, 2], path[steps, 3] = done, 1, 0, contact
+            _note(path, steps, done, 1, 0, contact)
             steps += 1
             closed += 1 if contact != 0 else 0
             done += 1

@@ -79,6 +79,18 @@ def _entry_change(t, whole, change, j, weight, chance, column, row):
     return opened + weight * (closed - opened) + chance * (t[whole + place] - t[place])
 
 
+@njit(forceinline=True, **COMPILED)
+def _friction_change(c, of, place, before, free, per_torque, friction, bend, more, per, what, step):
+    """Change of a sliding friction whose numbers are at ``place``: ``more`` is that of the speed that its inertia would
+    have without it, ``per`` that of what a torque adds to the speed; ``bend``: its change with the speed."""
+    change = bend * (more + (c[place] if before > 0.0 else -c[place]) * per)
+    if what & _FRICTION:
+        at = of + place
+        other, _ = sliding_friction(before, free, per_torque, c[at], c[at + 1], c[at + 2])
+        change += (other - friction) / step
+    return change
+
+
 @njit(**COMPILED)
 def follow(
     t, whole, where, c, change, what, n, torque, k, ramp, x, stuck, u, jump, edge, weight, contact, doubt, step, room,
@@ -144,23 +156,16 @@ def follow(
             per = _entry_change(t, whole, change, j, weight, chance, MOTOR, 1)
             beside = _entry_change(t, whole, change, j, weight, chance, LOAD, 1)
             more = slope[to + 1] - motor_before - motor * per - load * beside
-            level = c[OF_MOTOR] if x[1] > 0.0 else -c[OF_MOTOR]
-            more = motor_bend * (more + level * per)
-            if what[j] & _FRICTION:
-                other, _ = sliding_friction(
-                    x[1], free_motor, per_motor, c[of + OF_MOTOR], c[of + OF_MOTOR + 1], c[of + OF_MOTOR + 2]
-                )
-                more += (other - motor) / step
+            more = _friction_change(
+                c, of, OF_MOTOR, x[1], free_motor, per_motor, motor, motor_bend, more, per, what[j], step
+            )
             if more != 0.0:
                 add(base, at + MOTOR * WIDE, more, slope, to)
         if not stuck & 2:
             per = _entry_change(t, whole, change, j, weight, chance, LOAD, 2)
-            level = c[OF_LOAD] if x[2] > 0.0 else -c[OF_LOAD]
-            more = load_bend * (slope[to + 2] - load_before + (level - load) * per)
-            if what[j] & _FRICTION:
-                other, _ = sliding_friction(
-                    x[2], free_load, per_load, c[of + OF_LOAD], c[of + OF_LOAD + 1], c[of + OF_LOAD + 2]
-                )
-                more += (other - load) / step
+            more = slope[to + 2] - load_before - load * per
+            more = _friction_change(
+                c, of, OF_LOAD, x[2], free_load, per_load, load, load_bend, more, per, what[j], step
+            )
             if more != 0.0:
                 add(base, at + LOAD * WIDE, more, slope, to)
