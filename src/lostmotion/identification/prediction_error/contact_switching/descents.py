@@ -15,9 +15,10 @@ from .backlash_scan import with_better_backlash, with_other_backlash
 from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, EXPLAINED, Estimate, sharp, told
 from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
+from .intervals.further_inertias import room_for_further_inertias
+from .intervals.refits import disagreement
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
-from .refits import disagreement
 from .selection import ELSEWHERE, apart, cost_of, plausible, stands_out
 from .slow_motion import SlowFriction, sure_inertia
 from .starts import free_places, rigid_start, starts
@@ -258,7 +259,8 @@ class Search:
         finished = self._finished(others, self.flt.liveliest(ROWS))
         best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
         shifts = disagreement(best, under_laws, self.box)
-        estimate = told(best, plausible(finished), shifts, self.box, self.fixed)
+        room = room_for_further_inertias(best, self.box)
+        estimate = told(best, plausible(finished), shifts, room, self.box, self.fixed)
         return estimate if np.any(np.isfinite(estimate.half[CORE])) else None
 
     def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:

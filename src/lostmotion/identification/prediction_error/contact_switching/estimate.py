@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....drivetrain import Drivetrain
 from ...statistics.block_covariance import sandwich, student_factor
 from ..gap.absent_gap import NEEDED
 from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
-from ..model_error import model_allowance
-from .filter import INDEX, NAMES
+from .filter import INDEX, Run
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .starts import lag, told_slopes, told_vector
@@ -50,10 +48,9 @@ SHOWS_NO_GAP = 0.1
 #: descents were off by 1.3 % at most, two backlashes by 7 and 52 %, which came out right; of 6 with up to 0.2 three
 #: were off by 10 to 39 %).
 SHARP = 0.05
-#: A further inertia that is not seen has its mode at this multiple of the torsional frequency; what may be wrong with
-#: motor inertia and stiffness where no gap is seen, so that its place is not either (calibrated on development drives
-#: 2050 to 2890, 2026-11-26: of 744 intervals 94.0 instead of 90.8 % hold).
-HIDDEN_MODE, PLACE_UNSEEN = 8.0, 0.01
+#: What may be wrong with motor inertia and stiffness where no gap is seen, so that its place is not either (calibrated
+#: on development drives 2050 to 2890, 2026-11-26).
+PLACE_UNSEEN = 0.01
 #: A parameter whose change shows less than this part of what the one shown best does is not shown (numerics: rounding).
 NO_INFORMATION = 1e-9
 
@@ -87,18 +84,26 @@ def distance(one: Candidate, other: Candidate) -> Array:
 def scatter(candidate: Candidate) -> tuple[Array, Array]:
     """Covariance (8, 8) of the told parameters by chance, and their standard errors (8,); infinite: not excited."""
     run = candidate.flt.run(candidate.theta, candidate.free)
-    # Numbers that grow without bound tell nothing, nor does a standstill.
-    if not np.all(np.isfinite(run.jacobian)) or not np.any(run.jacobian):
+    jacobian, gather = shown_slopes(candidate, run)
+    if not jacobian.size:
         return np.zeros((len(TOLD), len(TOLD))), np.full(len(TOLD), np.inf)
-    size = np.linalg.norm(run.jacobian, axis=1)
-    shown, parts = size > NO_INFORMATION * np.max(size), told_slopes(candidate)
-    jacobian, gather = run.jacobian[shown], parts[:, shown]
-    silent = parts.any(axis=1) & ~gather.any(axis=1)
+    silent = told_slopes(candidate).any(axis=1) & ~gather.any(axis=1)
     white = inverse_hessian(jacobian) * np.mean(run.weighted**2)
     coloured = sandwich(jacobian, run.weighted)
     larger = coloured if np.diag(coloured).sum() > np.diag(white).sum() else white
     variances = [np.diag(gather @ each @ gather.T) for each in (white, coloured)]
     return gather @ larger @ gather.T, np.where(silent, np.inf, np.sqrt(np.maximum(*variances)))
+
+
+def shown_slopes(candidate: Candidate, run: Run) -> tuple[Array, Array]:
+    """Of the m parameters that the recording shows: change (m, n) of the innovations with them, and that (8, m) of the
+    told parameters; m = 0 where it shows none."""
+    # Numbers that grow without bound tell nothing, nor does a standstill.
+    if not np.all(np.isfinite(run.jacobian)) or not np.any(run.jacobian):
+        return np.zeros((0, run.weighted.size)), np.zeros((len(TOLD), 0))
+    size = np.linalg.norm(run.jacobian, axis=1)
+    shown = size > NO_INFORMATION * np.max(size)
+    return run.jacobian[shown], told_slopes(candidate)[:, shown]
 
 
 def _by_chance(candidate: Candidate, error: Array) -> Array:
@@ -116,17 +121,23 @@ def sharp(candidate: Candidate) -> bool:
 
 
 def told(
-    best: Candidate, others: Sequence[Candidate], disagreement: Array, box: Box, fixed: Collection[str]
+    best: Candidate,
+    others: Sequence[Candidate],
+    disagreement: Array,
+    room: Array,
+    box: Box,
+    fixed: Collection[str],
 ) -> Estimate:
     """Values of the best candidate; half widths from its standard errors and from where others disagree.
 
     ``others`` predict as well, so that any of them may be right; ``disagreement`` (8,) is that of other fits of the
-    same model, see ``refits``.
+    same model, see ``intervals.refits``; ``room`` (8,) is for inertias that the model does not have, see
+    ``intervals.further_inertias``.
     """
     covariance, error = scatter(best)
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
-    half, room = _by_chance(best, error), _allowance(best)
+    half = _by_chance(best, error)
     half = np.sqrt(half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + room**2 + EXACT**2)
     # A smooth torque that is held acts as one that goes straight from row to row, half a row later: the lag is one or
     # the other, each by chance.
@@ -196,37 +207,6 @@ def beyond_chance(best: Candidate) -> float:
     # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
     unexplained = np.sqrt(best.flt.counting.size * np.expm1(2.0 * abs(best.cost)))
     return float(np.hypot(1.0, COHERENT * unexplained))
-
-
-def _allowance(best: Candidate) -> Array:
-    """(8,) what inertias that the model does not have may change, as far as innovations are left: one whose mode the
-    recording hardly shows, or another one beside a third inertia, which is one of several then.
-
-    Innovations below the sensor's noise count as much: nothing says then how well a model can predict.
-    """
-    values = dict(zip(NAMES, map(float, best.flt.values(best.theta)), strict=True))
-    drivetrain = Drivetrain.two_mass(**{name: values[name] for name in TOLD})  # type: ignore[arg-type]
-
-    def of(mode: float, joint: bool) -> Array:
-        return model_allowance(TOLD, drivetrain, best.flt.dt, mode, sampled=True, joint=joint)
-
-    allowance = of(HIDDEN_MODE * drivetrain.pole_frequency, joint=False)
-    if values["share"] > 0.0:
-        allowance = np.maximum(allowance, of(_third_mode(best.flt.behind, values), joint=True))
-    return np.sqrt(-np.expm1(-2.0 * abs(best.cost))) * allowance
-
-
-def _third_mode(behind: bool, values: Mapping[str, float]) -> float:
-    """Highest mode of three inertias, Hz."""
-    from ....kernels.innovations.intermediate_inertia import two_springs
-
-    share, near, far = values["share"], values["inertia_motor"], values["inertia_load"]
-    if behind:
-        near, far = far, near
-    first, last = two_springs(near, far, values["stiffness"], share, values["compliance"])
-    inertias = np.array([(1.0 - share) * near, share * near, far])
-    stiffness = np.array([[first, -first, 0.0], [-first, first + last, -last], [0.0, -last, last]])
-    return float(np.sqrt(np.max(np.linalg.eigvals(stiffness / inertias[:, None]).real)) / (2.0 * np.pi))
 
 
 def _other_does_as_well(candidate: Candidate, name: str) -> bool:

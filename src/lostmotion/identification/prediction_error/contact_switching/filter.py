@@ -68,12 +68,15 @@ class Run:
         Change of the weighted innovations with θ, the gains as they are.
     rows : (n,) array
         What each row adds to the cost; their mean is the cost.
+    deviations : (n,) array
+        Standard deviations of the innovations as the filter knows them, over that of its noise.
     """
 
     weighted: Array
     cost: float
     jacobian: Array
     rows: Array
+    deviations: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +233,8 @@ class ContactFilter:
         )  # fmt: skip
         with np.errstate(all="ignore"):
             variance = variances[counts, 0]
-            scale = 1.0 / (self.level * np.sqrt(variance))
+            deviations = np.sqrt(variance)
+            scale = 1.0 / (self.level * deviations)
             weighted = residuals[counts, 0] * scale
             size = min(float(np.mean(weighted**2)), 1.0 if self.charged else np.inf)
             rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance))
@@ -243,7 +247,7 @@ class ContactFilter:
             weighted = np.append(weighted, weight * beyond)
             last = weight * np.array([slope.get(NAMES[place], 0.0) for place in free])
             jacobian = np.column_stack([jacobian, last])
-        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian, rows)
+        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian, rows, deviations)
 
     def _beyond_slow_motion(self, motor: float, load: float) -> tuple[float, dict[str, float]]:
         """How far the total inertia is beyond what the slow motion tells, in half widths, and its derivatives.

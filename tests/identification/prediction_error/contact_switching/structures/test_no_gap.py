@@ -69,6 +69,8 @@ def test_a_gap_that_shows_is_not_left_out(plant: lm.Drivetrain):
 def test_the_bound_is_above_the_gaps_of_what_predicts_as_well(plant: lm.Drivetrain):
     best, box = candidate(plant, 0.0)
     wide = replace(best, theta=best.flt.changed(best.theta, backlash=0.005))
-    alone, beside = (told(best, others, np.zeros(8), box, ()) for others in ([best], [best, wide]))
+    alone, beside = (
+        told(best, others, np.zeros(8), np.zeros(8), box, ()) for others in ([best], [best, wide])
+    )
     assert alone.gap_bound is not None and alone.gap_bound < 0.001
     assert beside.gap_bound == pytest.approx(0.005)

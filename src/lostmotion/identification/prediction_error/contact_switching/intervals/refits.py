@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...statistics.block_covariance import student_factor
-from .estimate import distance, scatter
-from .filter import ContactFilter
-from .likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
-from .selection import cost_of
+from ....statistics.block_covariance import student_factor
+from ..estimate import distance, scatter
+from ..filter import ContactFilter
+from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
+from ..selection import cost_of
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.identification.prediction_error.contact_switching import refits
 from lostmotion.identification.prediction_error.contact_switching.estimate import CORE, TOLD
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.intervals import refits
+from lostmotion.identification.prediction_error.contact_switching.intervals.refits import disagreement
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.refits import disagreement
 
 
 def fitted(flt: ContactFilter, values: dict[str, float]) -> tuple[Candidate, Box]:

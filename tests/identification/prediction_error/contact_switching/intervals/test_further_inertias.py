@@ -1,0 +1,122 @@
+"""What inertias that the model does not have may change: the recording says how much there can be of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_switching.estimate import CORE, TOLD, distance
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.intervals import further_inertias
+from lostmotion.identification.prediction_error.contact_switching.intervals.further_inertias import (
+    HIDDEN_MODES,
+    SHARES,
+    room_for_further_inertias,
+)
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.innovations import Predictor
+from lostmotion.kernels.innovations.intermediate_inertia import two_springs
+
+THIRD = {"share": 0.3, "compliance": 0.1, "loss": 1.0}
+
+
+def fitted(flt: ContactFilter, values: dict[str, float], *more: str) -> tuple[Candidate, Box]:
+    theta = flt.theta(values)
+    box = Box.around(flt, theta, 10.0)
+    free = sorted(INDEX[name] for name in (*TOLD, *more))
+    return polish(Candidate("fitted", theta, 0.0, flt, free), flt, box), box
+
+
+def of_a_chain(plant: lm.Drivetrain, mode: float) -> tuple[ContactFilter, lm.Drivetrain]:
+    """A recording of three inertias, the highest mode at this multiple of the torsional frequency."""
+    motor, share = plant.inertias[0], 0.4
+    shaft = plant.shafts[0]
+    near = (2.0 * np.pi * mode * plant.pole_frequency) ** 2 * share * (1.0 - share) * motor
+    stiff = lm.Shaft(stiffness=near, damping=2e-5 * near)
+    chain = lm.Drivetrain(
+        inertias=((1.0 - share) * motor, share * motor, plant.inertias[1]),
+        shafts=(stiff, shaft),
+        frictions=(plant.frictions[0], lm.Friction(), plant.frictions[1]),
+        actuator=plant.actuator,
+    )
+    dt = 2e-4
+    torque = lm.signals.excitation(2.0, dt, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    speed = lm.simulate(chain, torque_motor=torque, dt=dt)["speed_motor"]
+    noisy = speed + 0.01 * np.random.default_rng(1).standard_normal(torque.size)
+    return ContactFilter.of(Predictor(torque, noisy, dt, False, plant, skip=0), 300.0), chain
+
+
+@pytest.mark.parametrize("third", [False, True])
+def test_a_model_that_lacks_nothing_needs_hardly_any(
+    flt: ContactFilter, values: dict[str, float], third: bool
+):
+    given = values | (THIRD if third else {})
+    best, box = fitted(flt.liveliest(4000), given, *(THIRD if third else ()))
+    assert np.max(room_for_further_inertias(best, box)[CORE]) < 0.01
+
+
+def test_an_inertia_that_the_model_lacks_is_seen(plant: lm.Drivetrain, values: dict[str, float]):
+    exact, lacking = (fitted(of_a_chain(plant, mode)[0].liveliest(4000), values) for mode in (200.0, 9.0))
+    wide = room_for_further_inertias(*lacking)[CORE]
+    assert np.all(wide > 3.0 * room_for_further_inertias(*exact)[CORE])
+    motor = INDEX["inertia_motor"]
+    error = abs(lacking[0].theta[motor] - lacking[0].flt.theta(values)[motor])
+    assert 0.7 * error < wide[0] < 5.0 * error
+
+
+def test_what_shows_nothing_changes_nothing(flt: ContactFilter, values: dict[str, float]):
+    best, box = fitted(flt.liveliest(3000), values)
+    still = replace(best.flt, torque=np.zeros(best.flt.rows), measured=np.zeros(best.flt.rows))
+    assert not np.any(room_for_further_inertias(replace(best, flt=still), box))
+
+
+@pytest.mark.parametrize("behind", [False, True])
+@pytest.mark.parametrize("share", SHARES)
+@pytest.mark.parametrize("mode", HIDDEN_MODES[1:])
+def test_the_mode_is_where_it_should_be(
+    flt: ContactFilter, values: dict[str, float], mode: float, share: float, behind: bool
+):
+    best = Candidate("truth", flt.theta(values), 0.0, flt, [])
+    other, theta = further_inertias._with_a_stiff_third(best, mode, share, behind)
+    assert other.behind is behind
+    value = dict(zip(INDEX, other.values(theta), strict=True))
+    near, far = value["inertia_motor"], value["inertia_load"]
+    near, far = (far, near) if behind else (near, far)
+    first, last = two_springs(near, far, value["stiffness"], share, value["compliance"])
+    chain = lm.Drivetrain(
+        inertias=((1.0 - share) * near, share * near, far),
+        shafts=(lm.Shaft(stiffness=first), lm.Shaft(stiffness=last)),
+    )
+    modes = lm.rig.eigenfrequencies(chain)
+    assert modes[2] / modes[1] == pytest.approx(mode, rel=0.1)
+
+
+def test_effects_are_those_of_the_lowest_hidden_mode(flt: ContactFilter, values: dict[str, float]):
+    best, _ = fitted(flt.liveliest(3000), values)
+    run = best.flt.run(best.theta, best.free)
+    effects = list(further_inertias._effects(best, run))
+    assert len(effects) == 2 * len(SHARES) * len(HIDDEN_MODES)
+    assert all(effect.shape == run.weighted.shape for effect in effects)
+    mode = HIDDEN_MODES[-1]
+    flt, theta = further_inertias._with_a_stiff_third(best, mode, SHARES[-1], True)
+    other = flt.run(theta)
+    moved = other.weighted * other.deviations / run.deviations - run.weighted
+    assert effects[-1] == pytest.approx(moved * (mode / HIDDEN_MODES[0]) ** 2)
+
+
+def test_a_third_inertia_that_explains_much_leaves_little(plant: lm.Drivetrain, values: dict[str, float]):
+    flt, chain = of_a_chain(plant, 3.0)
+    share = chain.inertias[1] / (chain.inertias[0] + chain.inertias[1])
+    third = {"share": share, "compliance": 0.1, "loss": 1.0}
+    best, box = fitted(flt.liveliest(4000), values | third, *third)
+    far = replace(
+        best, theta=best.flt.changed(best.theta, share=0.0, compliance=0.0, loss=0.0), free=best.free[:8]
+    )
+    without = polish(far, best.flt, box)
+    assert without.cost > best.cost + 0.2
+    assert np.all(room_for_further_inertias(best, box) < distance(without, best))
+    unexplained = replace(best, cost=without.cost)
+    assert room_for_further_inertias(unexplained, box) == pytest.approx(distance(without, best), rel=1e-3)
