@@ -14,6 +14,7 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
     DISAGREEMENT,
     EXACT,
     EXPLAINED,
+    OTHER_LAWS,
     PLACE_UNSEEN,
     TOLD,
     WIDEST,
@@ -136,6 +137,17 @@ def test_room_for_further_inertias_is_part_of_the_interval_and_known_apart(best:
     told_at_all = np.isfinite(plain.half)
     assert found.half[told_at_all] == pytest.approx(np.hypot(plain.half, 0.02)[told_at_all])
     assert found.apart_from_room[told_at_all] == pytest.approx(plain.half[told_at_all])
+
+
+def test_damping_and_coulomb_friction_have_room_for_other_laws(best: Candidate):
+    none, below, left = (estimate._under_other_laws(replace(best, cost=cost)) for cost in (0.0, -0.3, 0.3))
+    assert not np.any(none) and below == pytest.approx(left)
+    assert {TOLD[i] for i in np.flatnonzero(left)} == set(OTHER_LAWS)
+    unexplained = replace(best, cost=0.3)
+    found = told(unexplained, [best], NOTHING, NOTHING, box(best), ("backlash",))
+    lost = told(replace(best, cost=0.2), [best], NOTHING, NOTHING, box(best), ("backlash",))
+    assert np.isinf(found.half[TOLD.index("damping")]), "it makes up for what the model lacks"
+    assert lost.half[TOLD.index("damping")] > 0.5 * OTHER_LAWS["damping"]
 
 
 def test_a_gap_without_which_the_recording_is_explained_as_well_is_not_told(
