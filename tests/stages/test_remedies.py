@@ -140,8 +140,9 @@ def test_a_torque_of_the_wrong_sign() -> None:
     assert not [p for p in check_recording(recorded()) if "sign" in p.remedy]
 
 
-def test_counts_that_are_too_coarse() -> None:
-    """Faster motion with more torque."""
+def test_counts_that_are_too_coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Faster motion with more torque, for the fit: what is lost in the counts no estimator finds."""
+    without_second_estimator(monkeypatch)
     coarse = find_parameters(material(recorded(step=600.0), START))
     assert "faster motion with more torque" in told(coarse, "Nothing is identified").remedy
     helped = find_parameters(material(recorded(step=600.0, size=400.0), START))
@@ -177,18 +178,22 @@ def test_start_values_that_are_not_given(sound: tuple[lm.Recording, Found]) -> N
 
 
 @pytest.mark.parametrize(("name", "factor"), [("inertia_load", 4.0), ("backlash", 4.0), ("stiffness", 0.2)])
-def test_a_nameplate_that_is_far_off(sound: tuple[lm.Recording, Found], name: str, factor: float) -> None:
-    """The value under [nameplate]."""
+def test_a_nameplate_that_is_far_off(
+    sound: tuple[lm.Recording, Found], name: str, factor: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The value under [nameplate]; the fit finds what is far off."""
     recording, helped = sound
+    without_second_estimator(monkeypatch)
     without = find_parameters(material(recording, START | {name: factor * START[name]}))
     problem = told(without, "Check the value under [nameplate]")
     assert problem.where == name
     assert not about(helped, "Check the value under [nameplate]")
 
 
-def test_a_torque_in_another_unit(sound: tuple[lm.Recording, Found]) -> None:
+def test_a_torque_in_another_unit(sound: tuple[lm.Recording, Found], monkeypatch: pytest.MonkeyPatch) -> None:
     """``scale`` and ``unit`` in the channel of the torque: here it was recorded as a tenth of what it is."""
     recording, helped = sound
+    without_second_estimator(monkeypatch)
     tenth = lm.Recording(
         recording.time,
         {"torque_motor": 0.1 * recording["torque_motor"], "speed_motor": recording["speed_motor"]},
@@ -301,8 +306,9 @@ def test_gaps_in_the_recording(monkeypatch: pytest.MonkeyPatch) -> None:
     assert width(helped, "damping") < 0.5 * width(pieces, "damping")
 
 
-def test_rows_that_are_taken_as_one() -> None:
-    """A finer encoder."""
+def test_rows_that_are_taken_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A finer encoder, for the fit."""
+    without_second_estimator(monkeypatch)
     coarse = find_parameters(material(recorded(1.5, step=100.0), START))
     assert told(coarse, "A finer encoder tells more").where == "speed_motor"
     helped = find_parameters(material(recorded(1.5, step=0.15), START))

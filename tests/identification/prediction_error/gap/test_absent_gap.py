@@ -32,8 +32,8 @@ def test_a_gap_on_the_nameplate_that_is_not_there_costs_nothing(nameplate: float
     for name in ("inertia_motor", "inertia_load", "stiffness"):
         low, high = found.intervals[name]
         value = getattr(LINEAR, name)
-        # Of the second estimator's intervals 1.2 % are room for inertias that the model lacks.
-        assert low <= value <= high and high - low < 0.02 * value, name
+        # With room for inertias that the model lacks: the recording says that there are none.
+        assert low <= value <= high and high - low < 0.002 * value, name
     assert found.values["backlash"] is None and found.drivetrain.backlash == 0.0
     low, high = found.intervals["backlash"]
     assert low == 0.0 and 0.0 < high < COUNT
