@@ -22,7 +22,6 @@ from shared import parser_of
 import lostmotion as lm
 from lostmotion.errors import LostMotionError
 from lostmotion.experiment import design_excitation
-from lostmotion.rig.equivalent import two_mass_equivalent
 
 NAMES = ("inertia_motor", "inertia_load", "stiffness", "backlash")
 #: rad/s, in the virtual rig's units; rows at most (option: those of docs/benchmarks/excitation.md; half a minute).
@@ -61,7 +60,7 @@ def played(seed: int, factor: float) -> dict[str, Any] | None:
         found = lm.identify(recording.only("torque_motor", "speed_motor"), start=nameplate)
     except LostMotionError as refusal:
         return entry | {"refusal": str(refusal)[:200]}
-    true = two_mass_equivalent(bench.rig.drivetrain, truth.signals["speed_load"])
+    true = lm.rig.two_mass_equivalent(bench.rig.drivetrain, truth.signals["speed_load"])
     entry["predicted"] = {name: half for name, half in design.half_widths.items() if name in NAMES}
     entry["found"] = {
         name: {
