@@ -1,8 +1,11 @@
-"""What several benchmarks share: the paper's drivetrain and the parser of the command line."""
+"""What several benchmarks share: the paper's drivetrain, the parser of the command line, files of results."""
 
 from __future__ import annotations
 
 import argparse
+import json
+from pathlib import Path
+from typing import Any
 
 #: Table I of Fietzek & Rinderknecht: the arguments of ``Drivetrain.two_mass``, SI.
 TABLE_I = {
@@ -14,3 +17,9 @@ TABLE_I = {
 def parser_of(text: str) -> argparse.ArgumentParser:
     """A parser whose help is the benchmark's docstring, line breaks kept."""
     return argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
+
+
+def read(results: Path) -> list[dict[str, Any]]:
+    """What the lines of a results file hold; none where there is no file yet."""
+    lines = results.read_text().splitlines() if results.exists() else []
+    return [json.loads(line) for line in lines]

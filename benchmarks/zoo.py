@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from shared import parser_of
+from shared import parser_of, read
 from zoo_gap_bound import gap_bound
 from zoo_observer import observer_errors
 from zoo_tables import Scores, picture, summary, tables
@@ -104,11 +104,6 @@ def run(seeds: Iterable[int], results: Path, processes: int, longest: int, secon
             file.write(json.dumps(entry) + "\n")
             file.flush()
             print(f"{number} of {len(todo)}: seed {entry['seed']}, {entry['time']:.1f} s", flush=True)
-
-
-def read(results: Path) -> list[dict[str, Any]]:
-    lines = results.read_text().splitlines() if results.exists() else []
-    return [json.loads(line) for line in lines]
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from shared import parser_of
+from shared import parser_of, read
 
 import lostmotion as lm
 from lostmotion.errors import LostMotionError
@@ -85,10 +85,6 @@ def run(seeds: Iterable[int], factor: float, results: Path, processes: int) -> N
                 print(f"seed {entry['seed']}: {entry.get('refusal', 'played')}", flush=True)
 
 
-def read(results: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in results.read_text().splitlines()] if results.exists() else []
-
-
 def table(entries: list[dict[str, Any]]) -> str:
     """For each parameter: how often it is predicted and found, the ratio of half widths, errors, coverage."""
     lines = [
@@ -129,8 +125,9 @@ def main() -> None:
     arguments = parser.parse_args()
     seeds = range(arguments.first, arguments.first + arguments.drives)
     run(seeds, arguments.factor, arguments.results, arguments.processes)
-    entries = [entry for entry in read(arguments.results) if "refusal" not in entry]
-    print(f"{len(entries)} drives; refused: {len(read(arguments.results)) - len(entries)}")
+    lines = read(arguments.results)
+    entries = [entry for entry in lines if "refusal" not in entry]
+    print(f"{len(entries)} drives; refused: {len(lines) - len(entries)}")
     print(table(entries))
 
 

@@ -12,7 +12,7 @@ from ...statistics.block_covariance import sandwich, student_factor
 from ..gap.absent_gap import NEEDED
 from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
-from .filter import INDEX, Run
+from .filter import INDEX
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .starts import lag, told_slopes, told_vector
@@ -86,11 +86,12 @@ def distance(one: Candidate, other: Candidate) -> Array:
 
 def scatter(candidate: Candidate) -> tuple[Array, Array]:
     """Covariance (8, 8) of the told parameters by chance, and their standard errors (8,); infinite: not excited."""
-    run = candidate.flt.run(candidate.theta, candidate.free)
-    jacobian, gather = shown_slopes(candidate, run)
-    if not jacobian.size:
+    run, seen = candidate.run, shown(candidate)
+    if not np.any(seen):
         return np.zeros((len(TOLD), len(TOLD))), np.full(len(TOLD), np.inf)
-    silent = told_slopes(candidate).any(axis=1) & ~gather.any(axis=1)
+    parts = told_slopes(candidate)
+    jacobian, gather = run.jacobian[seen], parts[:, seen]
+    silent = parts.any(axis=1) & ~gather.any(axis=1)
     white = inverse_hessian(jacobian) * np.mean(run.weighted**2)
     coloured = sandwich(jacobian, run.weighted)
     larger = coloured if np.diag(coloured).sum() > np.diag(white).sum() else white
@@ -98,15 +99,13 @@ def scatter(candidate: Candidate) -> tuple[Array, Array]:
     return gather @ larger @ gather.T, np.where(silent, np.inf, np.sqrt(np.maximum(*variances)))
 
 
-def shown_slopes(candidate: Candidate, run: Run) -> tuple[Array, Array]:
-    """Of the m parameters that the recording shows: change (m, n) of the innovations with them, and that (8, m) of the
-    told parameters; m = 0 where it shows none."""
+def shown(candidate: Candidate) -> NDArray[np.bool_]:
+    """(m,) which of the free parameters the recording shows."""
+    size = np.linalg.norm(candidate.run.jacobian, axis=1)
     # Numbers that grow without bound tell nothing, nor does a standstill.
-    if not np.all(np.isfinite(run.jacobian)) or not np.any(run.jacobian):
-        return np.zeros((0, run.weighted.size)), np.zeros((len(TOLD), 0))
-    size = np.linalg.norm(run.jacobian, axis=1)
-    shown = size > NO_INFORMATION * np.max(size)
-    return run.jacobian[shown], told_slopes(candidate)[:, shown]
+    if not np.all(np.isfinite(candidate.run.jacobian)):
+        return np.zeros(size.size, dtype=np.bool_)
+    return np.asarray(size > NO_INFORMATION * np.max(size, initial=0.0))
 
 
 def _by_chance(candidate: Candidate, error: Array) -> Array:

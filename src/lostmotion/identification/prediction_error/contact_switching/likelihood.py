@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
 from ..innovations import THREADS
-from .filter import FRICTIONS, INDEX, ContactFilter, pole_of
+from .filter import FRICTIONS, INDEX, ContactFilter, Run, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -194,6 +195,11 @@ class Candidate:
     cost: float
     flt: ContactFilter
     free: list[int]
+
+    @cached_property
+    def run(self) -> Run:
+        """The pass at θ, with its sensitivities to the free parameters."""
+        return self.flt.run(self.theta, self.free)
 
     @property
     def structure(self) -> tuple[Hashable, ...]:

@@ -15,8 +15,13 @@ from lostmotion.identification.prediction_error.contact_switching.intervals.furt
     HIDDEN_MODES,
     SHARES,
     room_for_further_inertias,
+    stiff_place,
 )
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import (
+    placed,
+    without_third_inertia,
+)
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 
@@ -80,7 +85,7 @@ def test_the_mode_is_where_it_should_be(
     flt: ContactFilter, values: dict[str, float], mode: float, share: float, behind: bool
 ):
     best = Candidate("truth", flt.theta(values), 0.0, flt, [])
-    other, theta = further_inertias._with_a_stiff_third(best, mode, share, behind)
+    other, theta = placed(best, stiff_place(best, mode, share, behind), best.flt)
     assert other.behind is behind
     value = dict(zip(INDEX, other.values(theta), strict=True))
     near, far = value["inertia_motor"], value["inertia_load"]
@@ -96,12 +101,11 @@ def test_the_mode_is_where_it_should_be(
 
 def test_effects_are_those_of_the_lowest_hidden_mode(flt: ContactFilter, values: dict[str, float]):
     best, _ = fitted(flt.liveliest(3000), values)
-    run = best.flt.run(best.theta, best.free)
-    effects = list(further_inertias._effects(best, run))
+    run, effects = best.run, further_inertias._effects(best)
     assert len(effects) == 2 * len(SHARES) * len(HIDDEN_MODES)
     assert all(effect.shape == run.weighted.shape for effect in effects)
     mode = HIDDEN_MODES[-1]
-    flt, theta = further_inertias._with_a_stiff_third(best, mode, SHARES[-1], True)
+    flt, theta = placed(best, stiff_place(best, mode, SHARES[-1], True), best.flt)
     other = flt.run(theta)
     moved = other.weighted * other.deviations / run.deviations - run.weighted
     assert effects[-1] == pytest.approx(moved * (mode / HIDDEN_MODES[0]) ** 2)
@@ -112,11 +116,9 @@ def test_a_third_inertia_that_explains_much_leaves_little(plant: lm.Drivetrain, 
     share = chain.inertias[1] / (chain.inertias[0] + chain.inertias[1])
     third = {"share": share, "compliance": 0.1, "loss": 1.0}
     best, box = fitted(flt.liveliest(4000), values | third, *third)
-    far = replace(
-        best, theta=best.flt.changed(best.theta, share=0.0, compliance=0.0, loss=0.0), free=best.free[:8]
-    )
-    without = polish(far, best.flt, box)
+    without = without_third_inertia(best, box)
     assert without.cost > best.cost + 0.2
+    assert not {INDEX[name] for name in third} & set(without.free)
     assert np.all(room_for_further_inertias(best, box) < distance(without, best))
     unexplained = replace(best, cost=without.cost)
     assert room_for_further_inertias(unexplained, box) == pytest.approx(distance(without, best), rel=1e-3)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -11,9 +9,11 @@ from numpy.typing import NDArray
 
 from ....statistics.block_covariance import student_factor
 from ...innovations import NAMES as TOLD
-from ..estimate import beyond_chance, distance, shown_slopes
-from ..filter import INDEX, ContactFilter, Run, pole_of
-from ..likelihood import Box, Candidate, polish
+from ..estimate import beyond_chance, distance, shown
+from ..filter import INDEX, pole_of
+from ..likelihood import Box, Candidate, side_by_side
+from ..starts import told_slopes
+from ..structures.third_inertia import Place, placed, without_third_inertia
 
 Array = NDArray[np.float64]
 
@@ -34,12 +34,9 @@ def room_for_further_inertias(best: Candidate, box: Box) -> Array:
     did for what it took away, and by no more than that: it is taken out, and the others are fitted again. Without a
     third, see ``of_a_third``.
     """
-    third = [INDEX[name] for name in ("share", "compliance", "loss")]
-    if not np.isfinite(best.theta[third[0]]):
+    if Place.of(best) is None:
         return of_a_third(best)
-    theta = best.flt.changed(best.theta, share=0.0, compliance=0.0, loss=0.0)
-    free = [place for place in best.free if place not in third]
-    without = polish(replace(best, theta=theta, free=free), replace(best.flt, behind=False), box)
+    without = without_third_inertia(best, box)
     # Innovations of e^cost times the noise: both parts of their squares.
     left, taken = np.expm1(2.0 * abs(best.cost)), np.exp(2.0 * without.cost) - np.exp(2.0 * best.cost)
     part = np.sqrt(left / taken) if taken > left else 1.0
@@ -54,16 +51,15 @@ def of_a_third(best: Candidate) -> Array:
     large the part is: a score test. Source: Rao (1948), Large sample tests of statistical hypotheses concerning
     several parameters, Mathematical Proceedings of the Cambridge Philosophical Society 44, section 2.
     """
-    flt = best.flt
-    run = flt.run(best.theta, best.free)
-    jacobian, slopes = shown_slopes(best, run)
-    if not jacobian.size:
+    run, seen = best.run, shown(best)
+    if not np.any(seen):
         return np.zeros(len(TOLD))
+    jacobian, slopes = run.jacobian[seen], told_slopes(best)[:, seen]
     size = np.linalg.norm(jacobian, axis=1)
     basis, triangle = np.linalg.qr((jacobian / size[:, None]).T)
     width = student_factor(1) * beyond_chance(best) * np.sqrt(np.mean(run.weighted**2))
     largest = np.zeros(len(TOLD))
-    for effect in _effects(best, run):
+    for effect in _effects(best):
         made_up = basis.T @ effect
         left = effect - basis @ made_up
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -73,28 +69,27 @@ def of_a_third(best: Candidate) -> Array:
     return largest
 
 
-def _effects(best: Candidate, run: Run) -> Iterator[Array]:
+def _effects(best: Candidate) -> list[Array]:
     """Change of the weighted innovations by a third inertia of part 1, as each of its places and modes says."""
-    n = run.rows.size
-    for mode, share, behind in product(HIDDEN_MODES, SHARES, (False, True)):
-        flt, theta = _with_a_stiff_third(best, mode, share, behind)
+    run = best.run
+
+    def effect(where: tuple[float, float, bool]) -> Array:
+        flt, theta = placed(best, stiff_place(best, *where), best.flt)
         other = flt.run(theta)
-        effect = np.zeros(run.weighted.size)
-        effect[:n] = other.weighted[:n] * other.deviations / run.deviations - run.weighted[:n]
-        if np.all(np.isfinite(effect)):
-            yield effect * (mode / HIDDEN_MODES[0]) ** 2
+        change, n = np.zeros(run.weighted.size), run.rows.size
+        change[:n] = other.weighted[:n] * other.deviations / run.deviations - run.weighted[:n]
+        return change * (where[0] / HIDDEN_MODES[0]) ** 2
+
+    effects = side_by_side(effect, list(product(HIDDEN_MODES, SHARES, (False, True))))
+    return [one for one in effects if np.all(np.isfinite(one))]
 
 
-def _with_a_stiff_third(
-    best: Candidate, mode: float, share: float, behind: bool
-) -> tuple[ContactFilter, Array]:
-    """Filter and θ with a third inertia whose mode is at a multiple of the torsional frequency."""
+def stiff_place(best: Candidate, mode: float, share: float, behind: bool) -> Place:
+    """A third inertia whose mode is at a multiple of the torsional frequency."""
     values = dict(zip(INDEX, map(float, best.flt.values(best.theta)), strict=True))
     motor, load = values["inertia_motor"], values["inertia_load"]
     side = load if behind else motor
     # The mode of both parts of a side on a stiff shaft, over the torsional one.
     compliance = motor * load / (motor + load) / (share * (1.0 - share) * side * mode**2)
     damped = 2.0 * np.pi * mode * pole_of(best.theta) * values["damping"] / values["stiffness"]
-    loss = 2.0 * DAMPED / damped if damped > 0.0 else 1.0
-    flt = replace(best.flt, behind=behind)
-    return flt, flt.changed(best.theta, share=share, compliance=compliance, loss=loss)
+    return Place(share, compliance, 2.0 * DAMPED / damped if damped > 0.0 else 1.0, behind)

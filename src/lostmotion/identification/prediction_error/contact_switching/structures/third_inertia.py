@@ -23,6 +23,8 @@ STEPS = 4
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
 #: Shares and compliances that are looked at (numerics: a light or a heavy joint, on a stiff or a soft shaft).
 SHARES, COMPLIANCES = (0.03, 0.1, 0.3, 0.6), (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.97)
+#: Places of its parameters.
+THIRD = [INDEX[name] for name in ("share", "compliance", "loss")]
 #: With how many of the best on either side descents start as well (numerics).
 FOLLOWED = 2
 
@@ -60,11 +62,11 @@ def places(candidate: Candidate, rows: ContactFilter, sides: Sequence[bool] = (F
 
 
 def _cost_with(candidate: Candidate, place: Place, rows: ContactFilter) -> float:
-    flt, theta = _at(candidate, place, rows)
+    flt, theta = placed(candidate, place, rows)
     return flt.run(theta).cost
 
 
-def _at(candidate: Candidate, place: Place, rows: ContactFilter) -> tuple[ContactFilter, Array]:
+def placed(candidate: Candidate, place: Place, rows: ContactFilter) -> tuple[ContactFilter, Array]:
     """Filter and θ of the candidate with a third inertia there."""
     flt = replace(candidate.over(rows), behind=place.behind)
     values = {"share": place.share, "compliance": place.compliance, "loss": place.loss}
@@ -73,9 +75,16 @@ def _at(candidate: Candidate, place: Place, rows: ContactFilter) -> tuple[Contac
 
 def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, box: Box) -> Candidate:
     """The candidate with a third inertia over some rows; its descent comes down from a higher noise level."""
-    flt, theta = _at(candidate, place, rows)
-    free = sorted({*candidate.free, INDEX["share"], INDEX["compliance"], INDEX["loss"]})
+    flt, theta = placed(candidate, place, rows)
+    free = sorted({*candidate.free, *THIRD})
     return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
+
+
+def without_third_inertia(candidate: Candidate, box: Box) -> Candidate:
+    """The candidate fitted without its third inertia."""
+    theta = candidate.flt.changed(candidate.theta, share=0.0, compliance=0.0, loss=0.0)
+    free = [place for place in candidate.free if place not in THIRD]
+    return polish(replace(candidate, theta=theta, free=free), replace(candidate.flt, behind=False), box)
 
 
 def split_at_the_softest_shaft(candidate: Candidate, box: Box) -> Candidate:
