@@ -1,4 +1,4 @@
-"""The search over starts: what is displaced comes back."""
+"""The search over starts: where it looks, and by which likelihood it judges."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.choices import with_other_torque
-from lostmotion.identification.prediction_error.contact_switching.descents import DISPLACED, Search
+from lostmotion.identification.prediction_error.contact_switching.descents import Search
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 
 
 @pytest.fixture
@@ -28,24 +28,6 @@ def best(search: Search, values: dict[str, float]) -> Candidate:
     theta = search.part.theta(values)
     free = sorted(INDEX[name] for name in TOLD)
     return Candidate("truth", theta, search.part.run(theta).cost, search.part, free)
-
-
-def test_what_is_displaced_from_the_truth_comes_back(search: Search, best: Candidate):
-    found = search.displaced(best)
-    assert len(found) > 2 * len(DISPLACED)
-    lowest = min(found, key=lambda one: one.cost)
-    assert np.max(distance(lowest, best)[:5]) < 0.01
-
-
-def test_another_backlash_is_found_from_beside_the_truth(
-    search: Search, best: Candidate, plant: lm.Drivetrain
-):
-    """No descent leads from 30 times the backlash to it."""
-    theta = search.part.changed(best.theta, backlash=30.0 * plant.backlash)
-    wide = polish(replace(best, theta=theta), best.flt, search.box)
-    assert distance(wide, best)[TOLD.index("backlash")] > 1.0
-    lowest = min(search.displaced(wide), key=lambda one: one.cost)
-    assert np.max(distance(lowest, best)[:5]) < 0.01
 
 
 def test_descents_from_the_grid_are_judged_by_one_likelihood(search: Search):
@@ -75,6 +57,27 @@ def test_the_race_is_left_out_where_a_start_explains_the_recording(
     )
     search.rivals(best)
     assert raced == ["grid"]
+
+
+def test_random_moves_lead_on_from_a_wrong_minimum(
+    search: Search, best: Candidate, monkeypatch: pytest.MonkeyPatch
+):
+    """They go out from the lowest of what the other descents found, and may change all that is not fixed."""
+    given: list[tuple[float, set[int]]] = []
+
+    def wander(one: Candidate, rows: ContactFilter, _: Box, free: set[int]) -> list[Candidate]:
+        assert rows is search.part
+        given.append((one.cost, free))
+        return [replace(best, start="moved", cost=one.cost - 1.0)]
+
+    monkeypatch.setattr(
+        "lostmotion.identification.prediction_error.contact_switching.descents.wandering", wander
+    )
+    monkeypatch.setattr(Search, "otherwise", lambda *_: [])
+    found = replace(search, fixed=("coulomb",)).rivals(best)
+    (cost, free), lowest = given[0], min(found, key=lambda one: one.cost)
+    assert lowest.start == "moved" and all(one.cost >= cost for one in found if one is not lowest)
+    assert INDEX["coulomb"] not in free and {INDEX["backlash"], INDEX["share"]} <= free
 
 
 def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(search: Search, best: Candidate):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +18,12 @@ from .intervals.further_inertias import room_for_further_inertias
 from .intervals.refits import disagreement
 from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .likelihood_ratio import alike
-from .selection import ELSEWHERE, apart, cost_of, plausible, stands_out
+from .random_moves import wandering
+from .selection import ELSEWHERE, apart, cost_of, plausible
 from .slow_motion import SlowFriction, sure_inertia
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
-from .structures.third_inertia import Place, places, split_at_the_softest_shaft, with_third_inertia
+from .structures.third_inertia import THIRD, Place, places, split_at_the_softest_shaft, with_third_inertia
 
 Array = NDArray[np.float64]
 
@@ -39,9 +39,6 @@ FEW = 3
 #: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
 NEAR = 0.05
 
-#: What is displaced, and by which factor either way, to see whether a descent comes back (numerics: what the grid
-#: leaves open). The backlash may be any.
-DISPLACED, FACTOR = ("inertia_motor", "inertia_load", "stiffness"), 1.5
 #: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
 NOISE_ALONE = 0.02
 #: Steps from the fit's likeliest values without its intervals (numerics).
@@ -52,9 +49,8 @@ LITTLE = 10.0
 GLIMPSE, LEAST = 4, 2000
 #: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
 COARSE = 4
-#: Ends of the race that get another backlash; descents that go on to the end; displacements of the best at most
-#: (numerics).
-SCANNED, POLISHED, DISPLACEMENTS = 5, 3, 2
+#: Ends of the race that get another backlash; descents that go on to the end (numerics).
+SCANNED, POLISHED = 5, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,11 +170,9 @@ class Search:
         if abs(fits[0].cost) < NOISE_ALONE:
             return []
         # How the torque goes between rows makes up for a third inertia: both are tried.
-        pairs = [
-            (replace(one, flt=replace(one.flt, ramp=ramp)), place)
-            for one in apart(fits, ELSEWHERE)[:FEW]
-            for ramp, place in product((False, True), places(one, self.coarse))
-        ]
+        few = apart(fits, ELSEWHERE)[:FEW]
+        other = replace(fits[0], flt=replace(fits[0].flt, ramp=not fits[0].flt.ramp))
+        pairs = [(one, place) for one in (*few, other) for place in places(one, self.coarse)]
         tried = side_by_side(lambda pair: with_third_inertia(*pair, self.coarse, self.box), pairs)
         tried = apart(sorted(tried, key=cost_of))[:FEW]
         best = side_by_side(lambda one: polish(one, one.over(self.part), self.box), tried)
@@ -188,8 +182,8 @@ class Search:
         return best + side_by_side(lambda one: self._third(one, place), apart(fits)[:POLISHED])
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
-        """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; and from the
-        fit without its intervals."""
+        """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; from the fit
+        without its intervals; and from where random moves lead."""
         found = side_by_side(self.descent, list(self.begun))
         found += self._polished(_best_elsewhere(found))
         if not sharp(min(found, key=cost_of)):
@@ -202,14 +196,10 @@ class Search:
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
         )
-        for _ in range(DISPLACEMENTS):
-            before = min(found, key=cost_of)
-            found = self._split(found)
-            if not stands_out(found):  # nothing will be told, whatever lies beside it
-                break
-            found += self.displaced(before)
-            if alike(before, min(found, key=cost_of)):
-                break
+        before = min(found, key=cost_of)
+        found += wandering(before, self.part, self.box, {*free_places(self.start, self.fixed), *THIRD})
+        if min(found, key=cost_of).cost < before.cost:
+            found += self.otherwise(found, [])
         return self._split(found)
 
     def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
@@ -230,26 +220,6 @@ class Search:
 
     def _polished(self, candidates: Sequence[Candidate]) -> list[Candidate]:
         return side_by_side(lambda one: polish(one, one.flt, self.box), candidates)
-
-    def displaced(self, best: Candidate) -> list[Candidate]:
-        """Descents from beside the best: they come back, show a better place, or one that predicts as well."""
-
-        def beside(change: tuple[str, float]) -> Candidate:
-            name, factor = change
-            theta = best.theta.copy()
-            place = INDEX[name]
-            theta[place] = np.clip(
-                theta[place] + np.log(factor), self.box.lower[place], self.box.upper[place]
-            )
-            return replace(best, theta=theta)
-
-        changes = [
-            (name, way) for name in DISPLACED if INDEX[name] in best.free for way in (FACTOR, 1.0 / FACTOR)
-        ]
-        gaps = with_other_backlash([replace(best, flt=best.over(self.coarse))], self.box)
-        others = apart([best, *sorted(gaps, key=cost_of)])[1 : 1 + POLISHED]
-        begun = [*map(beside, changes), *(replace(one, flt=best.flt) for one in others)]
-        return self._polished(begun)
 
     def estimate(self, found: Sequence[Candidate]) -> Estimate | None:
         """What the best of the candidates tell; None where no inertia, stiffness or backlash is."""

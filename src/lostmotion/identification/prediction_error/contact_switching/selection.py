@@ -1,4 +1,4 @@
-"""Which of many candidates lie apart, may be right, or stand out."""
+"""Which of many candidates lie apart, or may be right."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..identifiability import NOT_EXCITED
-from ..innovations import NAMES as TOLD
 from .estimate import distance
 from .likelihood import Candidate
 from .likelihood_ratio import alike, plausible_beside
@@ -42,11 +40,3 @@ def plausible(found: Sequence[Candidate]) -> list[Candidate]:
         return alike(one, next(other for other in found if one.contains(other)))
 
     return [one for one in found if plausible_beside(one, found[0]) and arrived(one)]
-
-
-def stands_out(found: Sequence[Candidate]) -> bool:
-    """Whether all that predict about as well as the best agree on load inertia or stiffness."""
-    best, *others = plausible(found)
-    places = [TOLD.index("inertia_load"), TOLD.index("stiffness")]
-    away = [distance(one, best)[places] for one in others]
-    return not away or bool(np.min(np.max(away, axis=0)) < np.log(NOT_EXCITED))
