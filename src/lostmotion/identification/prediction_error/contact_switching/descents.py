@@ -228,7 +228,8 @@ class Search:
             return None
         finished = self._finished(others, self.flt.liveliest(ROWS))
         best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
-        shifts, room = disagreement(best, under_laws, self.box), room_for_further_inertias(best, self.box)
+        shifts = disagreement(best, under_laws, self.box)
+        room = room_for_further_inertias(best, finished, self.box)
         estimate = told(best, plausible(finished), shifts, room, self.box, self.fixed)
         return estimate if np.any(np.isfinite(estimate.half[CORE])) else None
 

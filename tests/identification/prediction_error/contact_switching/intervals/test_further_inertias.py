@@ -13,6 +13,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.intervals import further_inertias
 from lostmotion.identification.prediction_error.contact_switching.intervals.further_inertias import (
     HIDDEN_MODES,
+    OTHER_SIDE,
     SHARES,
     room_for_further_inertias,
     stiff_place,
@@ -60,13 +61,13 @@ def test_a_model_that_lacks_nothing_needs_hardly_any(
 ):
     given = values | (THIRD if third else {})
     best, box = fitted(flt.liveliest(4000), given, *(THIRD if third else ()))
-    assert np.max(room_for_further_inertias(best, box)[CORE]) < 0.01
+    assert np.max(room_for_further_inertias(best, [], box)[CORE]) < 0.01
 
 
 def test_an_inertia_that_the_model_lacks_is_seen(plant: lm.Drivetrain, values: dict[str, float]):
     exact, lacking = (fitted(of_a_chain(plant, mode)[0].liveliest(4000), values) for mode in (200.0, 9.0))
-    wide = room_for_further_inertias(*lacking)[CORE]
-    assert np.all(wide > 3.0 * room_for_further_inertias(*exact)[CORE])
+    wide = room_for_further_inertias(lacking[0], [], lacking[1])[CORE]
+    assert np.all(wide > 3.0 * room_for_further_inertias(exact[0], [], exact[1])[CORE])
     motor = INDEX["inertia_motor"]
     error = abs(lacking[0].theta[motor] - lacking[0].flt.theta(values)[motor])
     assert 0.7 * error < wide[0] < 5.0 * error
@@ -75,7 +76,7 @@ def test_an_inertia_that_the_model_lacks_is_seen(plant: lm.Drivetrain, values: d
 def test_what_shows_nothing_changes_nothing(flt: ContactFilter, values: dict[str, float]):
     best, box = fitted(flt.liveliest(3000), values)
     still = replace(best.flt, torque=np.zeros(best.flt.rows), measured=np.zeros(best.flt.rows))
-    assert not np.any(room_for_further_inertias(replace(best, flt=still), box))
+    assert not np.any(room_for_further_inertias(replace(best, flt=still), [], box))
 
 
 @pytest.mark.parametrize("behind", [False, True])
@@ -119,6 +120,32 @@ def test_a_third_inertia_that_explains_much_leaves_little(plant: lm.Drivetrain, 
     without = without_third_inertia(best, box)
     assert without.cost > best.cost + 0.2
     assert not {INDEX[name] for name in third} & set(without.free)
-    assert np.all(room_for_further_inertias(best, box) < distance(without, best))
+    assert np.all(room_for_further_inertias(best, [], box) < distance(without, best))
     unexplained = replace(best, cost=without.cost)
-    assert room_for_further_inertias(unexplained, box) == pytest.approx(distance(without, best), rel=1e-3)
+    assert room_for_further_inertias(unexplained, [], box) == pytest.approx(distance(without, best), rel=1e-3)
+
+
+def test_a_third_inertia_on_the_other_side_that_does_about_as_well_says_what_there_may_be(
+    flt: ContactFilter, values: dict[str, float]
+):
+    """With inertias on both sides of the gap, either side's third one is wrong."""
+    best, box = fitted(flt.liveliest(3000), values | THIRD, *THIRD)
+    best = replace(best, cost=0.1)
+    alone, away = room_for_further_inertias(best, [], box), best.theta.copy()
+    away[INDEX["inertia_load"]] += 0.2
+    opposite = replace(best, theta=away, flt=replace(best.flt, behind=True))
+    load = TOLD.index("inertia_load")
+    wide = room_for_further_inertias(best, [best, opposite], box)
+    expected = np.zeros(len(TOLD))
+    expected[load] = OTHER_SIDE * 0.2
+    assert wide == pytest.approx(np.hypot(alone, expected))
+    # It predicts worse: e^(2·cost) by more than what is left, e^0.2 − 1.
+    worse = room_for_further_inertias(best, [replace(opposite, cost=0.4)], box)
+    part = np.sqrt(np.expm1(0.2) / (np.exp(0.8) - np.exp(0.2)))
+    assert worse[load] == pytest.approx(np.hypot(alone[load], part * OTHER_SIDE * 0.2))
+    same = replace(opposite, flt=best.flt)
+    gapless = replace(
+        opposite, theta=np.where(np.arange(away.size) == INDEX["backlash"], -np.inf, best.theta)
+    )
+    for other in (same, gapless, replace(opposite, theta=flt.changed(away, share=0.0))):
+        assert room_for_further_inertias(best, [other], box) == pytest.approx(alone)
