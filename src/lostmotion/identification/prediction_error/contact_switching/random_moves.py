@@ -22,8 +22,9 @@ Array = NDArray[np.float64]
 WIDTH, FOLLOWED, PATIENCE, ROUNDS = 8, 2, 4, 12
 #: Steps of a descent at each noise level, and of one at the sensor's alone (numerics).
 STEPS, STEPS_ALONE = 4, 6
-#: Chance that one of the groups changes (numerics: two of four on average), and that a choice is made otherwise.
-GROUP, CHOICE = 0.5, 0.2
+#: Chance that one of the groups changes (numerics: two of four on average), that a choice is made otherwise or a third
+#: inertia dropped, and that a backlash stays near its own.
+GROUP, CHOICE, NEAR = 0.5, 0.2, 0.5
 #: Standard deviations of logarithms, one of them at random (numerics: within a minimum, and far from it).
 SIZES = (0.1, 0.3, 0.6)
 #: Backlash over the wind-up at the torque's standard deviation; share of a third inertia, and its part of the
@@ -124,7 +125,7 @@ def _gap(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Can
     if place not in free:
         return one
     windup = one.flt.torque_deviation / now["stiffness"]
-    if now["backlash"] > 0.0 and rng.random() < 0.5:
+    if now["backlash"] > 0.0 and rng.random() < NEAR:
         gap = now["backlash"] * np.exp(float(rng.choice(SIZES)) * rng.standard_normal())
     else:
         gap = windup * np.exp(rng.uniform(*np.log(GAPS)))
@@ -148,7 +149,7 @@ def _third(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> C
     """A third inertia anywhere, or none."""
     if not {*THIRD} <= {*free}:
         return one
-    if np.isfinite(one.theta[THIRD[0]]) and rng.random() < 0.2:
+    if np.isfinite(one.theta[THIRD[0]]) and rng.random() < CHOICE:
         return replace(
             one,
             theta=one.flt.changed(one.theta, share=0.0, compliance=0.0, loss=0.0),
