@@ -169,7 +169,7 @@ class Search:
         fits = sorted(found, key=cost_of)
         if abs(fits[0].cost) < NOISE_ALONE:
             return []
-        # How the torque goes between rows makes up for a third inertia: both are tried.
+        # How the torque goes between rows makes up for a third inertia: the best is tried with either.
         few = apart(fits, ELSEWHERE)[:FEW]
         other = replace(fits[0], flt=replace(fits[0].flt, ramp=not fits[0].flt.ramp))
         pairs = [(one, place) for one in (*few, other) for place in places(one, self.coarse)]

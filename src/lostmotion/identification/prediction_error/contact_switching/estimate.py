@@ -231,7 +231,7 @@ def _other_does_as_well(candidate: Candidate, name: str) -> bool:
     """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
     if name not in ("backlash", "coulomb", "viscous", "damping"):
         return False
-    flt, value = candidate.flt, float(candidate.flt.values(candidate.theta)[INDEX[name]])
+    flt, value = candidate.flt, candidate.values[name]
     for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):
         theta = flt.changed(candidate.theta, **{name: factor * value})
         if alike(replace(candidate, theta=theta, cost=flt.run(theta).cost), candidate):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
 from ..innovations import THREADS
-from .filter import FRICTIONS, INDEX, ContactFilter, Run, pole_of
+from .filter import FRICTIONS, INDEX, NAMES, ContactFilter, Run, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -200,6 +200,11 @@ class Candidate:
     def run(self) -> Run:
         """The pass at θ, with its sensitivities to the free parameters."""
         return self.flt.run(self.theta, self.free)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of the kernel's parameters by name, SI."""
+        return dict(zip(NAMES, map(float, self.flt.values(self.theta)), strict=True))
 
     @property
     def structure(self) -> tuple[Hashable, ...]:

@@ -7,15 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
 from .selection import cost_of
 from .starts import unknown
-from .structures.third_inertia import THIRD, Place, placed
-
-Array = NDArray[np.float64]
+from .structures.third_inertia import THIRD, Place, placed, with_third_dropped
 
 #: Moves of a round, of which the best few go on to the end; rounds without a lower cost after which it ends, and rounds
 #: at most (numerics).
@@ -78,8 +75,7 @@ def moved(best: Candidate, rng: np.random.Generator, box: Box, free: Collection[
     own = [place for place in one.free if np.isfinite(one.theta[place])]
     theta = one.theta.copy()
     theta[own] = np.clip(theta[own], box.lower[own], box.upper[own])
-    rates = unknown(one.flt, 2.0 * np.pi * pole_of(theta))
-    now = _values(one)
+    rates, now = unknown(one.flt, 2.0 * np.pi * pole_of(theta)), one.values
     # Rates at which the filter is not lost where the move has led.
     least = {name: max(now[name], rates[name]) for name in ("motor_rate", "load_rate", "impact")}
     return replace(one, theta=one.flt.changed(theta, **least), start="moved")
@@ -98,14 +94,9 @@ def _with_other_choices(one: Candidate, rng: np.random.Generator) -> Candidate:
     return replace(one, theta=theta, flt=replace(one.flt, **change))
 
 
-def _values(one: Candidate) -> dict[str, float]:
-    values = one.flt.values(one.theta)
-    return {name: float(values[place]) for name, place in INDEX.items()}
-
-
 def _inertias(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Candidate:
     """Another inertia ratio, pole and damping; the total inertia and the gap over the wind-up stay."""
-    now, size = _values(one), float(rng.choice(SIZES))
+    now, size = one.values, float(rng.choice(SIZES))
     motor, load = now["inertia_motor"], now["inertia_load"]
     ratio = load / motor * np.exp(2.0 * size * rng.standard_normal())
     other = {
@@ -121,7 +112,7 @@ def _inertias(one: Candidate, rng: np.random.Generator, free: Collection[int]) -
 
 def _gap(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Candidate:
     """Another backlash: near its own, or any."""
-    place, now = INDEX["backlash"], _values(one)
+    place, now = INDEX["backlash"], one.values
     if place not in free:
         return one
     windup = one.flt.torque_deviation / now["stiffness"]
@@ -136,7 +127,7 @@ def _gap(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Can
 
 def _friction(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Candidate:
     """More or less friction, at the motor, at the load or at both."""
-    now, size = _values(one), float(rng.choice(SIZES))
+    now, size = one.values, float(rng.choice(SIZES))
     part = float(rng.choice([0.0, 1.0, rng.random()]))
     other: dict[str, float] = {}
     for name in ("coulomb", "viscous"):
@@ -150,11 +141,7 @@ def _third(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> C
     if not {*THIRD} <= {*free}:
         return one
     if np.isfinite(one.theta[THIRD[0]]) and rng.random() < CHOICE:
-        return replace(
-            one,
-            theta=one.flt.changed(one.theta, share=0.0, compliance=0.0, loss=0.0),
-            free=[place for place in one.free if place not in THIRD],
-        )
+        return with_third_dropped(one)
     place = Place(
         float(np.exp(rng.uniform(*np.log(SHARES)))),
         float(rng.uniform(*COMPLIANCES)),

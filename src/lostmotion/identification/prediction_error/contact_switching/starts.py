@@ -106,8 +106,8 @@ def lag(candidate: Candidate) -> float:
 
 def _lag(candidate: Candidate) -> float:
     """The same below zero as well: a measured torque may be ahead of that which acts."""
-    values = candidate.flt.values(candidate.theta)
-    return float(values[INDEX["lag"]] + values[INDEX["delay"]])
+    values = candidate.values
+    return values["lag"] + values["delay"]
 
 
 def told_vector(candidate: Candidate) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ....statistics.block_covariance import student_factor
 from ...innovations import NAMES as TOLD
 from ..estimate import beyond_chance, distance, shown
-from ..filter import INDEX, pole_of
+from ..filter import pole_of
 from ..likelihood import Box, Candidate, side_by_side
 from ..starts import told_slopes
 from ..structures.third_inertia import Place, placed, without_third_inertia
@@ -103,7 +103,7 @@ def _effects(best: Candidate) -> list[Array]:
 
 def stiff_place(best: Candidate, mode: float, share: float, behind: bool) -> Place:
     """A third inertia whose mode is at a multiple of the torsional frequency."""
-    values = dict(zip(INDEX, map(float, best.flt.values(best.theta)), strict=True))
+    values = best.values
     motor, load = values["inertia_motor"], values["inertia_load"]
     side = load if behind else motor
     # The mode of both parts of a side on a stiff shaft, over the torsional one.

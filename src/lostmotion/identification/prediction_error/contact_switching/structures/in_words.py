@@ -8,7 +8,7 @@ from ...gain_schedule import Stage
 from ...innovations import NAMES as TOLD
 from ...innovations import Predictor
 from ...result import Structure
-from ..filter import NAMES, pole_of
+from ..filter import pole_of
 from ..likelihood import Candidate
 from ..likelihood_ratio import alike
 from ..slow_motion import SlowFriction
@@ -59,8 +59,7 @@ def _of_fit(predictor: Predictor, stage: Stage, load_torque: bool) -> Parts:
 
 def parts_of(candidate: Candidate) -> Parts:
     """The parts of what the contact-switching filter has as a model."""
-    flt = candidate.flt
-    v = dict(zip(NAMES, map(float, flt.values(candidate.theta)), strict=True))
+    flt, v = candidate.flt, candidate.values
     torque = flt.torque_deviation
     friction = v["coulomb"] + v["coulomb_motor"]
     rising = v["rise"] * v["coulomb"] + v["rise_motor"] * v["coulomb_motor"]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..filter import INDEX, NAMES
+from ..filter import INDEX
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
 
 #: Rise over the Coulomb level, and speeds over which it fades, over the speed's standard deviation, with which descents
@@ -44,7 +44,7 @@ def friction_lines(candidate: Candidate) -> dict[str, float]:
 
     A viscous friction below zero is none.
     """
-    values = dict(zip(NAMES, map(float, candidate.flt.values(candidate.theta)), strict=True))
+    values = candidate.values
     lines: dict[str, float] = {}
     for end in ENDS:
         coulomb, viscous, rise = (values[f"{name}{end}"] for name in ("coulomb", "viscous", "rise"))

@@ -41,8 +41,8 @@ class Place:
     @classmethod
     def of(cls, candidate: Candidate) -> Place | None:
         """Where a candidate has its third inertia, if it has one."""
-        values = candidate.flt.values(candidate.theta)
-        share, compliance, loss = (float(values[INDEX[name]]) for name in ("share", "compliance", "loss"))
+        values = candidate.values
+        share, compliance, loss = (values[name] for name in ("share", "compliance", "loss"))
         return cls(share, compliance, loss, candidate.flt.behind) if share > 0.0 else None
 
 
@@ -80,11 +80,17 @@ def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, 
     return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
 
 
-def without_third_inertia(candidate: Candidate, box: Box) -> Candidate:
-    """The candidate fitted without its third inertia."""
+def with_third_dropped(candidate: Candidate) -> Candidate:
+    """The candidate without its third inertia; its cost is still that with it."""
     theta = candidate.flt.changed(candidate.theta, share=0.0, compliance=0.0, loss=0.0)
     free = [place for place in candidate.free if place not in THIRD]
-    return polish(replace(candidate, theta=theta, free=free), replace(candidate.flt, behind=False), box)
+    return replace(candidate, theta=theta, free=free, flt=replace(candidate.flt, behind=False))
+
+
+def without_third_inertia(candidate: Candidate, box: Box) -> Candidate:
+    """The candidate fitted without its third inertia."""
+    dropped = with_third_dropped(candidate)
+    return polish(dropped, dropped.flt, box)
 
 
 def split_at_the_softest_shaft(candidate: Candidate, box: Box) -> Candidate:
@@ -98,10 +104,8 @@ def split_at_the_softest_shaft(candidate: Candidate, box: Box) -> Candidate:
     moved |= {gap} if np.isfinite(candidate.theta[gap]) else set()
     if place is None or place.compliance <= 0.5 or not moved <= set(candidate.free):
         return candidate
-    values = candidate.flt.values(candidate.theta)
-    motor, load, stiffness = (
-        float(values[INDEX[name]]) for name in ("inertia_motor", "inertia_load", "stiffness")
-    )
+    values = candidate.values
+    motor, load, stiffness = (values[name] for name in ("inertia_motor", "inertia_load", "stiffness"))
     piece = place.share * (load if place.behind else motor)
     change = -piece if place.behind else piece
     whole, share = (motor - change, load + change), piece / (piece + (motor if place.behind else load))
