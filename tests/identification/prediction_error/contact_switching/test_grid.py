@@ -11,6 +11,7 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching import grid
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, pole_of
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, polish
+from lostmotion.identification.prediction_error.contact_switching.slow_motion import informed
 
 
 @pytest.fixture
@@ -34,7 +35,8 @@ def test_what_is_fixed_keeps_the_nameplate(flt: ContactFilter, nameplate: lm.Dri
 
 
 def test_the_race_finds_the_drive(flt: ContactFilter, plant: lm.Drivetrain, nameplate: lm.Drivetrain):
-    part = replace(flt.liveliest(2000), charged=False, inertia=(plant.inertia_total, 0.05))
+    flt = informed(flt, (plant.inertia_total, 0.025), nameplate)
+    part = replace(flt.liveliest(2000), charged=False)
     box = Box.around(part, next(grid.points(part, nameplate, ())), 1e3)
     found = grid.race(part, nameplate, (), box)
     assert [one.cost for one in found] == sorted(one.cost for one in found)

@@ -15,6 +15,7 @@ from lostmotion.identification.prediction_error.contact_switching.slow_motion im
     SlowFriction,
     sure_inertia,
 )
+from lostmotion.identification.prediction_error.innovations import Predictor
 
 
 @pytest.fixture
@@ -29,6 +30,19 @@ def test_friction_of_an_exact_drive(known: ContactFilter, flt: ContactFilter, pl
         slow = SlowFriction.of(one, start.pole_frequency)
         assert slow.coulomb == pytest.approx(2.0, rel=0.2)
     assert SlowFriction.of(known, start.pole_frequency) != SlowFriction.of(flt, start.pole_frequency)
+
+
+def test_rest_and_reversals_are_no_lack_of_friction(plant: lm.Drivetrain):
+    """At rest friction is whatever the torque is; and a speed that changes its sign is slow where its sign is not."""
+    dt, time = 2e-4, np.arange(20_000) * 2e-4
+    pushes = np.where(time % 2.0 < 1.0, 10.0 * np.sin(2.0 * np.pi * time), 0.0)
+    fast = 12.0 * np.sign(np.sin(30.0 * np.pi * time)) + pushes
+    for torque in (pushes, fast):
+        run = lm.simulate(plant, torque_motor=torque, dt=dt)
+        speed = run["speed_motor"] + 0.01 * np.random.default_rng(1).standard_normal(torque.size)
+        one = ContactFilter.of(Predictor(torque, speed, dt, False, plant, skip=0), 300.0)
+        slow = SlowFriction.of(replace(one, inertia=(plant.inertia_total, 0.01)), plant.pole_frequency)
+        assert slow.coulomb == pytest.approx(2.0, rel=0.2)
 
 
 def test_a_constant_torque_is_no_friction(known: ContactFilter, plant: lm.Drivetrain):

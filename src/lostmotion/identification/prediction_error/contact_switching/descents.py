@@ -20,7 +20,7 @@ from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, mini
 from .likelihood_ratio import alike
 from .random_moves import wandering
 from .selection import ELSEWHERE, apart, cost_of, plausible
-from .slow_motion import SlowFriction, sure_inertia
+from .slow_motion import informed
 from .starts import free_places, rigid_start, starts
 from .structures.no_gap import bare
 from .structures.third_inertia import THIRD, Place, places, split_at_the_softest_shaft, with_third_inertia
@@ -90,9 +90,7 @@ class Search:
         slow: tuple[float, float],
     ) -> Search:
         """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
-        friction = SlowFriction.of(flt, start.pole_frequency)
-        units = (flt.units[0], friction.coulomb, friction.viscous)
-        flt = replace(flt, units=units, inertia=sure_inertia(slow, start))
+        flt = informed(flt, slow, start)
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
         rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))

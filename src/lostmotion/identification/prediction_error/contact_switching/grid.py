@@ -13,8 +13,7 @@ from ..innovations import NAMES as TOLD
 from .filter import ContactFilter
 from .likelihood import Box, Candidate, rates_first, side_by_side
 from .selection import cost_of
-from .slow_motion import SlowFriction
-from .starts import AT_MOTOR, DAMPING_RATIO, LAG, free_places, unknown
+from .starts import DAMPING_RATIO, LAG, free_places, frictions, unknown
 
 Array = NDArray[np.float64]
 
@@ -32,13 +31,9 @@ RATES, FEWEST = 4, 500
 
 def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Iterator[Array]:
     """The grid; what is fixed keeps the nameplate's value."""
-    slow = SlowFriction.of(flt, start.pole_frequency)
     torque, total, pole = flt.torque_deviation, flt.inertia[0], 2.0 * np.pi * start.pole_frequency
     known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
-    if start.coulomb_motor > 0.0 or start.viscous_motor > 0.0:
-        known |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
-    else:
-        known |= {f"{name}_motor": 0.0 for name in ("coulomb", "viscous") if name in fixed}
+    known |= frictions(flt, start, fixed)
     for ratio, factor, gap in product(RATIOS, POLES, BACKLASHES):
         omega = factor * pole
         motor, load = total / (1.0 + ratio), total * ratio / (1.0 + ratio)
@@ -46,8 +41,6 @@ def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Ite
         values = {
             "inertia_motor": motor, "inertia_load": load, "stiffness": stiffness,
             "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * torque / stiffness,
-            "coulomb": (1.0 - AT_MOTOR) * slow.coulomb, "viscous": (1.0 - AT_MOTOR) * slow.viscous,
-            "coulomb_motor": AT_MOTOR * slow.coulomb, "viscous_motor": AT_MOTOR * slow.viscous,
             "lag": LAG * flt.dt, "delay": LAG * flt.dt,
         } | unknown(flt, omega) | known  # fmt: skip
         yield flt.theta(values)

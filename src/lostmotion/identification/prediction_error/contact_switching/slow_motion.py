@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 #: Upper edge of the slow motion over the nameplate's torsional frequency (numerics: with the frequency three times too
 #: high, shaft and gap still are 10 % of the motion at most), and over the sampling rate.
 SLOW, SLOW_DT = 0.1, 0.1
+#: Upper edge of the speed whose sign friction takes, over the sampling rate; speed below which a drive may rest, over
+#: the speed's deviation; share of rest up to which a row counts; part of the rows that counts at least (numerics).
+SIGN_DT, REST, RESTING, KEPT = 0.2, 0.05, 0.1, 0.1
 #: Rows per period of the upper edge (numerics: ten times what a band needs).
 ROWS_PER_PERIOD = 20
 #: The nameplate's total inertia is right within this factor (option: what the second estimator promises to bear).
@@ -25,6 +28,13 @@ NAMEPLATE = 3.0
 SURE, LEAST = 2.0, 0.01
 #: Friction at least and at most, over the torque's deviation (numerics: a start may have any, but not none).
 FRICTION = (0.005, 2.0)
+
+
+def informed(flt: ContactFilter, told: tuple[float, float], start: Drivetrain) -> ContactFilter:
+    """The filter with the bounds of the total inertia, and with the drive's own friction as unit of friction."""
+    flt = replace(flt, inertia=sure_inertia(told, start))
+    friction = SlowFriction.of(flt, start.pole_frequency)
+    return replace(flt, units=(flt.units[0], friction.coulomb, friction.viscous))
 
 
 def sure_inertia(told: tuple[float, float], start: Drivetrain) -> tuple[float, float]:
@@ -50,20 +60,21 @@ class SlowFriction:
     @classmethod
     def of(cls, flt: ContactFilter, pole: float) -> SlowFriction:
         """By least squares of torque = J·acceleration + M_c·sgn(speed) + d_v·speed + M_L, with the filter's J if it is
-        known; ``pole``: torsional frequency, Hz."""
+        known; ``pole``: torsional frequency, Hz.
+
+        The equation holds at each moment, so that both sides pass the same low pass: the sign of a slow speed is not
+        the slow part of the sign. At rest friction is anything up to M_c: rows that show much rest do not count.
+        """
         edge = min(SLOW * pole, SLOW_DT / flt.dt)
         every = max(1, int(1.0 / (ROWS_PER_PERIOD * edge * flt.dt)))
-        columns, torques = [], []
-        for first, end in pairwise(flt.bounds):
-            torque, speed = _slow(flt, slice(first, end), edge)
-            rows = [np.sign(speed), speed, np.ones(speed.size), np.gradient(speed, flt.dt)]
-            columns.append(np.column_stack(rows)[::every])
-            torques.append(torque[::every])
-        known, left = np.concatenate(columns), np.concatenate(torques)
+        parts = [_slow(flt, slice(first, end), pole, edge)[::every] for first, end in pairwise(flt.bounds)]
+        *known, torque, rest = np.concatenate(parts).T
+        rows = rest <= max(RESTING, float(np.quantile(rest, KEPT)))
+        columns, left = np.column_stack(known)[rows], torque[rows]
         if np.isfinite(flt.inertia[1]):
-            left, known = left - flt.inertia[0] * known[:, -1], known[:, :-1]
-        sizes = np.maximum(np.linalg.norm(known, axis=0), 1e-300)
-        coulomb, viscous, load = (np.linalg.lstsq(known / sizes, left, rcond=None)[0] / sizes)[:3]
+            left, columns = left - flt.inertia[0] * columns[:, -1], columns[:, :-1]
+        sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        coulomb, viscous, load = (np.linalg.lstsq(columns / sizes, left, rcond=None)[0] / sizes)[:3]
         size = flt.torque_deviation
         per_speed = size / max(flt.speed_deviation, 1e-300)
         low, high = FRICTION
@@ -74,13 +85,20 @@ class SlowFriction:
         )
 
 
-def _slow(flt: ContactFilter, rows: slice, edge: float) -> tuple[Array, Array]:
-    """Torque (Nm) and motor speed (rad/s) of a segment below ``edge`` (Hz)."""
+def _slow(flt: ContactFilter, rows: slice, pole: float, edge: float) -> Array:
+    """(n, 6) of a segment below ``edge`` (Hz): sign of the speed, speed, one, acceleration, torque, share of rest."""
     from scipy.signal import butter, sosfiltfilt
 
-    low = butter(2, edge, fs=1.0 / flt.dt, output="sos")
+    def below(cutoff: float, signal: Array) -> Array:
+        padding = min(int(3.0 / (cutoff * flt.dt)), signal.size - 1)
+        return np.asarray(
+            sosfiltfilt(butter(2, cutoff, fs=1.0 / flt.dt, output="sos"), signal, padlen=padding)
+        )
+
     measured = flt.measured[rows]
     speed = np.gradient(measured, flt.dt) if flt.counted else measured
-    padding = min(int(3.0 / (edge * flt.dt)), speed.size - 1)
-    torque, speed = (sosfiltfilt(low, s, padlen=padding) for s in (flt.torque[rows], speed))
-    return torque, speed
+    seen = below(min(pole, SIGN_DT / flt.dt), speed)
+    rests = np.abs(seen) < REST * flt.speed_deviation
+    sign, slow = np.where(rests, 0.0, np.sign(seen)), below(edge, speed)
+    known = [below(edge, sign), slow, np.ones(slow.size), np.gradient(slow, flt.dt)]
+    return np.column_stack([*known, below(edge, flt.torque[rows]), below(edge, rests.astype(float))])

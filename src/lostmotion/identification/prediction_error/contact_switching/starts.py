@@ -20,10 +20,11 @@ Array = NDArray[np.float64]
 #: Shares of the friction that start at the motor; rates of the unknown torques over the pole's and over the torque's
 #: standard deviation, and share of an impact (numerics: so little that the rest of the model is looked at first).
 AT_MOTOR, RATE, TORQUE_RATE, IMPACT = 0.3, 0.5, 1e-3, 0.01
-#: What a start without nameplate value has, over the torque's deviation: Coulomb and viscous torque, wind-up in a gap;
-#: and a lag in samples (numerics).
-COULOMB, VISCOUS, GAP, LAG = 0.03, 0.01, 0.5, 0.5
-
+#: Share of the friction that starts at the load at least, where the nameplate gives the motor's (numerics).
+AT_LOAD = 0.1
+#: What a start without nameplate value has: wind-up in a gap over that at the torque's deviation, a lag in samples
+#: (numerics).
+GAP, LAG = 0.5, 0.5
 
 #: Step of differences in θ (numerics: far above rounding, far below any interval).
 STEP = 1e-6
@@ -75,21 +76,30 @@ def start_values(
     flt: ContactFilter, values: Drivetrain, start: Drivetrain, fixed: Collection[str]
 ) -> dict[str, float]:
     """Values of a start, with something for everything that is free."""
-    torque, speed = flt.torque_deviation, max(flt.speed_deviation, 1e-300)
     pole = 2.0 * np.pi * values.pole_frequency
     given = {name: getattr(values, name) for name in TOLD}
     guesses = {
-        "damping": 2.0 * DAMPING_RATIO * values.stiffness / pole, "backlash": GAP * torque / values.stiffness,
-        "coulomb": COULOMB * torque, "viscous": VISCOUS * torque / speed, "lag": LAG * flt.dt,
-    }  # fmt: skip
+        "damping": 2.0 * DAMPING_RATIO * values.stiffness / pole,
+        "backlash": GAP * flt.torque_deviation / values.stiffness,
+        "lag": LAG * flt.dt,
+    }
     given |= {
         n: max(guess, 0.0) for n, guess in guesses.items() if n not in fixed and not given[n] > 1e-3 * guess
     }
-    if start.coulomb_motor == 0.0 and start.viscous_motor == 0.0:
-        given |= {f"{n}_motor": AT_MOTOR * given[n] for n in ("coulomb", "viscous") if n not in fixed}
-    else:
-        given |= {"coulomb_motor": start.coulomb_motor, "viscous_motor": start.viscous_motor}
-    return given | unknown(flt, pole)
+    return given | frictions(flt, start, fixed) | unknown(flt, pole)
+
+
+def frictions(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> dict[str, float]:
+    """Friction of either end: together what the slow motion tells, one unit of θ; where it is, is a guess."""
+    held = start.coulomb_motor > 0.0 or start.viscous_motor > 0.0
+    given = {}
+    for name, whole in zip(("coulomb", "viscous"), flt.units[1:], strict=True):
+        load, motor = float(getattr(start, name)), float(getattr(start, f"{name}_motor"))
+        if name not in fixed:
+            motor = motor if held else AT_MOTOR * whole
+            load = max(whole - motor, AT_LOAD * whole)
+        given |= {name: load, f"{name}_motor": motor}
+    return given
 
 
 def unknown(flt: ContactFilter, pole: float) -> dict[str, float]:
