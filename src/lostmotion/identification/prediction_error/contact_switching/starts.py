@@ -92,7 +92,7 @@ def start_values(
 def frictions(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> dict[str, float]:
     """Friction of either end: together what the slow motion tells, one unit of θ; where it is, is a guess."""
     held = start.coulomb_motor > 0.0 or start.viscous_motor > 0.0
-    given = {}
+    given: dict[str, float] = {}
     for name, whole in zip(("coulomb", "viscous"), flt.units[1:], strict=True):
         load, motor = float(getattr(start, name)), float(getattr(start, f"{name}_motor"))
         if name not in fixed:
