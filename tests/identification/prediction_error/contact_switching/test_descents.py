@@ -13,6 +13,7 @@ from lostmotion.identification.prediction_error.contact_switching.descents impor
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.innovations import Predictor
 
 
 @pytest.fixture
@@ -78,6 +79,21 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     (cost, free), lowest = given[0], min(found, key=lambda one: one.cost)
     assert lowest.start == "moved" and all(one.cost >= cost for one in found if one is not lowest)
     assert INDEX["coulomb"] not in free and {INDEX["backlash"], INDEX["share"]} <= free
+
+
+def test_a_third_inertia_from_the_start_on_where_two_lead_astray():
+    """A drive of the zoo whose two inertias alone end far off, in a minimum that a third one does not leave."""
+    drive = lm.rig.drive(3099)
+    start, recording = drive.nameplate, drive.recording
+    signals = (recording["torque_motor"], recording["speed_motor"], recording.dt)
+    predictor = Predictor(*signals, recording.meta["speed_from_counts"], start, skip=0)
+    flt, known = ContactFilter.of(predictor, 3.0 * start.pole_frequency), (start.inertia_total, 1.0)
+    search = replace(Search.of(flt, start, start, (), None, known), part=flt.liveliest(3000))
+    two = search.descent("nameplate")
+    astray, right = (
+        min(one.cost for one in search.thirds([two], raw)) for raw in ([], [search.raw("nameplate")])
+    )
+    assert right < 0.0 < 0.5 < astray
 
 
 def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(search: Search, best: Candidate):

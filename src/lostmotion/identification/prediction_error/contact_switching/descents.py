@@ -36,6 +36,8 @@ POLES = 3.0
 FAR = 100.0
 #: So many candidates that are elsewhere get a third inertia (numerics: a descent with one comes from about so far).
 FEW = 3
+#: Starts that get a third inertia as they are.
+RAW = ("nameplate", "fitted")
 #: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
 NEAR = 0.05
 
@@ -113,10 +115,9 @@ class Search:
 
     def descent(self, name: str, gap: bool = True) -> Candidate:
         """From one of the starts, with its gap or without."""
-        free, first = free_places(self.start, self.fixed), FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
+        first = FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
         uncharged = replace(self.part, charged=False)
-        begun = Candidate(name, self.begun[name], np.inf, uncharged, free)
-        begun = begun if gap else bare(begun)
+        begun = self.raw(name) if gap else bare(self.raw(name))
         return _judged(descend(name, uncharged, begun.theta, begun.free, self.box, first), self.part)
 
     def from_grid(self) -> list[Candidate]:
@@ -162,15 +163,23 @@ class Search:
         found = with_third_inertia(candidate, place, self.coarse, self.box)
         return polish(found, replace(candidate.flt, behind=place.behind), self.box)
 
-    def thirds(self, found: Sequence[Candidate]) -> list[Candidate]:
-        """With a third inertia: the best few from every place; then the other starts where the best has it."""
+    def raw(self, name: str) -> Candidate:
+        """A start as it is."""
+        return Candidate(name, self.begun[name], np.inf, self.part, free_places(self.start, self.fixed))
+
+    def thirds(self, found: Sequence[Candidate], raw: Sequence[Candidate] = ()) -> list[Candidate]:
+        """With a third inertia: the best few and some raw starts from every place; then others where the best has it.
+
+        Without a third inertia that a drive has, descents end far from it: those that begin with one need no more than
+        a nameplate.
+        """
         fits = sorted(found, key=cost_of)
         if abs(fits[0].cost) < NOISE_ALONE:
             return []
         # How the torque goes between rows makes up for a third inertia: the best is tried with either.
         few = apart(fits, ELSEWHERE)[:FEW]
         other = replace(fits[0], flt=replace(fits[0].flt, ramp=not fits[0].flt.ramp))
-        pairs = [(one, place) for one in (*few, other) for place in places(one, self.coarse)]
+        pairs = [(one, place) for one in (*few, other, *raw) for place in places(one, self.coarse)]
         tried = side_by_side(lambda pair: with_third_inertia(*pair, self.coarse, self.box), pairs)
         tried = apart(sorted(tried, key=cost_of))[:FEW]
         best = side_by_side(lambda one: polish(one, one.over(self.part), self.box), tried)
@@ -190,7 +199,7 @@ class Search:
         if self.rigid(best).cost < min(best.cost, EXPLAINED):
             return found  # no torsion shows
         found += self.otherwise(found, _best_elsewhere(found))
-        found += self.thirds(found)
+        found += self.thirds(found, [self.raw(name) for name in RAW])
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
         )
