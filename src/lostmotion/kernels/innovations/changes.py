@@ -9,9 +9,9 @@ from __future__ import annotations
 from ..jit import njit
 from .columns import COMPILED, WIDE, copy
 from .holding import holds
-from .motion import follow_errors, moved, next_contact, reversed_motion, slopes_of_friction
+from .motion import closing, follow_errors, moved, next_contact, reversed_motion, slopes_of_friction
 from .sample_parts import DIGIT, MOST, part_number, parts, shape_mean, until_change
-from .transitions import BLOCK, CLIPPED, HALF, LEAD, PART
+from .transitions import BLOCK, HALF, LEAD, PART
 
 
 @njit(forceinline=True, **COMPILED)
@@ -19,11 +19,10 @@ def _share_until(contact, after, c, of, law, ends, x, y):
     """Share of a sub-step from state x to y until the contact changes, by linear interpolation: continuous in the
     parameters."""
     half, lead = c[of + HALF], c[of + LEAD]
-    if contact == 0 and law == CLIPPED:
-        first, last = x[0], y[0]
-    else:
-        first = x[0] + lead * (x[ends[0]] - x[ends[1]])
-        last = y[0] + lead * (y[ends[0]] - y[ends[1]])
+    first = x[0] + lead * (x[ends[0]] - x[ends[1]])
+    last = y[0] + lead * (y[ends[0]] - y[ends[1]])
+    if contact == 0:
+        first, last = closing(first, x[0], law), closing(last, y[0], law)
     edge = (contact if contact != 0 else after) * half
     return min(max((edge - first) / (last - first), 0.0), 1.0) if last != first else 1.0
 

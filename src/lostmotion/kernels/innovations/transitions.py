@@ -31,7 +31,7 @@ from .two_mass import add_series, congruence, product
 ) = range(23)  # fmt: skip
 
 #: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
-VISCOELASTIC, DEAD_ZONE, CLIPPED, NO_GAP = range(4)
+VISCOELASTIC, DEAD_ZONE, CLIPPED, LIMITED, NO_GAP = range(5)
 
 #: A transition's columns: states, then torque, gap edge, friction of motor and of load, and what a torque that changes
 #: within the sample does that its mean does not (of a whole sample alone).

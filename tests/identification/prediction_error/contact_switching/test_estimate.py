@@ -150,6 +150,17 @@ def test_damping_and_coulomb_friction_have_room_for_other_laws(best: Candidate):
     assert lost.half[TOLD.index("damping")] > 0.5 * OTHER_LAWS["damping"]
 
 
+def test_friction_without_which_the_recording_is_predicted_as_well_is_not_told(
+    best: Candidate, monkeypatch: pytest.MonkeyPatch
+):
+    """Where a drive turns one way alone three times as much or a third may predict worse, and none as well."""
+    coulomb, others = TOLD.index("coulomb"), [TOLD.index(name) for name in ("backlash", "damping")]
+    assert np.isfinite(told(best, [best], NOTHING, NOTHING, box(best), ()).half[coulomb])
+    monkeypatch.setattr(estimate, "alike", lambda one, _: one.values["coulomb"] == 0.0)
+    half = told(best, [best], NOTHING, NOTHING, box(best), ()).half
+    assert np.isinf(half[coulomb]) and np.all(np.isfinite(half[others]))
+
+
 def test_a_gap_without_which_the_recording_is_explained_as_well_is_not_told(
     best: Candidate, monkeypatch: pytest.MonkeyPatch
 ):

@@ -10,6 +10,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import (
     INDEX,
+    LAWS,
     PARAMETERS,
     ContactFilter,
     Run,
@@ -25,6 +26,25 @@ def test_the_true_parameters_leave_the_sensors_noise(flt: ContactFilter, values:
     # White: neighbours are not correlated.
     w = run.weighted[200:]
     assert abs(np.mean(w[1:] * w[:-1]) / np.mean(w**2)) < 0.1
+
+
+@pytest.mark.parametrize("law", ["viscoelastic", "dead_zone", "limited", "clipped", "physical"])
+def test_each_law_of_the_contact_predicts_its_own_drive_best(
+    plant: lm.Drivetrain, values: dict[str, float], law: str
+):
+    """The shaft's own angle is back long before the next contact: the physical law is the clipped one."""
+    damped = plant.with_parameters(damping=4.0 * plant.damping)
+    damped = replace(damped, shafts=(replace(damped.shafts[0], contact=law),))
+    dt, count = 2e-4, 2.0 * np.pi / 2**20
+    torque = lm.signals.excitation(1.0, dt, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
+    angle = np.floor(lm.simulate(damped, torque_motor=torque, dt=dt)["angle_motor"] / count) * count
+    speed = np.diff(angle, prepend=0.0) / dt
+    flt = ContactFilter.of(Predictor(torque, speed, dt, True, damped, skip=0), 300.0)
+    own = {"damping": damped.shafts[0].damping, "motor_rate": 1.0, "load_rate": 1.0, "impact": 1e-3}
+    costs = {each: replace(flt, law=each).run(flt.theta(values | own)).cost for each in LAWS}
+    best = min(costs, key=costs.__getitem__)
+    assert best == {"physical": "clipped"}.get(law, law)
+    assert costs.pop(best) < 0.12 < 0.25 < min(costs.values())
 
 
 @pytest.mark.parametrize("behind", [False, True], ids=["before the gap", "behind it"])

@@ -45,6 +45,17 @@ def test_rest_and_reversals_are_no_lack_of_friction(plant: lm.Drivetrain):
         assert slow.coulomb == pytest.approx(2.0, rel=0.2)
 
 
+def test_a_drive_that_turns_one_way_alone_tells_no_coulomb_friction(plant: lm.Drivetrain):
+    """A constant torque explains all: half of it each was a friction of 80 % of the torque, on a drive with 2 %."""
+    dt, time = 2e-4, np.arange(20_000) * 2e-4
+    torque = 8.0 + 4.0 * np.sin(8.0 * np.pi * time)
+    speed = lm.simulate(plant, torque_motor=torque, dt=dt)["speed_motor"][2000:]
+    speed = speed + 0.01 * np.random.default_rng(1).standard_normal(speed.size)
+    one = ContactFilter.of(Predictor(torque[2000:], speed, dt, False, plant, skip=0), 300.0)
+    slow = SlowFriction.of(replace(one, inertia=(plant.inertia_total, 0.01)), plant.pole_frequency)
+    assert slow.coulomb < 0.05 and slow.constant == pytest.approx(2.0, rel=0.1)
+
+
 def test_a_constant_torque_is_no_friction(known: ContactFilter, plant: lm.Drivetrain):
     pushed = SlowFriction.of(replace(known, torque=known.torque + 1.5), plant.pole_frequency)
     plain = SlowFriction.of(known, plant.pole_frequency)

@@ -12,7 +12,7 @@ from ...statistics.block_covariance import sandwich, student_factor
 from ..gap.absent_gap import NEEDED
 from ..identifiability import NOT_EXCITED
 from ..innovations import NAMES as TOLD
-from .filter import INDEX
+from .filter import FRICTIONS, INDEX
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .starts import lag, told_slopes, told_vector
@@ -228,11 +228,12 @@ def _under_other_laws(best: Candidate) -> Array:
 
 
 def _other_does_as_well(candidate: Candidate, name: str) -> bool:
-    """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well."""
+    """Whether a gap, friction or damping that is off by ``NOT_EXCITED`` either way would predict about as well, or no
+    friction."""
     if name not in ("backlash", "coulomb", "viscous", "damping"):
         return False
     flt, value = candidate.flt, candidate.values[name]
-    for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED):
+    for factor in (NOT_EXCITED, 1.0 / NOT_EXCITED, *((0.0,) if name in FRICTIONS else ())):
         theta = flt.changed(candidate.theta, **{name: factor * value})
         if alike(replace(candidate, theta=theta, cost=flt.run(theta).cost), candidate):
             return True

@@ -34,7 +34,7 @@ LOGARITHM, LAG = (np.array([kind == wanted for kind in PARAMETERS.values()]) for
 #: Friction of the load's end and of the motor's.
 FRICTIONS = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
 #: Numbers of the contact laws and of the kinds of parameters in the kernel (layout).
-LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2}
+LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2, "limited": 3}
 #: Likewise (layout).
 KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2, "friction": 2, "damper": 2}
 

@@ -26,6 +26,9 @@ NAMEPLATE = 3.0
 #: Half widths of a 95 % interval within which the inertia certainly is, and a least one (calibrated on development
 #: drives 1400 to 1566, 2026-11-24: the largest error of 68 was 0.77 of that).
 SURE, LEAST = 2.0, 0.01
+#: By how much smaller the columns of friction are than the others, and the least singular value that counts (numerics:
+#: where a drive turns one way alone, a constant torque explains what friction does but for a hundredth, and takes it).
+YIELDING, COUNTING = 1e3, 1e-5
 #: Friction at least and at most, over the torque's deviation (numerics: a start may have any, but not none).
 FRICTION = (0.005, 2.0)
 
@@ -74,7 +77,8 @@ class SlowFriction:
         if np.isfinite(flt.inertia[1]):
             left, columns = left - flt.inertia[0] * columns[:, -1], columns[:, :-1]
         sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-        coulomb, viscous, load = (np.linalg.lstsq(columns / sizes, left, rcond=None)[0] / sizes)[:3]
+        sizes[:2] *= YIELDING
+        coulomb, viscous, load = (np.linalg.lstsq(columns / sizes, left, rcond=COUNTING)[0] / sizes)[:3]
         size = flt.torque_deviation
         per_speed = size / max(flt.speed_deviation, 1e-300)
         low, high = FRICTION
