@@ -24,7 +24,7 @@ from .transitions import (
 )
 
 #: Delay after which a contact with spring and damper gives as much as one whose damper gives no more than its spring,
-#: over damping/stiffness, at constant speed: u²/2 + u = 1/2.
+#: over damping/stiffness (physics: at constant speed, u²/2 + u = 1/2).
 _LATER = math.sqrt(2.0) - 1.0
 
 
