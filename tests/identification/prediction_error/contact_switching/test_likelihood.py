@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -72,6 +73,16 @@ def test_at_a_bound_the_others_go_on(flt: ContactFilter, values: dict[str, float
     expected, least = minimise(flt, theta, others, box, 20)
     assert found[place] == box.lower[place]
     assert cost < least + 0.01 and np.max(np.abs(found[CORE] - expected[CORE])) < 3e-3
+
+
+def test_friction_is_bounded_by_the_torque_whatever_its_unit(flt: ContactFilter, values: dict[str, float]):
+    """A slow motion that tells no friction makes the unit small; the drive's friction may be large all the same."""
+    torque, coulomb, viscous = flt.units
+    small = replace(flt, units=(torque, 1e-3 * coulomb, 1e-3 * viscous))
+    most = [one.values(Box.around(one, one.theta(values), 10.0).upper) for one in (flt, small)]
+    places = [INDEX[name] for name in FRICTIONS]
+    assert most[0][places] == pytest.approx(most[1][places])
+    assert np.all(most[0][places] > 0.9 * np.array([torque, viscous, torque, viscous]))
 
 
 def test_what_stops_at_a_bound_is_known_to_the_others():

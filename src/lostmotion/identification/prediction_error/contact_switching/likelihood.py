@@ -44,9 +44,9 @@ BOUNDED = (
 #: Constant torque on the motor at most, over the torque's standard deviation; loss factor of the shaft beyond a third
 #: inertia over that at the gap, either way (numerics: hardly damped steel beside rubber).
 MOST_OFFSET, MOST_LOSS = 5.0, 1e4
-#: Friction at least and at most, in its unit (numerics: the smallest is none, the largest holds the drive; a ten
-#: thousandth still shows in 18 bit).
-FRICTION_BOUNDS = (1e-8, 100.0)
+#: Friction at least, in its unit, and at most, over the torque's deviation (numerics: the smallest is none, the largest
+#: holds the drive; a ten thousandth still shows in 18 bit).
+LEAST_FRICTION, MOST_FRICTION = 1e-8, 100.0
 #: Rise of a friction towards rest at most, and the speeds over which it fades, over the speed's standard deviation
 #: (numerics: a slower one is not seen, a faster one is viscous).
 MOST_RISE, FADE_BOUNDS = 3.0, (3e-3, 1.0)
@@ -71,8 +71,10 @@ class Box:
         upper[INDEX["backlash"]] += np.log(far)
         lower[INDEX["lag"]], upper[INDEX["lag"]] = np.log(1.02 * flt.dt), np.log(flt.dt + 0.02)
         lower[INDEX["delay"]], upper[INDEX["delay"]] = -1.0, 0.02 / flt.dt
+        torque, per_speed = flt.torque_deviation, flt.torque_deviation / max(flt.speed_deviation, 1e-300)
         for name in FRICTIONS:
-            lower[INDEX[name]], upper[INDEX[name]] = FRICTION_BOUNDS
+            size, unit = (torque, flt.units[1]) if name.startswith("coulomb") else (per_speed, flt.units[2])
+            lower[INDEX[name]], upper[INDEX[name]] = LEAST_FRICTION, MOST_FRICTION * size / unit
         lower[INDEX["torque_offset"]], upper[INDEX["torque_offset"]] = -MOST_OFFSET, MOST_OFFSET
         for name, least, most in (
             ("share", 2e-3, 0.95),
