@@ -164,8 +164,7 @@ class ContactFilter:
             predictor.bounds,
             int(np.ceil(SETTLED / (pole * dt))),
         )
-        torque = max(flt.torque_deviation, 1e-300)
-        return replace(flt, units=(torque, torque, torque / max(flt.speed_deviation, 1e-300)))
+        return replace(flt, units=(flt.torque_size, flt.torque_size, flt.damper_size))
 
     @property
     def rows(self) -> int:
@@ -281,6 +280,16 @@ class ContactFilter:
     def torque_deviation(self) -> float:
         """Standard deviation of the motor torque, Nm."""
         return float(np.std(self.torque))
+
+    @property
+    def torque_size(self) -> float:
+        """The same, never zero: what a torque is measured by."""
+        return max(self.torque_deviation, 1e-300)
+
+    @property
+    def damper_size(self) -> float:
+        """Torque over speed, Nm s/rad: what a viscous friction is measured by."""
+        return self.torque_size / max(self.speed_deviation, 1e-300)
 
     @cached_property
     def speed_deviation(self) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
 from ..innovations import THREADS
-from .filter import FRICTIONS, INDEX, NAMES, ContactFilter, Run, pole_of
+from .filter import FRICTIONS, INDEX, NAMES, PARAMETERS, ContactFilter, Run, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -71,10 +71,9 @@ class Box:
         upper[INDEX["backlash"]] += np.log(far)
         lower[INDEX["lag"]], upper[INDEX["lag"]] = np.log(1.02 * flt.dt), np.log(flt.dt + 0.02)
         lower[INDEX["delay"]], upper[INDEX["delay"]] = -1.0, 0.02 / flt.dt
-        torque, per_speed = flt.torque_deviation, flt.torque_deviation / max(flt.speed_deviation, 1e-300)
+        largest = {"friction": flt.torque_size / flt.units[1], "damper": flt.damper_size / flt.units[2]}
         for name in FRICTIONS:
-            size, unit = (torque, flt.units[1]) if name.startswith("coulomb") else (per_speed, flt.units[2])
-            lower[INDEX[name]], upper[INDEX[name]] = LEAST_FRICTION, MOST_FRICTION * size / unit
+            lower[INDEX[name]], upper[INDEX[name]] = LEAST_FRICTION, MOST_FRICTION * largest[PARAMETERS[name]]
         lower[INDEX["torque_offset"]], upper[INDEX["torque_offset"]] = -MOST_OFFSET, MOST_OFFSET
         for name, least, most in (
             ("share", 2e-3, 0.95),

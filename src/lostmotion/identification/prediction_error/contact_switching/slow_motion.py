@@ -79,12 +79,10 @@ class SlowFriction:
         sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         sizes[:2] *= YIELDING
         coulomb, viscous, load = (np.linalg.lstsq(columns / sizes, left, rcond=COUNTING)[0] / sizes)[:3]
-        size = flt.torque_deviation
-        per_speed = size / max(flt.speed_deviation, 1e-300)
         low, high = FRICTION
         return cls(
-            float(np.clip(coulomb, low * size, high * size)),
-            float(np.clip(viscous, low * per_speed, high * per_speed)),
+            float(np.clip(coulomb, low * flt.torque_size, high * flt.torque_size)),
+            float(np.clip(viscous, low * flt.damper_size, high * flt.damper_size)),
             float(load),
         )
 
