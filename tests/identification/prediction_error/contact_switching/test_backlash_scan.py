@@ -16,7 +16,7 @@ from lostmotion.identification.prediction_error.contact_switching.backlash_scan 
 )
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.starts import free_places
+from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 
 
 @pytest.fixture

@@ -18,7 +18,6 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.fitted import intervals
 from lostmotion.identification.prediction_error.contact_switching.likelihood import (
     Box,
-    _step_within,
     descend,
     inverse_hessian,
     minimise,
@@ -83,20 +82,6 @@ def test_friction_is_bounded_by_the_torque_whatever_its_unit(flt: ContactFilter,
     places = [INDEX[name] for name in FRICTIONS]
     assert most[0][places] == pytest.approx(most[1][places])
     assert np.all(most[0][places] > 0.9 * np.array([torque, viscous, torque, viscous]))
-
-
-def test_what_stops_at_a_bound_is_known_to_the_others():
-    """Two values of which the sum is known well: cut off afterwards, the second left the first 0.9 away."""
-    hessian, gradient = np.array([[1.0, 0.999], [0.999, 1.0]]), np.array([1.0, 1.0015])
-    free = np.array([True, True])
-    step = _step_within(hessian, gradient, free, (np.full(2, -10.0), np.full(2, 10.0)), 10.0)
-    assert step == pytest.approx(np.linalg.solve(hessian, -gradient))
-    room = np.array([-10.0, -0.5]), np.full(2, 10.0)
-    assert step[1] < -0.5
-    step = _step_within(hessian, gradient, free, room, 10.0)
-    assert step == pytest.approx([-1.0 + 0.999 * 0.5, -0.5])
-    held = _step_within(hessian, gradient, np.array([True, False]), room, 10.0)
-    assert held == pytest.approx([-1.0, 0.0])
 
 
 def test_a_direction_without_information_leaves_the_others_alone():

@@ -13,7 +13,7 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.random_moves import moved, wandering
-from lostmotion.identification.prediction_error.contact_switching.starts import free_places
+from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import THIRD
 

@@ -18,9 +18,8 @@ from .descents import NOISE_ALONE, POLES, Search
 from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals
-from .likelihood import Candidate
+from .likelihood import Candidate, cost_of
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
-from .selection import cost_of
 from .verdict import Fit, Outcome
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the

@@ -9,19 +9,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
-from . import grid
 from .backlash_scan import with_better_backlash, with_other_backlash
 from .choices import Choice, other_choices, other_parts
 from .estimate import CORE, EXPLAINED, Estimate, sharp, told
 from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
 from .intervals.further_inertias import room_for_further_inertias
 from .intervals.refits import disagreement
-from .likelihood import FIRST_LEVEL, FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
+from .likelihood import (
+    FIRST_LEVEL,
+    FITTED_LEVEL,
+    Box,
+    Candidate,
+    cost_of,
+    descend,
+    minimise,
+    polish,
+    side_by_side,
+)
 from .likelihood_ratio import alike
 from .random_moves import wandering
-from .selection import ELSEWHERE, apart, cost_of, plausible
-from .slow_motion import informed
-from .starts import free_places, rigid_start, starts
+from .selection import ELSEWHERE, apart, plausible
+from .starts import grid
+from .starts.from_drivetrain import RESPONSE, free_places, rigid_start, starts
+from .starts.slow_motion import informed
 from .structures.no_gap import bare
 from .structures.third_inertia import THIRD, Place, places, split_at_the_softest_shaft, with_third_inertia
 
@@ -44,7 +54,7 @@ NEAR = 0.05
 #: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
 NOISE_ALONE = 0.02
 #: Steps from the fit's likeliest values without its intervals (numerics).
-FREED_STEPS = 10
+FREED_STEPS = 5
 #: What a friction that the fit does not have starts with, over its usual start (numerics).
 LITTLE = 10.0
 #: Part of the rows of a descent that show whether the fit stands, and rows at least (numerics: 20 torsional periods).
@@ -123,7 +133,8 @@ class Search:
     def from_grid(self) -> list[Candidate]:
         """The best of a race from a coarse grid, with any backlash."""
         # Innovations that are too large are divided out: charged, what is far from the drive does not come through.
-        ends = grid.race(replace(self.coarse, charged=False), self.start, self.fixed, self.box)
+        rows, like = replace(self.coarse, charged=False), self.begun[RESPONSE]
+        ends = grid.race(rows, self.start, self.fixed, like, self.box)
         few = apart(ends, ELSEWHERE)[:SCANNED]
         few = apart(sorted([*few, *with_other_backlash(few, self.box)], key=cost_of), ELSEWHERE)[:SCANNED]
         numbered = [replace(one, start=f"grid {number}") for number, one in enumerate(few)]

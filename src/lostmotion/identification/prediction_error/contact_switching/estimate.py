@@ -15,8 +15,8 @@ from ..innovations import NAMES as TOLD
 from .filter import FRICTIONS, INDEX
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
-from .starts import lag, told_slopes, told_vector
 from .structures.no_gap import gap_bound, gap_of, without_gap
+from .told import lag, told_slopes, told_vector
 
 Array = NDArray[np.float64]
 

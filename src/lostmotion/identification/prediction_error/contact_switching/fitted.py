@@ -13,12 +13,12 @@ from ..innovations import NAMES as TOLD
 from ..innovations import Predictor, from_theta
 from .filter import INDEX, ContactFilter
 from .likelihood import Box, Candidate, fitted_rates, minimise
-from .starts import unknown
+from .starts.from_drivetrain import unknown
 
 Array = NDArray[np.float64]
 
 #: Gauss–Newton steps before and after the rates are fitted (numerics: two or three reach the edge of an interval).
-STEPS = 6
+STEPS = 3
 
 
 def intervals(flt: ContactFilter, stage: Stage, told: Told, box: Box) -> Box:

@@ -11,24 +11,19 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...statistics.block_covariance import normal_equations
 from ..innovations import THREADS
 from .filter import FRICTIONS, INDEX, NAMES, PARAMETERS, ContactFilter, Run, pole_of
+from .gauss_newton import Bounds, minimise_within
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-#: Radius of the trust region in θ: first, largest and smallest, and by how much it shrinks after a failure (numerics).
-RADIUS, LARGEST, SMALLEST, SHRINK = 0.5, 1.0, 1e-4, 0.2
-#: Radii that are tried in a step (numerics: narrow valleys need a hundredth of a step across them).
-TRIES = 5
-#: A step that lowers the cost by less is the last one (numerics).
-GAIN = 1e-4
-
 #: First noise level of a descent over the motion's own, that from values that were fitted already, and the factor from
 #: level to level (numerics).
 FIRST_LEVEL, FITTED_LEVEL, LEVEL_FACTOR = 0.03, 0.003, 5.0
+#: Gauss–Newton steps of a descent at one noise level (numerics).
+STEPS = 4
 #: What the filter does not know: rates of unknown torques, and the share by which an impact may be off; and the factor
 #: by which they are searched (numerics).
 RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate", "impact"), 3.0
@@ -107,37 +102,10 @@ def side_by_side(function: Callable[[Item], Result], items: Sequence[Item]) -> l
 def minimise(
     flt: ContactFilter, theta: Array, free: list[int], box: Box, iterations: int
 ) -> tuple[Array, float]:
-    """θ and cost after Gauss–Newton steps over the free entries of θ in a trust region, one at least.
-
-    What would go beyond a bound stops there, and the others' steps are those beside it.
-    """
-    cost, radius = np.inf, RADIUS
+    """θ and cost after Gauss–Newton steps over the free entries of θ within a box, one at least."""
     # What began outside of the box moves on from there.
     lower, upper = np.minimum(box.lower[free], theta[free]), np.maximum(box.upper[free], theta[free])
-    for _ in range(iterations):
-        run = flt.run(theta, free)
-        cost = run.cost
-        if not np.all(np.isfinite(run.jacobian)):
-            break
-        hessian, gradient = normal_equations(run.jacobian, run.weighted)
-        moves = np.where(gradient > 0.0, theta[free] > lower, theta[free] < upper)
-        if not np.any(moves):
-            break
-        for attempt in range(TRIES):
-            trial, room = theta.copy(), (lower - theta[free], upper - theta[free])
-            step = _step_within(hessian, gradient, moves, room, radius)
-            trial[free] = np.clip(theta[free] + step, lower, upper)
-            reached = flt.run(trial).cost
-            if reached < cost:
-                radius = min(radius * (1.0 if attempt else 2.0), LARGEST)
-                break
-            radius = max(radius * SHRINK, SMALLEST)
-        else:
-            break
-        theta, cost = trial, reached
-        if run.cost - cost < GAIN:
-            break
-    return theta, cost
+    return minimise_within(flt, theta, Bounds(free, lower, upper), iterations)
 
 
 def inverse_hessian(jacobian: Array) -> Array:
@@ -148,43 +116,6 @@ def inverse_hessian(jacobian: Array) -> Array:
     scaled = hessian / np.outer(scale, scale) + 1e-10 * np.eye(scale.size)
     with np.errstate(over="ignore"):
         return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))
-
-
-def _step_within(
-    hessian: Array, gradient: Array, moves: NDArray[np.bool_], room: tuple[Array, Array], radius: float
-) -> Array:
-    """Step that stays in the room (least, most). What does not move or stops at a bound is known to the others' steps:
-    cut off afterwards, it left them with a change of its own that nothing made up for."""
-    step, moves, (least, most) = np.zeros(gradient.size), moves.copy(), room
-    while np.any(moves):
-        known = hessian[np.ix_(moves, ~moves)] @ step[~moves]
-        step[moves] = _step(hessian[np.ix_(moves, moves)], gradient[moves] + known, radius)
-        beyond = moves & ((step < least) | (step > most))
-        if not np.any(beyond):
-            break
-        step[beyond] = np.clip(step, least, most)[beyond]
-        moves &= ~beyond
-    return step
-
-
-def _step(hessian: Array, gradient: Array, radius: float) -> Array:
-    """Gauss–Newton step whose largest entry is the radius at most, damped in the Hessian's own axes."""
-    curvature, axes = np.linalg.eigh(np.where(np.isfinite(hessian), hessian, 0.0))
-    curvature, slope = np.maximum(curvature, 0.0), axes.T @ gradient
-
-    def step(damping: float) -> Array:
-        return np.asarray(-axes @ (slope / (curvature + damping)))
-
-    low = 1e-12 * curvature[-1] + 1e-300
-    first = step(low)
-    if np.max(np.abs(first)) <= radius:
-        return first
-    high = max(2.0 * np.max(np.abs(slope)) / radius * np.sqrt(slope.size), 10.0 * low)
-    bounds = [np.log(low), np.log(high)]
-    for _ in range(40):
-        middle = 0.5 * sum(bounds)
-        bounds[int(np.max(np.abs(step(np.exp(middle)))) <= radius)] = middle
-    return step(np.exp(bounds[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,6 +161,10 @@ class Candidate:
         return replace(rows, ramp=flt.ramp, behind=flt.behind, drifts=flt.drifts, law=flt.law)
 
 
+def cost_of(one: Candidate) -> float:
+    return one.cost
+
+
 def descend(
     start: str,
     flt: ContactFilter,
@@ -237,7 +172,7 @@ def descend(
     free: list[int],
     box: Box,
     first: float = FIRST_LEVEL,
-    iterations: int = 8,
+    iterations: int = STEPS,
 ) -> Candidate:
     """The best of the fits with ever lower noise level; ``first`` is in multiples of the motion's own size."""
     own = flt.speed_deviation / (2.0 * np.pi * pole_of(theta) if flt.counted else 1.0)
@@ -252,7 +187,7 @@ def descend(
         level = max(level / LEVEL_FACTOR, flt.floor)
 
 
-def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int = 8) -> Candidate:
+def polish(candidate: Candidate, flt: ContactFilter, box: Box, iterations: int = STEPS) -> Candidate:
     """The candidate on other rows or under another law, with the rates of its unknown torques fitted as well."""
     at = replace(flt, level=candidate.flt.level)
     theta, cost = minimise(at, candidate.theta, candidate.free, box, iterations)

@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 
 from .filter import INDEX, LAWS, ContactFilter, pole_of
-from .likelihood import FITTED_LEVEL, Box, Candidate, descend, minimise, polish, side_by_side
-from .selection import cost_of
-from .starts import unknown
+from .likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, minimise, polish, side_by_side
+from .starts.from_drivetrain import unknown
 from .structures.third_inertia import THIRD, Place, placed, with_third_dropped
 
 #: Moves of a round, of which the best few go on to the end; rounds without a lower cost after which it ends, and rounds
 #: at most (numerics).
 WIDTH, FOLLOWED, PATIENCE, ROUNDS = 8, 2, 4, 12
 #: Steps of a descent at each noise level, and of one at the sensor's alone (numerics).
-STEPS, STEPS_ALONE = 4, 6
+STEPS, STEPS_ALONE = 2, 3
 #: Chance that one of the groups changes (numerics: two of four on average), that a choice is made otherwise or a third
 #: inertia dropped, and that a backlash stays near its own.
 GROUP, CHOICE, NEAR = 0.5, 0.2, 0.5

@@ -7,16 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from .estimate import distance
-from .likelihood import Candidate
+from .likelihood import Candidate, cost_of
 from .likelihood_ratio import alike, plausible_beside
 
 #: Candidates that differ by less than this in all logarithms are one (numerics: below an interval); by more than the
 #: second they are elsewhere (numerics: a descent comes from about so far).
 SAME, ELSEWHERE = 0.01, 0.3
-
-
-def cost_of(one: Candidate) -> float:
-    return one.cost
 
 
 def apart(found: Sequence[Candidate], far: float = SAME) -> list[Candidate]:

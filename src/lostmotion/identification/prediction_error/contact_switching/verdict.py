@@ -20,10 +20,10 @@ from ..warnings import NEGLIGIBLE
 from .estimate import APART, CORE, WIDEST, Estimate
 from .filter import ContactFilter
 from .likelihood import Candidate
-from .slow_motion import NAMEPLATE
-from .starts import told_vector
+from .starts.slow_motion import NAMEPLATE
 from .structures.no_gap import gap_of
 from .structures.rising_friction import friction_lines
+from .told import told_vector
 
 #: Values further from the nameplate than this are those of a wrong minimum, where nothing else says so (option: a value
 #: ten times off under [nameplate] does no harm).

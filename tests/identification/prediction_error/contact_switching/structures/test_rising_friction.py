@@ -11,11 +11,11 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.choices import other_choices
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.starts import told_slopes, told_vector
 from lostmotion.identification.prediction_error.contact_switching.structures.rising_friction import (
     friction_lines,
     with_rising_friction,
 )
+from lostmotion.identification.prediction_error.contact_switching.told import told_slopes, told_vector
 
 DT, RISE, FADE = 2e-4, 0.4, 2.0
 FREE = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash", "coulomb", "viscous")

@@ -13,8 +13,8 @@ from ...innovations import NAMES as TOLD
 from ..estimate import beyond_chance, distance, shown
 from ..filter import pole_of
 from ..likelihood import Box, Candidate, side_by_side
-from ..starts import told_slopes
 from ..structures.third_inertia import Place, placed, without_third_inertia
+from ..told import told_slopes
 
 Array = NDArray[np.float64]
 

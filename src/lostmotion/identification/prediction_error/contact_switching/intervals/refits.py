@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from ....statistics.block_covariance import student_factor
 from ..estimate import distance, scatter
 from ..filter import ContactFilter
-from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
-from ..selection import cost_of
+from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish, side_by_side
 
 Array = NDArray[np.float64]
 

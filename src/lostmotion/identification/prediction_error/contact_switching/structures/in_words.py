@@ -11,7 +11,7 @@ from ...result import Structure
 from ..filter import pole_of
 from ..likelihood import Candidate
 from ..likelihood_ratio import alike
-from ..slow_motion import SlowFriction
+from ..starts.slow_motion import SlowFriction
 
 #: Shares of all Coulomb friction below which one end has none, and it does not rise towards rest; of the wind-up at
 #: the torque's deviation from which a gap counts (option: too little to be named); of that deviation from which a

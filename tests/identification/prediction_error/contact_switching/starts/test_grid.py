@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching import grid
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, pole_of
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, polish
-from lostmotion.identification.prediction_error.contact_switching.slow_motion import informed
+from lostmotion.identification.prediction_error.contact_switching.starts import grid
+from lostmotion.identification.prediction_error.contact_switching.starts.slow_motion import informed
 
 
 @pytest.fixture
@@ -23,22 +23,28 @@ def nameplate(plant: lm.Drivetrain) -> lm.Drivetrain:
 
 
 def test_all_points_have_the_same_total_inertia(flt: ContactFilter, nameplate: lm.Drivetrain):
-    totals = [np.exp(np.logaddexp(*theta[:2])) for theta in grid.points(flt, nameplate, ())]
+    totals = [np.exp(np.logaddexp(*theta[:2])) for theta in grid.points(flt, nameplate, (), flt.theta({}))]
     assert np.ptp(totals) < 1e-9 * np.mean(totals)
     assert len(totals) == len(grid.RATIOS) * len(grid.POLES) * len(grid.BACKLASHES)
 
 
 def test_what_is_fixed_keeps_the_nameplate(flt: ContactFilter, nameplate: lm.Drivetrain):
-    for theta in grid.points(flt, nameplate, ("stiffness", "coulomb")):
+    for theta in grid.points(flt, nameplate, ("stiffness", "coulomb"), flt.theta({})):
         assert np.exp(theta[INDEX["stiffness"]]) == pytest.approx(3500.0)
         assert theta[INDEX["coulomb"]] == theta[INDEX["coulomb_motor"]] == 0.0
+
+
+def test_lag_and_delay_are_those_of_another_start(flt: ContactFilter, nameplate: lm.Drivetrain):
+    like, lags = flt.theta({"lag": 7.0 * flt.dt, "delay": 3.0 * flt.dt}), [INDEX["lag"], INDEX["delay"]]
+    assert all(np.all(theta[lags] == like[lags]) for theta in grid.points(flt, nameplate, (), like))
 
 
 def test_the_race_finds_the_drive(flt: ContactFilter, plant: lm.Drivetrain, nameplate: lm.Drivetrain):
     flt = informed(flt, (plant.inertia_total, 0.025), nameplate)
     part = replace(flt.liveliest(2000), charged=False)
-    box = Box.around(part, next(grid.points(part, nameplate, ())), 1e3)
-    found = grid.race(part, nameplate, (), box)
+    like = flt.theta({"lag": 0.5 * flt.dt, "delay": 0.5 * flt.dt})
+    box = Box.around(part, next(grid.points(part, nameplate, (), like)), 1e3)
+    found = grid.race(part, nameplate, (), like, box)
     assert [one.cost for one in found] == sorted(one.cost for one in found)
     assert len(found) == grid.NEXT[-1][0]
     # Its backlash may be any: the scan finds that.

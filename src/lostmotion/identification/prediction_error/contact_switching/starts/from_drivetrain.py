@@ -1,19 +1,17 @@
-"""Parameter vectors of the contact-switching filter: from a drivetrain, and back to what is identified of one."""
+"""Parameter vectors of the contact-switching filter from a drivetrain, with something for all that it does not say."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....drivetrain import Drivetrain
-from ..initial_values import DAMPING_RATIO
-from ..innovations import NAMES as TOLD
-from .filter import INDEX, ContactFilter
-from .likelihood import Candidate
-from .structures.rising_friction import friction_lines
+from .....drivetrain import Drivetrain
+from ...initial_values import DAMPING_RATIO
+from ...innovations import NAMES as TOLD
+from ..filter import INDEX, ContactFilter
+from .frequency_response import linear_drive
 
 Array = NDArray[np.float64]
 
@@ -26,8 +24,11 @@ AT_LOAD = 0.1
 #: (numerics).
 GAP, LAG = 0.5, 0.5
 
-#: Step of differences in θ (numerics: far above rounding, far below any interval).
-STEP = 1e-6
+#: Lag and delay together at most (s), and a lag at least in samples (numerics: the bounds of the search, and a lag that
+#: descents can move).
+LONGEST_LAG, LEAST_LAG = 0.02, 0.05
+#: Name of the start whose lag and delay are those of the frequency response.
+RESPONSE = "frequency response"
 #: Part of a rigid drive's inertia that the model has as a load (numerics: far below what the motor's is known to).
 LEFT = 1e-3
 
@@ -36,11 +37,20 @@ def starts(
     flt: ContactFilter, start: Drivetrain, fitted: Drivetrain, fixed: Collection[str]
 ) -> dict[str, Array]:
     """Parameter vectors from which descents start."""
-    nameplate = flt.theta(start_values(flt, start, start, fixed))
-    starts = {"fitted": flt.theta(start_values(flt, fitted, start, fixed)), "nameplate": nameplate}
-    if "lag" not in fixed:
-        starts["no lag"] = flt.changed(nameplate, lag=0.1 * flt.dt)
-    return starts
+    values = {"fitted": fitted, "nameplate": start}
+    begun = {name: start_values(flt, one, start, fixed) for name, one in values.items()}
+    shown = linear_drive(flt)
+    begun[RESPONSE] = begun["nameplate"] | {n: shown[n] for n in shown if n not in fixed and n != "delay"}
+    if "lag" not in fixed and "delay" in shown:
+        begun[RESPONSE] |= lag_and_delay(shown["delay"], flt.dt)
+    return {name: flt.theta(values) for name, values in begun.items()}
+
+
+def lag_and_delay(both: float, dt: float) -> dict[str, float]:
+    """Lag and delay (s) from their sum: half of it each, and no lag where a measured torque is ahead."""
+    both = float(np.clip(both, (LEAST_LAG - 1.0) * dt, LONGEST_LAG))
+    lag = max(0.5 * both, LEAST_LAG * dt)
+    return {"lag": lag, "delay": both - lag}
 
 
 def rigid_start(flt: ContactFilter, start: Drivetrain) -> tuple[Array, list[int]]:
@@ -107,39 +117,3 @@ def unknown(flt: ContactFilter, pole: float) -> dict[str, float]:
     rate = RATE * pole
     torque_rate = TORQUE_RATE * flt.torque_deviation
     return {"motor_rate": rate, "load_rate": rate, "torque_rate": torque_rate, "impact": IMPACT}
-
-
-def lag(candidate: Candidate) -> float:
-    """Lag and delay together, s."""
-    return max(_lag(candidate), 0.0)
-
-
-def _lag(candidate: Candidate) -> float:
-    """The same below zero as well: a measured torque may be ahead of that which acts."""
-    values = candidate.values
-    return values["lag"] + values["delay"]
-
-
-def told_vector(candidate: Candidate) -> Array:
-    """Parameter vector in the order of ``innovations.NAMES``."""
-    theta = candidate.theta[[INDEX[name] for name in TOLD]]
-    lines = friction_lines(candidate)
-    with np.errstate(divide="ignore"):
-        for name in ("coulomb", "viscous"):
-            theta[TOLD.index(name)] = np.log(lines[name])
-    theta[-1] = np.log(lag(candidate) + candidate.flt.dt)
-    return theta
-
-
-def told_slopes(candidate: Candidate) -> Array:
-    """(8, m) derivatives of that vector by the free parameters; zero where it is not finite."""
-    base, columns = told_vector(candidate), []
-    for place in candidate.free:
-        theta = candidate.theta.copy()
-        theta[place] += STEP
-        other = replace(candidate, theta=theta)
-        with np.errstate(invalid="ignore"):
-            columns.append((told_vector(other) - base) / STEP)
-        # Its chance is that of the sum, also where that is below zero.
-        columns[-1][-1] = (_lag(other) - _lag(candidate)) / STEP / (lag(candidate) + candidate.flt.dt)
-    return np.nan_to_num(np.array(columns).T, nan=0.0, posinf=0.0, neginf=0.0)

@@ -8,12 +8,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ....drivetrain import Drivetrain
-from ..innovations import NAMES as TOLD
-from .filter import ContactFilter
-from .likelihood import Box, Candidate, rates_first, side_by_side
-from .selection import cost_of
-from .starts import DAMPING_RATIO, LAG, free_places, frictions, unknown
+from .....drivetrain import Drivetrain
+from ...innovations import NAMES as TOLD
+from ..filter import INDEX, ContactFilter
+from ..likelihood import Box, Candidate, cost_of, rates_first, side_by_side
+from .from_drivetrain import DAMPING_RATIO, free_places, frictions, unknown
 
 Array = NDArray[np.float64]
 
@@ -29,11 +28,12 @@ FIRST, NEXT = 2, ((60, 3), (20, 6))
 RATES, FEWEST = 4, 500
 
 
-def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Iterator[Array]:
-    """The grid; what is fixed keeps the nameplate's value."""
+def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Array) -> Iterator[Array]:
+    """The grid; lag and delay are those of ``like``, what is fixed keeps the nameplate's value."""
     torque, total, pole = flt.torque_deviation, flt.inertia[0], 2.0 * np.pi * start.pole_frequency
     known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
     known |= frictions(flt, start, fixed)
+    lags = [INDEX["lag"], INDEX["delay"]]
     for ratio, factor, gap in product(RATIOS, POLES, BACKLASHES):
         omega = factor * pole
         motor, load = total / (1.0 + ratio), total * ratio / (1.0 + ratio)
@@ -41,19 +41,22 @@ def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Ite
         values = {
             "inertia_motor": motor, "inertia_load": load, "stiffness": stiffness,
             "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * torque / stiffness,
-            "lag": LAG * flt.dt, "delay": LAG * flt.dt,
         } | unknown(flt, omega) | known  # fmt: skip
-        yield flt.theta(values)
+        theta = flt.theta(values)
+        theta[lags] = like[lags]
+        yield theta
 
 
-def race(flt: ContactFilter, start: Drivetrain, fixed: Collection[str], box: Box) -> list[Candidate]:
+def race(
+    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Array, box: Box
+) -> list[Candidate]:
     """Ends of the descents that get furthest, the lowest first.
 
     All points of the grid get a few steps; the lowest get more of them. A point is not judged where it lies: what is
     not in the grid (where the friction is, a lag) makes more of its cost than what is.
     """
     free = free_places(start, fixed)
-    begun = [Candidate("grid", theta, np.inf, flt, free) for theta in points(flt, start, fixed)]
+    begun = [Candidate("grid", theta, np.inf, flt, free) for theta in points(flt, start, fixed, like)]
 
     def lowest(found: list[Candidate], steps: int, rows: ContactFilter) -> list[Candidate]:
         ends = side_by_side(lambda one: rates_first(one, box, steps, rows), found)

@@ -9,7 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.slow_motion import (
+from lostmotion.identification.prediction_error.contact_switching.starts.slow_motion import (
     LEAST,
     SURE,
     SlowFriction,

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ....drivetrain import Drivetrain
-from .filter import ContactFilter
+from .....drivetrain import Drivetrain
+from ..filter import ContactFilter
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,42 @@
+"""What the frequency response of a recording tells the search: zero, pole, and the lag of the torque."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from .....errors import InvalidInput
+from .....recording import Recording
+from ....frequency.response import frequency_response
+from ....frequency.two_mass_fit import two_mass_fit
+from ..filter import ContactFilter
+
+#: What a mode tells: all of it or nothing.
+OF_THE_MODE = ("inertia_motor", "inertia_load", "stiffness", "damping")
+
+
+def linear_drive(flt: ContactFilter) -> dict[str, float]:
+    """The linear two masses that the longest piece shows: ``delay`` (s; lag and delay together) and, where a torsional
+    mode shows, inertias (kg m²), stiffness (Nm/rad) and damping (Nm s/rad). Empty where torque and speed do not belong
+    together.
+
+    A gap makes the spring softer than it is; what leads the search needs no more.
+    """
+    first, end = max(pairwise(flt.bounds), key=lambda piece: piece[1] - piece[0])
+    measured = flt.measured[first:end]
+    speed = np.diff(measured, prepend=measured[0]) / flt.dt if flt.counted else measured
+    recording = Recording(
+        time=np.arange(end - first, dtype=np.float64) * flt.dt,
+        signals={"torque_motor": flt.torque[first:end], "speed_motor": speed},
+        meta={"speed_from_counts": flt.counted},
+    )
+    try:
+        found = two_mass_fit(frequency_response(recording, output="speed_motor")).values
+    except InvalidInput:
+        return {}
+    mode = {name: found[name] for name in OF_THE_MODE}
+    known = {name: value for name, value in mode.items() if value is not None}
+    shows = len(known) == len(mode) and all(np.isfinite(value) and value > 0.0 for value in known.values())
+    delay = found["delay"]
+    return (known if shows else {}) | ({} if delay is None else {"delay": delay})
