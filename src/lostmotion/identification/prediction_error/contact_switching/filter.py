@@ -170,6 +170,11 @@ class ContactFilter:
     def rows(self) -> int:
         return int(self.torque.size)
 
+    @property
+    def position_noise(self) -> float:
+        """Standard deviation of the sensor's noise as an angle, rad; of a speed over one sample."""
+        return self.floor if self.counted else self.floor * self.dt
+
     @cached_property
     def counting(self) -> NDArray[np.intp]:
         """Rows that count."""

@@ -16,7 +16,7 @@ from lostmotion.identification.prediction_error.innovations import Predictor
 
 
 def test_a_drive_without_a_gap_is_shown_whole(plant: lm.Drivetrain):
-    """Pole within 5 %, inertias and stiffness within a third, and the lag of a sample and a half within a fifth of one; a PRBS in 16 bit."""
+    """By a PRBS in 16 bit. The exact lag is a sample and a half."""
     dt, drive = 2e-4, plant.with_parameters(backlash=0.0, coulomb=0.0)
     torque = 10.0 * np.sign(np.random.default_rng(1).standard_normal(2500)).repeat(4)
     count = 2.0 * np.pi / 2**16
