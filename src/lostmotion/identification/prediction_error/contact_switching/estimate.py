@@ -34,8 +34,8 @@ CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffnes
 #: An inertia, stiffness or backlash is not identified where candidates that predict better or alike are further away
 #: than this, in the logarithm (calibrated on development drives: right values agree within a tenth).
 APART = 0.2
-#: Nothing is identified whose half width is larger than this (calibrated on development drives 1850 to 2049, 2026-11-26,
-#: for inertias, stiffness and backlash: with 0.5 instead of 0.2 199 instead of 179 of 259 values are identified, 94.2
+#: Nothing with a larger half width is identified (calibrated on development drives 1850 to 2049, 2026-11-26,
+#: with 0.5 instead of 0.2 199 instead of 179 of 259 inertias, stiffnesses and backlashes are identified, 94.2
 #: instead of 93.6 % hold; for friction and damping on 3460 to 3580, 2026-11-27: two of six gross values are none).
 WIDEST = 0.5
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording

@@ -38,8 +38,8 @@ def test_torque_and_speed_that_do_not_belong_together_show_nothing(flt: ContactF
     assert "stiffness" not in linear_drive(apart)
 
 
-def test_the_longest_piece_counts(flt: ContactFilter):
-    """A short piece before it, in another direction, changes nothing."""
+def test_the_longest_segment_counts(flt: ContactFilter):
+    """A short segment before it, in another direction, changes nothing."""
     whole = linear_drive(flt)
     first = 200
     pieces = replace(

@@ -17,13 +17,13 @@ OF_THE_MODE = ("inertia_motor", "inertia_load", "stiffness", "damping")
 
 
 def linear_drive(flt: ContactFilter) -> dict[str, float]:
-    """The linear two masses that the longest piece shows: ``delay`` (s; lag and delay together) and, where a torsional
+    """The linear two masses that the longest segment shows: ``delay`` (s; lag and delay together) and, where a torsional
     mode shows, inertias (kg m²), stiffness (Nm/rad) and damping (Nm s/rad). Empty where torque and speed do not belong
     together.
 
     A gap makes the spring softer than it is; what leads the search needs no more.
     """
-    first, end = max(pairwise(flt.bounds), key=lambda piece: piece[1] - piece[0])
+    first, end = max(pairwise(flt.bounds), key=lambda segment: segment[1] - segment[0])
     measured = flt.measured[first:end]
     speed = np.diff(measured, prepend=measured[0]) / flt.dt if flt.counted else measured
     recording = Recording(
