@@ -24,7 +24,7 @@ def test_a_drive_without_a_gap_is_shown_whole(plant: lm.Drivetrain):
     flt = ContactFilter.of(
         Predictor(torque, np.diff(angle, prepend=0.0) / dt, dt, True, drive, skip=0), 300.0
     )
-    shown = linear_drive(flt)
+    shown = linear_drive(flt, drive)
     assert shown["delay"] == pytest.approx(3e-4, abs=0.2 * dt)
     for name in ("inertia_motor", "inertia_load", "stiffness"):
         assert shown[name] == pytest.approx(getattr(drive, name), rel=0.33), name
@@ -32,15 +32,15 @@ def test_a_drive_without_a_gap_is_shown_whole(plant: lm.Drivetrain):
     assert found.pole_frequency == pytest.approx(drive.pole_frequency, rel=0.05)
 
 
-def test_torque_and_speed_that_do_not_belong_together_show_nothing(flt: ContactFilter):
+def test_torque_and_speed_that_do_not_belong_together_show_nothing(flt: ContactFilter, plant: lm.Drivetrain):
     noise = np.random.default_rng(1).standard_normal((2, flt.rows))
     apart = replace(flt, torque=noise[0], measured=np.cumsum(noise[1]) if flt.counted else noise[1])
-    assert "stiffness" not in linear_drive(apart)
+    assert "stiffness" not in linear_drive(apart, plant)
 
 
-def test_the_longest_segment_counts(flt: ContactFilter):
+def test_the_longest_segment_counts(flt: ContactFilter, plant: lm.Drivetrain):
     """A short segment before it, in another direction, changes nothing."""
-    whole = linear_drive(flt)
+    whole = linear_drive(flt, plant)
     first = 200
     pieces = replace(
         flt,
@@ -48,4 +48,9 @@ def test_the_longest_segment_counts(flt: ContactFilter):
         measured=np.r_[flt.measured[:first], flt.measured],
         bounds=(0, first, first + flt.rows),
     )
-    assert linear_drive(pieces) == whole
+    assert linear_drive(pieces, plant) == whole
+
+
+def test_a_mode_of_another_inertia_is_none(flt: ContactFilter, plant: lm.Drivetrain):
+    shown, heavy = linear_drive(flt, plant), plant.with_parameters(inertia_load=1.0)
+    assert "stiffness" in shown and linear_drive(flt, heavy) == {"delay": shown["delay"]}

@@ -39,7 +39,7 @@ def starts(
     """Parameter vectors from which descents start."""
     values = {"fitted": fitted, "nameplate": start}
     begun = {name: start_values(flt, one, start, fixed) for name, one in values.items()}
-    shown = linear_drive(flt)
+    shown = linear_drive(flt, start)
     begun[RESPONSE] = begun["nameplate"] | {n: shown[n] for n in shown if n not in fixed and n != "delay"}
     if "lag" not in fixed and "delay" in shown:
         begun[RESPONSE] |= lag_and_delay(shown["delay"], flt.dt)
