@@ -54,9 +54,16 @@ def simulated(seed: int = 1, duration: float = 10.0) -> Recording:
     return lm.simulate(PLANT, torque_motor=torque, dt=DT)
 
 
+#: Calls of the progress of ``found_from_counts``.
+CALLS: list[tuple[float, str]] = []
+
+
 @cache
 def found_from_counts() -> Identification:
-    return lm.identify(counted(simulated()), start=off_by_two(LAGGED, 0))
+    start = off_by_two(LAGGED, 0)
+    return lm.identify(
+        counted(simulated()), start=start, progress=lambda share, text: CALLS.append((share, text))
+    )
 
 
 @cache
@@ -285,11 +292,10 @@ def test_torque_of_the_wrong_sign_is_told():
 
 
 def test_progress_runs_from_zero_to_one():
-    calls: list[tuple[float, str]] = []
-    lm.identify(counted(simulated(1, 2.5)), start=PLANT, progress=lambda f, text: calls.append((f, text)))
-    fractions = [f for f, _ in calls]
-    assert fractions[0] == 0.0 and fractions[-1] == 1.0 and fractions == sorted(fractions)
-    assert all(text for _, text in calls)
+    found_from_counts()
+    shares = [share for share, _ in CALLS]
+    assert shares[0] == 0.0 and shares[-1] == 1.0 and shares == sorted(shares)
+    assert all(text for _, text in CALLS)
 
 
 def broken(**signals: np.ndarray) -> Recording:

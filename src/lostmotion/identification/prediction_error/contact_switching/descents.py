@@ -133,7 +133,7 @@ class Search:
     def from_grid(self) -> list[Candidate]:
         """The best of a race from a coarse grid, with any backlash."""
         # Innovations that are too large are divided out: charged, what is far from the drive does not come through.
-        rows, like = replace(self.coarse, charged=False), self.begun[RESPONSE]
+        rows, like = replace(self.coarse, charged=False), (self.begun[RESPONSE], self.begun["fitted"])
         ends = grid.race(rows, self.start, self.fixed, like, self.box)
         few = apart(ends, ELSEWHERE)[:SCANNED]
         few = apart(sorted([*few, *with_other_backlash(few, self.box)], key=cost_of), ELSEWHERE)[:SCANNED]

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, pole_of
@@ -22,27 +23,40 @@ def nameplate(plant: lm.Drivetrain) -> lm.Drivetrain:
     )
 
 
+def two_lags(flt: ContactFilter) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Half of the true lag each, and half a sample each."""
+    true, half = 1.5e-4, 0.5 * flt.dt
+    return flt.theta({"lag": true, "delay": true}), flt.theta({"lag": half, "delay": half})
+
+
 def test_all_points_have_the_same_total_inertia(flt: ContactFilter, nameplate: lm.Drivetrain):
-    totals = [np.exp(np.logaddexp(*theta[:2])) for theta in grid.points(flt, nameplate, (), flt.theta({}))]
+    totals = [np.exp(np.logaddexp(*theta[:2])) for theta in grid.points(flt, nameplate, (), two_lags(flt))]
     assert np.ptp(totals) < 1e-9 * np.mean(totals)
     assert len(totals) == len(grid.RATIOS) * len(grid.POLES) * len(grid.BACKLASHES)
 
 
 def test_what_is_fixed_keeps_the_nameplate(flt: ContactFilter, nameplate: lm.Drivetrain):
-    for theta in grid.points(flt, nameplate, ("stiffness", "coulomb"), flt.theta({})):
+    for theta in grid.points(flt, nameplate, ("stiffness", "coulomb"), two_lags(flt)):
         assert np.exp(theta[INDEX["stiffness"]]) == pytest.approx(3500.0)
         assert theta[INDEX["coulomb"]] == theta[INDEX["coulomb_motor"]] == 0.0
 
 
-def test_lag_and_delay_are_those_of_another_start(flt: ContactFilter, nameplate: lm.Drivetrain):
-    like, lags = flt.theta({"lag": 7.0 * flt.dt, "delay": 3.0 * flt.dt}), [INDEX["lag"], INDEX["delay"]]
-    assert all(np.all(theta[lags] == like[lags]) for theta in grid.points(flt, nameplate, (), like))
+def test_lag_and_delay_are_those_of_two_starts_in_turn(flt: ContactFilter, nameplate: lm.Drivetrain):
+    """Neighbours in the grid have either, so that each ratio, pole and gap is tried with both."""
+    like, lags = two_lags(flt), [INDEX["lag"], INDEX["delay"]]
+    taken = [
+        [bool(np.all(theta[lags] == one[lags])) for one in like]
+        for theta in grid.points(flt, nameplate, (), like)
+    ]
+    assert all(sum(each) == 1 for each in taken)
+    first = np.array(taken)[:, 0].reshape(len(grid.RATIOS), len(grid.POLES), len(grid.BACKLASHES))
+    assert all(np.all(np.diff(first.astype(int), axis=axis) != 0) for axis in range(3))
 
 
 def test_the_race_finds_the_drive(flt: ContactFilter, plant: lm.Drivetrain, nameplate: lm.Drivetrain):
     flt = informed(flt, (plant.inertia_total, 0.025), nameplate)
     part = replace(flt.liveliest(2000), charged=False)
-    like = flt.theta({"lag": 0.5 * flt.dt, "delay": 0.5 * flt.dt})
+    like = two_lags(flt)
     box = Box.around(part, next(grid.points(part, nameplate, (), like)), 1e3)
     found = grid.race(part, nameplate, (), like, box)
     assert [one.cost for one in found] == sorted(one.cost for one in found)

@@ -28,13 +28,15 @@ FIRST, NEXT = 2, ((60, 3), (20, 6))
 RATES, FEWEST = 4, 500
 
 
-def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Array) -> Iterator[Array]:
-    """The grid; lag and delay are those of ``like``, what is fixed keeps the nameplate's value."""
+def points(
+    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: tuple[Array, Array]
+) -> Iterator[Array]:
+    """The grid; lag and delay are those of either of two starts in turn, what is fixed keeps the nameplate's value."""
     torque, total, pole = flt.torque_deviation, flt.inertia[0], 2.0 * np.pi * start.pole_frequency
     known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
     known |= frictions(flt, start, fixed)
     lags = [INDEX["lag"], INDEX["delay"]]
-    for ratio, factor, gap in product(RATIOS, POLES, BACKLASHES):
+    for (i, ratio), (j, factor), (k, gap) in product(*map(enumerate, (RATIOS, POLES, BACKLASHES))):
         omega = factor * pole
         motor, load = total / (1.0 + ratio), total * ratio / (1.0 + ratio)
         stiffness = omega**2 * motor * load / total
@@ -43,17 +45,17 @@ def points(flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: 
             "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * torque / stiffness,
         } | unknown(flt, omega) | known  # fmt: skip
         theta = flt.theta(values)
-        theta[lags] = like[lags]
+        theta[lags] = like[(i + j + k) % 2][lags]
         yield theta
 
 
 def race(
-    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Array, box: Box
+    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: tuple[Array, Array], box: Box
 ) -> list[Candidate]:
     """Ends of the descents that get furthest, the lowest first.
 
     All points of the grid get a few steps; the lowest get more of them. A point is not judged where it lies: what is
-    not in the grid (where the friction is, a lag) makes more of its cost than what is.
+    not in the grid (which end has the friction, a load torque) makes more of its cost than what is.
     """
     free = free_places(start, fixed)
     begun = [Candidate("grid", theta, np.inf, flt, free) for theta in points(flt, start, fixed, like)]
