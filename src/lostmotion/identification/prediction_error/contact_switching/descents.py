@@ -54,7 +54,7 @@ NEAR = 0.05
 #: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
 NOISE_ALONE = 0.02
 #: Steps from the fit's likeliest values without its intervals (numerics).
-FREED_STEPS = 5
+FREED_STEPS = 10
 #: What a friction that the fit does not have starts with, over its usual start (numerics).
 LITTLE = 10.0
 #: Part of the rows of a descent that show whether the fit stands, and rows at least (numerics: 20 torsional periods).

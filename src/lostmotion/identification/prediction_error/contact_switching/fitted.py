@@ -18,7 +18,7 @@ from .starts.from_drivetrain import unknown
 Array = NDArray[np.float64]
 
 #: Gauss–Newton steps before and after the rates are fitted (numerics: two or three reach the edge of an interval).
-STEPS = 3
+STEPS = 6
 
 
 def intervals(flt: ContactFilter, stage: Stage, told: Told, box: Box) -> Box:

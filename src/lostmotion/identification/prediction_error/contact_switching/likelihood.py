@@ -23,7 +23,7 @@ Result = TypeVar("Result")
 #: level to level (numerics).
 FIRST_LEVEL, FITTED_LEVEL, LEVEL_FACTOR = 0.03, 0.003, 5.0
 #: Gauss–Newton steps of a descent at one noise level (numerics).
-STEPS = 4
+STEPS = 8
 #: What the filter does not know: rates of unknown torques, and the share by which an impact may be off; and the factor
 #: by which they are searched (numerics).
 RATES, RATE_FACTOR = ("motor_rate", "load_rate", "torque_rate", "impact"), 3.0

@@ -17,7 +17,7 @@ PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
 #: rates of the unknown torques are fitted).
 SHOWN = 0.5
 #: Gauss–Newton steps without the gap, or with one of a given size (numerics: what a small gap changes).
-STEPS = 2
+STEPS = 4
 #: Steps from one size of the gap to the next until the bound lies between two; how near these are at the end; and how
 #: far below the first a gap is none (numerics).
 STRIDE, NARROW, FAR = 4.0, 1.3, 1e4

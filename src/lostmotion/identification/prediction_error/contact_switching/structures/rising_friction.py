@@ -13,7 +13,7 @@ from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
 #: start (numerics).
 RISE, FADES = 0.2, (0.03, 0.3)
 #: Steps of a descent at each noise level (numerics).
-STEPS = 2
+STEPS = 4
 #: The two ends of the drivetrain, as their parameters' names end.
 ENDS = ("", "_motor")
 

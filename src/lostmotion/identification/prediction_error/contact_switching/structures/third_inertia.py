@@ -17,7 +17,7 @@ from .no_gap import SHOWN, bare
 Array = NDArray[np.float64]
 
 #: Steps of a descent at each noise level (numerics).
-STEPS = 2
+STEPS = 4
 #: Shares and compliances with which descents start: a joint beside a stiff shaft, a small one, and one beyond the
 #: softest shaft (numerics).
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
