@@ -341,3 +341,18 @@ def test_a_mode_is_told_where_noise_does_not_make_it():
     found = two_mass_fit(noisy_response(PLANT, 1.0, 1))
     low, high = found.intervals["stiffness"]
     assert low <= LINEAR["stiffness"] <= high and high / low < 1.5
+
+
+def test_what_may_be_anything_is_not_identified(monkeypatch: pytest.MonkeyPatch):
+    """An interval beyond all numbers stopped the fit with an overflow."""
+    found = frequency_response(recording(), segment=5.0)
+    shown = two_mass_fit(found)
+
+    def hopeless(*_):
+        return np.diag([1.0, 1e6, 1e-6, 1e-6, 1e-6, 1e-6])
+
+    monkeypatch.setattr("lostmotion.identification.frequency.two_mass_fit.covariance_of", hopeless)
+    fit = two_mass_fit(found)
+    assert fit.values["inertia_load"] is None and "inertia_load" not in fit.intervals
+    assert fit.values["stiffness"] == shown.values["stiffness"] and "stiffness" in fit.intervals
+    json.dumps(fit.as_dict(), allow_nan=False)

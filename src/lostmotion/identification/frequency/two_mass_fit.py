@@ -42,6 +42,8 @@ KEPT = {
 SHOWN_WITHOUT_A_SHAFT = ("angle_motor", "speed_motor", "angle_load", "speed_load")
 #: A mode is identified where noise alone makes it with at most this probability (option: as the 95 % of the intervals).
 CHANCE = 0.05
+#: Half width of a logarithm from which on a value may be anything (numerics: 1e43 either way).
+ANYTHING = 100.0
 #: What only the torsional mode shows.
 OF_THE_MODE = ("inertia_motor", "inertia_load", "stiffness", "damping", "zero", "pole")
 
@@ -151,18 +153,18 @@ def _result(
     for i, name in enumerate(NAMES):
         half = factor * math.sqrt(max(covariance[i, i], 0.0))
         v = values[name]
-        intervals[name] = (
-            (v * math.exp(-half), v * math.exp(half)) if name in LOGARITHMIC else (v - half, v + half)
-        )
+        intervals[name] = _around(v, half) if name in LOGARITHMIC else (v - half, v + half)
     for name, value, row in _derived(values):
         half = factor * math.sqrt(max(float(row @ covariance @ row), 0.0))
-        values[name], intervals[name] = value, (value * math.exp(-half), value * math.exp(half))
+        values[name], intervals[name] = value, _around(value, half)
     sources: dict[str, Source] = {}
     if problem.held is not None:
         del intervals[problem.held[0]]
         sources[problem.held[0]] = "nameplate"
     # What hangs on a mode that the band does not contain is not identified, however narrow a local fit makes it.
-    lost = OF_THE_MODE if not problem.frequency[0] < values["pole"] < problem.frequency[-1] else ()
+    lost = {name for name, (_, high) in intervals.items() if not math.isfinite(high)}
+    if not problem.frequency[0] < values["pole"] < problem.frequency[-1]:
+        lost |= set(OF_THE_MODE)
     findings = [problems.no_mode()] if is_rigid else _findings(problem, values)
     return TwoMassFit(
         drivetrain=_drivetrain(values, is_rigid),
@@ -174,6 +176,13 @@ def _result(
         residual=residual,
         problems=tuple(findings),
     )
+
+
+def _around(value: float, half: float) -> tuple[float, float]:
+    """Interval of a value from the half width of its logarithm; anything where that is beyond all sense."""
+    if not half < ANYTHING:
+        return 0.0, math.inf
+    return value * math.exp(-half), value * math.exp(half)
 
 
 def _drivetrain(values: Mapping[str, float], is_rigid: bool) -> Drivetrain:

@@ -100,16 +100,18 @@ def _after_secants(
     flt: ContactFilter, here: Linear, run: Run, theta: Array, reached: Run, bounds: Bounds, radius: float
 ) -> tuple[Array, float]:
     """θ and cost after secant steps from θ, which a step from ``here`` has reached."""
-    least = max(GAIN, SECANT_GAIN * (run.cost - reached.cost))
     gain = run.cost - reached.cost
+    least = max(GAIN, SECANT_GAIN * gain)
     for _ in range(SECANTS):
         weighted = _weighted_alike(reached, run)
         if gain < least or weighted is None:
             break
         here = here.corrected(bounds, theta, weighted)
         trial = here.step(bounds, radius)
-        after = reached if trial is None else flt.run(trial)
-        if trial is None or not after.cost < reached.cost:
+        if trial is None:
+            break
+        after = flt.run(trial)
+        if not after.cost < reached.cost:
             break
         gain = reached.cost - after.cost
         theta, reached = trial, after
