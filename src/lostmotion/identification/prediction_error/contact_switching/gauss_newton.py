@@ -1,4 +1,4 @@
-"""Gauss–Newton steps in a trust region, with secant steps between them: how the contact-switching filter descends."""
+"""Gauss–Newton steps in a trust region: how the contact-switching filter descends."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...statistics.block_covariance import normal_equations
-from .filter import ContactFilter, Run
+from .filter import ContactFilter
 
 Array = NDArray[np.float64]
 
@@ -19,8 +19,6 @@ RADIUS, LARGEST, SMALLEST, SHRINK = 0.5, 1.0, 1e-4, 0.2
 TRIES = 5
 #: A step that lowers the cost by less is the last one (numerics).
 GAIN = 1e-4
-#: Secant steps after a Gauss–Newton step at most, and the part of what that gained below which they end (numerics).
-SECANTS, SECANT_GAIN = 3, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,22 +53,11 @@ class Linear:
         theta[bounds.free] = np.clip(own, bounds.lower, bounds.upper)
         return theta
 
-    def corrected(self, bounds: Bounds, theta: Array, weighted: Array) -> Linear:
-        """The same at another θ, where the innovations are known: the sensitivities are those that explain the step.
-
-        Source: Broyden (1965), A class of methods for solving nonlinear simultaneous equations, Mathematics of
-        Computation 19, section 4.
-        """
-        step = theta[bounds.free] - self.theta[bounds.free]
-        missed = weighted - self.weighted - step @ self.jacobian
-        return Linear(theta, weighted, self.jacobian + np.outer(step / (step @ step), missed))
-
 
 def minimise_within(flt: ContactFilter, theta: Array, bounds: Bounds, iterations: int) -> tuple[Array, float]:
     """θ and cost after Gauss–Newton steps over the free entries of θ in a trust region, one at least.
 
-    What would go beyond a bound stops there, and the others' steps are those beside it. Secant steps follow each: a
-    pass with sensitivities takes as long as five without.
+    What would go beyond a bound stops there, and the others' steps are those beside it.
     """
     cost, radius = np.inf, RADIUS
     for _ in range(iterations):
@@ -83,48 +70,17 @@ def minimise_within(flt: ContactFilter, theta: Array, bounds: Bounds, iterations
             trial = here.step(bounds, radius)
             if trial is None:
                 return theta, cost
-            reached = flt.run(trial)
-            if reached.cost < cost:
+            reached = flt.run(trial).cost
+            if reached < cost:
                 radius = min(radius * (1.0 if attempt else 2.0), LARGEST)
                 break
             radius = max(radius * SHRINK, SMALLEST)
         else:
             break
-        theta, cost = _after_secants(flt, here, run, trial, reached, bounds, radius)
+        theta, cost = trial, reached
         if run.cost - cost < GAIN:
             break
     return theta, cost
-
-
-def _after_secants(
-    flt: ContactFilter, here: Linear, run: Run, theta: Array, reached: Run, bounds: Bounds, radius: float
-) -> tuple[Array, float]:
-    """θ and cost after secant steps from θ, which a step from ``here`` has reached."""
-    gain = run.cost - reached.cost
-    least = max(GAIN, SECANT_GAIN * gain)
-    for _ in range(SECANTS):
-        weighted = _weighted_alike(reached, run)
-        if gain < least or weighted is None:
-            break
-        here = here.corrected(bounds, theta, weighted)
-        trial = here.step(bounds, radius)
-        if trial is None:
-            break
-        after = flt.run(trial)
-        if not after.cost < reached.cost:
-            break
-        gain = reached.cost - after.cost
-        theta, reached = trial, after
-    return theta, reached.cost
-
-
-def _weighted_alike(run: Run, like: Run) -> Array | None:
-    """Innovations over the deviations of another pass: these are taken as they are, as sensitivities take them."""
-    if run.weighted.size != like.weighted.size or not np.all(np.isfinite(run.weighted)):
-        return None
-    weighted, rows = run.weighted.copy(), run.deviations.size
-    weighted[:rows] *= run.deviations / like.deviations
-    return weighted
 
 
 def step_within(

@@ -17,7 +17,7 @@ from .structures.third_inertia import THIRD, Place, placed, with_third_dropped
 #: at most (numerics).
 WIDTH, FOLLOWED, PATIENCE, ROUNDS = 8, 2, 4, 12
 #: Steps of a descent at each noise level, and of one at the sensor's alone (numerics).
-STEPS, STEPS_ALONE = 2, 3
+STEPS, STEPS_ALONE = 4, 6
 #: Chance that one of the groups changes (numerics: two of four on average), that a choice is made otherwise or a third
 #: inertia dropped, and that a backlash stays near its own.
 GROUP, CHOICE, NEAR = 0.5, 0.2, 0.5
