@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from .likelihood_ratio import alike
 from .random_moves import wandering
 from .selection import ELSEWHERE, apart, plausible
 from .starts import grid
-from .starts.from_drivetrain import RESPONSE, free_places, rigid_start, starts
+from .starts.from_drivetrain import RESPONSE, free_places, response_start, rigid_start, starts
 from .starts.slow_motion import informed
 from .structures.no_gap import bare
 from .structures.third_inertia import THIRD, Place, places, split_at_the_softest_shaft, with_third_inertia
@@ -133,7 +134,7 @@ class Search:
     def from_grid(self) -> list[Candidate]:
         """The best of a race from a coarse grid, with any backlash."""
         # Innovations that are too large are divided out: charged, what is far from the drive does not come through.
-        rows, like = replace(self.coarse, charged=False), (self.begun[RESPONSE], self.begun["fitted"])
+        rows, like = replace(self.coarse, charged=False), (self.response, self.begun["fitted"])
         ends = grid.race(rows, self.start, self.fixed, like, self.box)
         few = apart(ends, ELSEWHERE)[:SCANNED]
         few = apart(sorted([*few, *with_other_backlash(few, self.box)], key=cost_of), ELSEWHERE)[:SCANNED]
@@ -176,7 +177,13 @@ class Search:
 
     def raw(self, name: str) -> Candidate:
         """A start as it is."""
-        return Candidate(name, self.begun[name], np.inf, self.part, free_places(self.start, self.fixed))
+        theta = self.response if name == RESPONSE else self.begun[name]
+        return Candidate(name, theta, np.inf, self.part, free_places(self.start, self.fixed))
+
+    @cached_property
+    def response(self) -> Array:
+        """The start from the frequency response, where a fit does not stand without it."""
+        return response_start(self.flt, self.start, self.fixed)
 
     def thirds(self, found: Sequence[Candidate], raw: Sequence[Candidate] = ()) -> list[Candidate]:
         """With a third inertia: the best few and some raw starts from every place; then others where the best has it.
@@ -202,7 +209,7 @@ class Search:
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; from the fit
         without its intervals; and from where random moves lead."""
-        found = side_by_side(self.descent, list(self.begun))
+        found = side_by_side(self.descent, [*self.begun, RESPONSE])
         found += self._polished(_best_elsewhere(found))
         if not sharp(min(found, key=cost_of)):
             found += self.from_grid()

@@ -10,11 +10,10 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import (
-    RESPONSE,
     frictions,
     lag_and_delay,
+    response_start,
     start_values,
-    starts,
 )
 
 
@@ -57,8 +56,7 @@ def test_a_start_has_the_lag_and_the_mode_of_the_frequency_response(
 ):
     """Whatever the nameplate says of them, but for what is fixed."""
     nameplate = plant.with_parameters(inertia_motor=0.05, stiffness=2000.0, lag=5e-3)
-    begun = starts(flt, nameplate, plant, fixed)
-    values = dict(zip(INDEX, flt.values(begun[RESPONSE]), strict=True))
+    values = dict(zip(INDEX, flt.values(response_start(flt, nameplate, fixed)), strict=True))
     if fixed:
         assert (values["lag"], values["delay"]) == pytest.approx((5e-3, 0.0))
         assert values["stiffness"] == pytest.approx(2000.0)

@@ -38,12 +38,16 @@ def starts(
 ) -> dict[str, Array]:
     """Parameter vectors from which descents start."""
     values = {"fitted": fitted, "nameplate": start}
-    begun = {name: start_values(flt, one, start, fixed) for name, one in values.items()}
-    shown = linear_drive(flt, start)
-    begun[RESPONSE] = begun["nameplate"] | {n: shown[n] for n in shown if n not in fixed and n != "delay"}
+    return {name: flt.theta(start_values(flt, one, start, fixed)) for name, one in values.items()}
+
+
+def response_start(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> Array:
+    """The nameplate with what the frequency response shows instead; takes some 0.1 s."""
+    shown, values = linear_drive(flt, start), start_values(flt, start, start, fixed)
+    values |= {name: shown[name] for name in shown if name not in fixed and name != "delay"}
     if "lag" not in fixed and "delay" in shown:
-        begun[RESPONSE] |= lag_and_delay(shown["delay"], flt.dt)
-    return {name: flt.theta(values) for name, values in begun.items()}
+        values |= lag_and_delay(shown["delay"], flt.dt)
+    return flt.theta(values)
 
 
 def lag_and_delay(both: float, dt: float) -> dict[str, float]:
