@@ -272,7 +272,7 @@ def test_closed_loop_without_dither_still_finds_most():
     reference = np.convolve(np.r_[np.zeros(5000), levels], np.ones(5000) / 5000.0, "valid")[:100000]
     law = lm.controllers.pi(kp=10.0, ki=200.0, dt=DT, torque_limit=73.5)
     recording, truth = lm.rig.record(1, law=law, speed_reference=reference)
-    # The fit alone: the second estimator takes half a minute, and says the same of these.
+    # The fit alone: the second estimator takes half a minute more.
     found = lm.identify(recording, start=off_by_two(truth.parameters, 5), second_estimator=False)
     low, high = found.intervals.get("damping", (0.0, np.inf))
     assert low < truth.parameters["damping"] < high and high > 2.0 * low

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,55 +18,28 @@ TRIES = 5
 GAIN = 1e-4
 
 
-@dataclass(frozen=True, eq=False)
-class Bounds:
-    """Bounds (m,) of the free entries of θ."""
-
-    free: list[int]
-    lower: Array
-    upper: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Linear:
-    """Weighted innovations (n,) near a θ: how they are there, and their change with the free entries (m, n)."""
-
-    theta: Array
-    weighted: Array
-    jacobian: Array
-
-    @cached_property
-    def _normal(self) -> tuple[Array, Array]:
-        return normal_equations(self.jacobian, self.weighted)
-
-    def step(self, bounds: Bounds, radius: float) -> Array | None:
-        """θ after a step; None where all that would move is at its bound."""
-        (hessian, gradient), own = self._normal, self.theta[bounds.free]
-        moves = np.where(gradient > 0.0, own > bounds.lower, own < bounds.upper)
-        if not np.any(moves):
-            return None
-        room, theta = (bounds.lower - own, bounds.upper - own), self.theta.copy()
-        own = own + step_within(hessian, gradient, moves, room, radius)
-        theta[bounds.free] = np.clip(own, bounds.lower, bounds.upper)
-        return theta
-
-
-def minimise_within(flt: ContactFilter, theta: Array, bounds: Bounds, iterations: int) -> tuple[Array, float]:
+def minimise_within(
+    flt: ContactFilter, theta: Array, free: list[int], bounds: tuple[Array, Array], iterations: int
+) -> tuple[Array, float]:
     """θ and cost after Gauss–Newton steps over the free entries of θ in a trust region, one at least.
 
     What would go beyond a bound stops there, and the others' steps are those beside it.
     """
-    cost, radius = np.inf, RADIUS
+    cost, radius, (lower, upper) = np.inf, RADIUS, bounds
     for _ in range(iterations):
-        run = flt.run(theta, bounds.free)
+        run = flt.run(theta, free)
         cost = run.cost
         if not np.all(np.isfinite(run.jacobian)):
             break
-        here = Linear(theta, run.weighted, run.jacobian)
+        hessian, gradient = normal_equations(run.jacobian, run.weighted)
+        moves = np.where(gradient > 0.0, theta[free] > lower, theta[free] < upper)
+        if not np.any(moves):
+            break
+        room = (lower - theta[free], upper - theta[free])
         for attempt in range(TRIES):
-            trial = here.step(bounds, radius)
-            if trial is None:
-                return theta, cost
+            trial = theta.copy()
+            step = step_within(hessian, gradient, moves, room, radius)
+            trial[free] = np.clip(theta[free] + step, lower, upper)
             reached = flt.run(trial).cost
             if reached < cost:
                 radius = min(radius * (1.0 if attempt else 2.0), LARGEST)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..innovations import THREADS
 from .filter import FRICTIONS, INDEX, NAMES, PARAMETERS, ContactFilter, Run, pole_of
-from .gauss_newton import Bounds, minimise_within
+from .gauss_newton import minimise_within
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -105,7 +105,7 @@ def minimise(
     """θ and cost after Gauss–Newton steps over the free entries of θ within a box, one at least."""
     # What began outside of the box moves on from there.
     lower, upper = np.minimum(box.lower[free], theta[free]), np.maximum(box.upper[free], theta[free])
-    return minimise_within(flt, theta, Bounds(free, lower, upper), iterations)
+    return minimise_within(flt, theta, free, (lower, upper), iterations)
 
 
 def inverse_hessian(jacobian: Array) -> Array:
