@@ -11,6 +11,7 @@ from table_i import PAPER
 from lostmotion.identification.prediction_error.contact_switching.estimate import WIDEST, Estimate
 from lostmotion.identification.prediction_error.contact_switching.filter import NAMES, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
+from lostmotion.identification.prediction_error.contact_switching.told import told_vector
 from lostmotion.identification.prediction_error.contact_switching.verdict import APART, Fit
 from lostmotion.identification.prediction_error.gain_schedule import LADDER, Stage, bandwidth_for
 from lostmotion.identification.prediction_error.identifiability import Told
@@ -77,6 +78,19 @@ def test_a_stiffness_far_from_the_nameplate_is_that_of_a_wrong_minimum(fit: Fit)
         assert wrong is not None and wrong.where == "stiffness" and "9000 Nm/rad" in wrong.expected
         assert "scale and unit" in wrong.remedy
     assert fit.wrong_minimum(found(13.0, np.inf)) is None  # it is not identified anyway
+
+
+def test_of_two_that_agree_on_the_drive_the_one_that_knows_it_better_is_taken(fit: Fit):
+    """Not friction: the fit has no constant torque, so that it knows a wrong one well."""
+
+    def found(half: float, **factors: float) -> Estimate:
+        best = away(fit, **factors)
+        halves = np.where(np.isin(TOLD, CORE), half, 3.0 * HALF)
+        return Estimate(told_vector(best), halves, np.eye(8), best)
+
+    assert fit.knows_less_than(found(0.5 * HALF, stiffness=1.01, viscous=3.0))
+    assert not fit.knows_less_than(found(1.5 * HALF, stiffness=1.01))
+    assert not fit.knows_less_than(found(0.5 * HALF, stiffness=1.1))
 
 
 def test_where_nothing_explains_the_recording_only_the_core_is_told(fit: Fit):

@@ -74,13 +74,12 @@ def confirmed(
     doubtful = bool(better) or not stage.free or excess > UNEXPLAINED or fit.contradicted_by(others)
     if doubtful or explained:
         found = search.estimate(rivals)
-        if found is not None and not doubtful and np.any(fit.shift([found.best]) > 0.0):
-            others.append(found.best)
-        # Of two that agree, the one that knows all of it better.
-        elif found is not None and (doubtful or np.all(found.apart_from_room[stage.free] <= told.half)):
+        if found is not None and (doubtful or fit.knows_less_than(found)):
             compared.insert(0, found.best)
             wrong = fit.wrong_minimum(found) if doubtful else None
             return fit.nothing(wrong) if wrong else fit.replaced_by(found)
+        if found is not None:
+            others.append(found.best)
     if excess > UNEXPLAINED:
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
     if not stage.free:

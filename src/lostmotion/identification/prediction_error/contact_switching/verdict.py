@@ -82,6 +82,16 @@ class Fit:
         shift = self.shift(found)
         return bool(np.any(np.hypot(self.told.half, shift)[(shift > 0.0) & self.core] > APART))
 
+    def knows_less_than(self, found: Estimate) -> bool:
+        """Whether another estimate of the same inertias, stiffness and backlash has narrower intervals of all of them.
+
+        How friction, damping and lag make up for each other is another matter: the fit has no constant torque and no
+        delay.
+        """
+        core = np.array(self.stage.free)[self.core]
+        same = not np.any(self.shift([found.best])[self.core])
+        return same and bool(np.all(found.apart_from_room[core] <= self.told.half[self.core]))
+
     def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
         """With intervals that contain the candidates' values as well; nothing if they are too far apart.
 
