@@ -20,7 +20,7 @@ import numpy as np
 from ..jit import njit
 from .changes import along_path, through_changes
 from .channels import ANGLE_MOTOR, SPEED_LOAD, SPEED_MOTOR, TORQUE_SHAFT, TWIST
-from .columns import COMPILED, WIDE, add, copy, product_of, turned_product
+from .columns import BORROWED, COMPILED, WIDE, add, copy, product_of, turned_product
 from .delayed_torque import delayed, torque_at_ends
 from .gap_in_doubt import blend, mean_gap
 from .holding import fill_loads, fill_resting, holds, stops
@@ -63,7 +63,7 @@ _LOST, _MOST = 3.0, 1e6
 _STEP = 1e-6
 
 
-@njit(**COMPILED)
+@njit(**BORROWED)
 def _changed(value, kind, unit, change, dt):
     """A parameter whose place in θ has changed: kind 0 logarithm, 1 logarithm of value + dt, 2 plain."""
     if kind == 0:
@@ -91,7 +91,7 @@ def _filled_at_rest(
     return resting, changes
 
 
-@njit(**COMPILED)
+@njit(**BORROWED)
 def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offsets):
     """What each sensor shows of the state with the gap open and closed, and of the gap's edge."""
     for s in range(sensors.size):
@@ -112,7 +112,7 @@ def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offse
         offsets[s] = -q[STIFFNESS] if sensors[s] == TORQUE_SHAFT else 0.0
 
 
-@njit(**COMPILED)
+@njit(**BORROWED)
 def _start(third, unknown, slope_at, angle, spread, p):
     """Covariance p of a motion of which nothing is known but its size, see ``innovations``."""
     p[:] = 0.0

@@ -7,7 +7,7 @@ parameter is a product with the transition's change. By differences of whole mot
 from __future__ import annotations
 
 from ..jit import njit
-from .columns import COMPILED, WIDE, add, combine
+from .columns import BORROWED, WIDE, add, combine, copy
 from .delayed_torque import delayed
 from .gap_in_doubt import mean_gap
 from .sliding_friction import sliding_friction
@@ -33,13 +33,13 @@ _TRANSITIONS, _TORQUES, _GAP, _FRICTION = 1, 2, 4, 8
 _INPUTS, COLUMNS = 5, WIDE + 5
 
 
-@njit(**COMPILED)
+@njit(**BORROWED)
 def slides(x, y, stuck):
     """Whether motor and load slide or rest all the way from state x to y."""
     return (x[1] * y[1] > 0.0 or stuck & 1) and (x[2] * y[2] > 0.0 or stuck & 2)
 
 
-@njit(**COMPILED)
+@njit(**BORROWED)
 def fill_changes(models, numbers, whole, step, changes, what):
     """Change of the whole sample's transitions (open, then closed) with each parameter, and what it changes.
 
@@ -64,14 +64,14 @@ def fill_changes(models, numbers, whole, step, changes, what):
                     what[j] |= _TORQUES
 
 
-@njit(forceinline=True, **COMPILED)
+@njit(forceinline=True, **BORROWED)
 def _add_product(transition, at, n, v, slope, to):
     """slope += transition · v; the transition, or its change, begins at ``at``."""
     combine(transition, at, n, v, 0, 1, slope, to, slope, to)
     combine(transition, at + WIDE * WIDE, _INPUTS, v, WIDE, 1, slope, to, slope, to)
 
 
-@njit(forceinline=True, **COMPILED)
+@njit(forceinline=True, **BORROWED)
 def _entry_change(t, whole, change, j, weight, chance, column, row):
     """Change of an entry of the transition that holds with parameter j; ``chance``: that of the contact's."""
     place = column * WIDE + row
@@ -79,7 +79,7 @@ def _entry_change(t, whole, change, j, weight, chance, column, row):
     return opened + weight * (closed - opened) + chance * (t[whole + place] - t[place])
 
 
-@njit(forceinline=True, **COMPILED)
+@njit(forceinline=True, **BORROWED)
 def _friction_change(c, of, place, before, free, per_torque, friction, bend, more, per, what, step):
     """Change of a sliding friction whose numbers are at ``place``: ``more`` is that of the speed that its inertia would
     have without it, ``per`` that of what a torque adds to the speed; ``bend``: its change with the speed."""
@@ -91,7 +91,7 @@ def _friction_change(c, of, place, before, free, per_torque, friction, bend, mor
     return change
 
 
-@njit(**COMPILED)
+@njit(**BORROWED)
 def follow(
     t, whole, where, c, change, what, n, torque, k, ramp, x, stuck, u, jump, edge, weight, contact, doubt, step, room,
     slope,
@@ -105,7 +105,7 @@ def follow(
     inputs, when_open, when_closed, turned = room
     base, at = where
     deviation, rate, travel = doubt
-    inputs[:WIDE] = x
+    copy(x, inputs)
     inputs[TORQUE], inputs[EDGE], inputs[JUMP], inputs[MOTOR], inputs[LOAD] = u, edge, jump, 0.0, 0.0
     turned[:] = 0.0
     _add_product(base, at, n, inputs, turned, 0)
