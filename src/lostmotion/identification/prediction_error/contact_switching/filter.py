@@ -187,6 +187,12 @@ class ContactFilter:
             rows.append(np.arange(first + min(begin, int(LOST * (end - first))), end))
         return np.concatenate(rows)
 
+    @cached_property
+    def _which(self) -> slice | NDArray[np.intp]:
+        """The same; those of one piece follow each other and need not be gathered."""
+        rows = self.counting
+        return slice(int(rows[0]), int(rows[-1]) + 1) if rows[-1] - rows[0] + 1 == rows.size else rows
+
     @property
     def moves(self) -> bool:
         """Whether the motor moves at all."""
@@ -221,8 +227,8 @@ class ContactFilter:
         """A pass with the parameters θ, and its sensitivities to the free ones."""
         from ....kernels.innovations.contact_switching import innovations
 
-        m, n, q, counts = len(free), self.rows, self.values(theta), self.counting
-        residuals, variances, jacobian = np.zeros((n, 1)), np.ones((n, 1)), np.zeros((m, n, 1))
+        m, n, q, counts = len(free), self.rows, self.values(theta), self._which
+        residuals, variances, jacobian = np.empty((n, 1)), np.empty((n, 1)), np.empty((m, n, 1))
         with np.errstate(all="ignore"):
             twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
         torque = self.torque_deviation
@@ -247,7 +253,7 @@ class ContactFilter:
         cost = float(np.mean(rows))
         jacobian = jacobian[:, counts, 0] * scale
         if beyond:
-            weight = np.sqrt(counts.size * size)
+            weight = np.sqrt(rows.size * size)
             weighted = np.append(weighted, weight * beyond)
             last = weight * np.array([slope.get(NAMES[place], 0.0) for place in free])
             jacobian = np.column_stack([jacobian, last])

@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 RADIUS, LARGEST, SMALLEST, SHRINK = 0.5, 1.0, 1e-4, 0.2
 #: Radii that are tried in a step (numerics: narrow valleys need a hundredth of a step across them).
 TRIES = 5
+#: Dampings side by side, from the least to the largest, and rounds of finer ones between two (numerics: the radius to
+#: 0.1 %; one after the other they take six times as long).
+BETWEEN, ROUNDS = np.linspace(0.0, 1.0, 64), 3
 #: A step that lowers the cost by less is the last one (numerics).
 GAIN = 1e-4
 
@@ -75,16 +78,19 @@ def _step(hessian: Array, gradient: Array, radius: float) -> Array:
     curvature, axes = np.linalg.eigh(np.where(np.isfinite(hessian), hessian, 0.0))
     curvature, slope = np.maximum(curvature, 0.0), axes.T @ gradient
 
-    def step(damping: float) -> Array:
-        return np.asarray(-axes @ (slope / (curvature + damping)))
+    def step(damping: Array) -> Array:
+        return np.asarray(-axes @ (slope[:, None] / (curvature[:, None] + damping)))
 
     low = 1e-12 * curvature[-1] + 1e-300
-    first = step(low)
+    first = step(np.array([low]))[:, 0]
     if np.max(np.abs(first)) <= radius:
         return first
     high = max(2.0 * np.max(np.abs(slope)) / radius * np.sqrt(slope.size), 10.0 * low)
-    bounds = [np.log(low), np.log(high)]
-    for _ in range(40):
-        middle = 0.5 * sum(bounds)
-        bounds[int(np.max(np.abs(step(np.exp(middle)))) <= radius)] = middle
-    return step(np.exp(bounds[1]))
+    for _ in range(ROUNDS):
+        dampings = low * (high / low) ** BETWEEN
+        steps = step(dampings)
+        fits = np.max(np.abs(steps), axis=0) <= radius
+        fits[-1] = True  # but for rounding it does
+        least = int(np.argmax(fits))
+        low, high = dampings[max(least - 1, 0)], dampings[least]
+    return np.asarray(steps[:, least])
