@@ -48,14 +48,14 @@ def _note(path, step, done, size, rest, contact):
 
 @njit(**BORROWED)
 def through_changes(
-    t, r, filled, model, c, loads, finest, ramp, n, ends, law, torque, jump, contact, rest, x, y, f, work, path
+    t, filled, at_rest, c, loads, finest, ramp, n, ends, law, torque, jump, contact, rest, x, y, f, work, path
 ):  # fmt: skip
     """A sample in which something changes, from change to change.
 
     x is advanced; returns contact, what rests, the share of the sample with the gap closed, the number of sub-steps,
     and which transitions at rest it lacks (0: none; else nothing is done).
 
-    The transitions are at t[0 …], see ``sample_parts``, those of what rests at r[(stuck − 1)·model …] if ``filled``,
+    The transitions are at t[0 …], see ``sample_parts``, those of what rests at t[stuck·at_rest …] if ``filled``,
     and the model's numbers at c[0 …]; ``ends`` are the places of the speeds before and behind the gap; ``loads``: see
     ``holding``. f is filled with how an error of the state goes on over the sample, and ``path`` with the begin and
     length of each sub-step, in finest parts, what rests, and the contact after it.
@@ -77,9 +77,7 @@ def through_changes(
                 digit = 0
                 while (min(room, longest) >> digit) > MOST:
                     digit += DIGIT
-            table, begin = t, closed_at if contact != 0 else 0
-            if rest != 0:
-                table, begin = r, begin + (rest - 1) * model
+            begin = rest * at_rest + (closed_at if contact != 0 else 0)
             # The most units after which nothing has changed, by halving; where a change was found all are too many.
             most = (room >> digit) - 1 if found else min(room, longest) >> digit
             good, bad, count = 0, most + 1, (most + 1) >> 1 if found else most
@@ -87,7 +85,7 @@ def through_changes(
                 size = count << digit
                 at, edge = begin + part_number(size, finest) * BLOCK, contact * half
                 u = torque + shape_mean(part, finest, done, size) * jump
-                stuck = moved(table, at, c, 0, n, x, u, 0.0, edge, rest, y)
+                stuck = moved(t, at, c, 0, n, x, u, 0.0, edge, rest, y)
                 after = _contact_after(contact, c, law, ends, y)
                 same = after == contact and stuck == rest and not reversed_motion(c, 0, x, y)
                 if same and rest != 0:
@@ -106,7 +104,7 @@ def through_changes(
                 copy(work, y)
                 at = begin + part_number(size, finest) * BLOCK
                 slopes = slopes_of_friction(c, 0, x, y)
-                follow_errors(table, at, n, rest, 0, slopes, 1.0, f, work)
+                follow_errors(t, at, n, rest, 0, slopes, 1.0, f, work)
                 copy(y, x)
                 _note(path, steps, done, size, rest, contact)
                 steps += 1
@@ -136,7 +134,7 @@ def through_changes(
                 rest = moved(t, at, c, 0, n, x, u, 0.0, contact * half, 0, y)
                 follow_errors(t, at, n, 0, rest, slopes_of_friction(c, 0, x, y), 1.0 - share, f, work)
                 _advance(x, y, 1.0 - share)
-            if rest != 0 and not filled[rest - 1]:
+            if rest != 0 and not filled[rest]:
                 return contact, rest, 0.0, 0, rest
             _note(path, steps, done, 1, 0, contact)
             steps += 1
@@ -148,11 +146,11 @@ def through_changes(
 
 @njit(**BORROWED)
 def along_path(
-    t, begin, r, at_rest, model, c, of, finest, ramp, n, ends, law, torque, jump, contact, path, steps, x, y
+    t, begin, at_rest, c, of, finest, ramp, n, ends, law, torque, jump, contact, path, steps, x, y
 ):
     """The same sample with a model that hardly differs, by the sub-steps that were found: x is advanced.
 
-    Its transitions are at t[begin …], those at rest at r[at_rest + (stuck − 1)·model …], its numbers at c[of …].
+    Its transitions are at t[begin …], those at rest at t[begin + stuck·at_rest …], its numbers at c[of …].
     """
     half, part, closed_at = c[of + HALF], -1.0 if ramp else c[of + PART], parts(finest) * BLOCK
     for i in range(steps):
@@ -160,10 +158,7 @@ def along_path(
         place = part_number(size, finest) * BLOCK
         u = torque + shape_mean(part, finest, done, size) * jump
         at, edge = place + (closed_at if contact != 0 else 0), contact * half
-        if rest != 0:
-            moved(r, at_rest + (rest - 1) * model + at, c, of, n, x, u, 0.0, edge, rest, y)
-        else:
-            moved(t, begin + at, c, of, n, x, u, 0.0, edge, 0, y)
+        moved(t, begin + rest * at_rest + at, c, of, n, x, u, 0.0, edge, rest, y)
         if after == contact:
             copy(y, x)
             continue

@@ -74,21 +74,17 @@ def _changed(value, kind, unit, change, dt):
 
 
 @njit(**COMPILED)
-def _filled_at_rest(
-    stuck, resting, changes, filled, parameters, changed, free, dt, law, finest, kind, level, numbers, loads
-):
-    """The models in which motor, load or both rest all the while, and their changes, with those of what is stuck."""
-    if resting.size == 0:
-        m = free.size
-        resting, changes = np.zeros((3, m + 1, 2 * parts(finest) * BLOCK)), np.zeros((3, m, 2 * BLOCK))
+def _fill_at_rest(stuck, models, changes, filled, parameters, changed, free, dt, law, finest, kind, level, numbers, loads):
+    """The models in which motor, load or both rest all the while, and their changes, with those of what is stuck, if
+    that has not happened before."""
+    if filled[stuck]:
+        return
+    if not np.any(filled):
         fill_loads(parameters, dt, law, kind, loads)
-    if not filled[stuck - 1]:
-        filled[stuck - 1] = True
-        fill_resting(
-            parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, _STEP, resting[stuck - 1],
-            changes[stuck - 1],
-        )  # fmt: skip
-    return resting, changes
+    filled[stuck] = True
+    fill_resting(
+        parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, _STEP, models[stuck], changes[stuck]
+    )
 
 
 @njit(**BORROWED)
@@ -178,23 +174,24 @@ def innovations(
     ends, kind = (tail, head), (ramp, behind, drifts, counted, angled)
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, parts(finest) * BLOCK
-    models, numbers = np.zeros((m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
+    # One for each that may rest all the while: none, motor, load, both; these are filled when that first happens.
+    models, numbers = np.zeros((4, m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
     noise, errors = np.zeros(2 * square), np.zeros(2 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
-    fill_model(parameters, dt, law, finest, kind, level, models[0], numbers[0], noise)
+    fill_model(parameters, dt, law, finest, kind, level, models[0, 0], numbers[0], noise)
     changed = np.zeros((m, parameters.size))
     for j in range(m):
         changed[j] = parameters
         changed[j, free[j]] = _changed(parameters[free[j]], kinds[j], units[j], _STEP, dt)
-        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, 0, models, j + 1)
+        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, 0, models[0], j + 1)
         fill_numbers(changed[j], dt, law, behind, level, numbers[j + 1])
     _sensor_rows(parameters, sensors, counted, law, third, angle, tail, head, rows, offsets)
     for which in range(2):
         error_transition(models.reshape(-1), which * whole, n, 0, (0.0, 0.0), errors, which * square)
-    t, c, model = models.reshape(-1), numbers.reshape(-1), 2 * whole
+    t, c, model, at_rest = models.reshape(-1), numbers.reshape(-1), 2 * whole, (m + 1) * 2 * whole
     lead, half = c[LEAD], c[HALF]
-    changes, what = np.zeros((m, 2 * BLOCK)), np.zeros(m, dtype=np.int64)
-    fill_changes(models, numbers, whole, _STEP, changes, what)
+    changes, what = np.zeros((4, m, 2 * BLOCK)), np.zeros(m, dtype=np.int64)
+    fill_changes(models[0], numbers, whole, _STEP, changes[0], what)
     change = changes.reshape(-1)
     room = (np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(WIDE))
     x, y, old, gain = np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE), np.zeros(WIDE)
@@ -202,9 +199,7 @@ def innovations(
     # Sensitivities of the state to θ, column after column, and where they go.
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
     path, steps = np.zeros((1 << finest, 4), dtype=np.int64), 0
-    # Models in which motor, load or both rest all the while, and their changes: filled when that first happens.
-    resting, resting_changes = np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
-    loads, filled = np.zeros((3, 2, 2, 2, COLUMNS)), np.zeros(3, dtype=np.bool_)
+    loads, filled = np.zeros((3, 2, 2, 2, COLUMNS)), np.zeros(4, dtype=np.bool_)
     piece, contact, rest, base, weight = -1, 0, 0, 0.0, 0.0
     for k in range(torque.size):
         if k == bounds[piece + 1]:
@@ -293,7 +288,6 @@ def innovations(
             if doubt <= abs(travel) or abs(abs(z) - half) >= _DOUBT * doubt + abs(travel):
                 doubt = 0.0
         before, rested, quiet, at, slopes, stuck = contact, rest, False, closed * whole, (0.0, 0.0), 0
-        table = t
         if doubt > 0.0:
             weight, edge, extra = mean_gap(z + travel, half, doubt)
             blend(t, 0, whole, weight, mixed)
@@ -305,16 +299,16 @@ def innovations(
             error_transition(mixed, 0, n, rest, slopes, f, 0)
         else:
             if rest != 0 and stops(t, at, c, rest, x):
-                resting, resting_changes = _filled_at_rest(
-                    rest, resting, resting_changes, filled, parameters, changed, free, dt, law, finest, kind, level,
-                    numbers, loads,
+                _fill_at_rest(
+                    rest, models, changes, filled, parameters, changed, free, dt, law, finest, kind, level, numbers,
+                    loads,
                 )  # fmt: skip
-                stuck, table = rest, resting.reshape(-1)
-                at += (rest - 1) * (m + 1) * model
+                stuck = rest
+                at += stuck * at_rest
                 for end in range(2):
                     if stuck & (1 << end):
                         x[1 + end] = 0.0
-            moved_to = moved(table, at, c, 0, n, x, u, jump, contact * half, stuck, y)
+            moved_to = moved(t, at, c, 0, n, x, u, jump, contact * half, stuck, y)
             z = y[0] + lead * (y[tail] - y[head])
             quiet = next_contact(contact, z, y[0], half, gap_law) == contact and not reversed_motion(
                 c, 0, x, y
@@ -334,16 +328,16 @@ def innovations(
                 copy(y, x)
             else:
                 lacking, begun = 0, stuck
-                stuck, table, at = 0, t, closed * whole
+                stuck, at = 0, closed * whole
                 while True:
                     if lacking != 0:
-                        resting, resting_changes = _filled_at_rest(
-                            lacking, resting, resting_changes, filled, parameters, changed, free, dt, law, finest,
-                            kind, level, numbers, loads,
+                        _fill_at_rest(
+                            lacking, models, changes, filled, parameters, changed, free, dt, law, finest, kind, level,
+                            numbers, loads,
                         )  # fmt: skip
                     copy(old, x)
                     contact, rest, weight, steps, lacking = through_changes(
-                        t, resting.reshape(-1), filled, (m + 1) * model, c, loads, finest, ramp, n, ends, gap_law, u,
+                        t, filled, at_rest, c, loads, finest, ramp, n, ends, gap_law, u,
                         jump, before, begun, x, y, f, work, path,
                     )  # fmt: skip
                     if lacking == 0:
@@ -356,7 +350,7 @@ def innovations(
         else:
             if quiet:
                 weight = closed
-                error_transition(table, at, n, 0, slopes, f, 0)
+                error_transition(t, at, n, 0, slopes, f, 0)
                 stop_errors(stuck, f)
             product_of(f, 0, n, slope, m, next_slope)
             product_of(f, 0, nc, p, nc, work)
@@ -373,12 +367,12 @@ def innovations(
             p[head * WIDE + tail] += kick * back
         # How the parameters move the state within this sample.
         if m > 0 and (quiet or doubt > 0.0) and slides(old, x, stuck):
-            where = (table, at) if quiet else (mixed, 0)
             if quiet:
                 weight, edge = float(closed), before * half
-            own = resting_changes[stuck - 1].reshape(-1) if stuck != 0 else change
+                for i in range(BLOCK):
+                    mixed[i] = t[at + i]
             follow(
-                t, whole, where, c, own, what, n, torque, k, ramp, old, stuck, u, jump, edge, weight,
+                t, whole, mixed, c, change, stuck * m, what, n, torque, k, ramp, old, stuck, u, jump, edge, weight,
                 before, (doubt, rate, travel), _STEP, room, next_slope,
             )  # fmt: skip
             for i in range(m * WIDE):
@@ -389,7 +383,7 @@ def innovations(
             begin, of = (j + 1) * model, (j + 1) * NUMBERS
             u, jump = delayed(torque, k, c, of, ramp)
             if quiet:
-                moved(table, begin + at, c, of, n, old, u, jump, before * c[of + HALF], stuck, y)
+                moved(t, begin + at, c, of, n, old, u, jump, before * c[of + HALF], stuck, y)
             elif doubt > 0.0:
                 weight, edge, _ = mean_gap(old[0] + c[of + LEAD] * rate + travel, c[of + HALF], doubt)
                 blend(t, begin, begin + whole, weight, mixed)
@@ -397,7 +391,7 @@ def innovations(
             else:
                 copy(old, gain)
                 along_path(
-                    t, begin, resting.reshape(-1), begin, (m + 1) * model, c, of, finest, ramp, n, ends, gap_law, u,
+                    t, begin, at_rest, c, of, finest, ramp, n, ends, gap_law, u,
                     jump, before, path, steps, gain, y,
                 )  # fmt: skip
                 copy(gain, y)

@@ -93,31 +93,31 @@ def _friction_change(c, of, place, before, free, per_torque, friction, bend, mor
 
 @njit(**BORROWED)
 def follow(
-    t, whole, where, c, change, what, n, torque, k, ramp, x, stuck, u, jump, edge, weight, contact, doubt, step, room,
+    t, whole, base, c, change, first, what, n, torque, k, ramp, x, stuck, u, jump, edge, weight, contact, doubt, step, room,
     slope,
 ):  # fmt: skip
     """Add to ``slope`` what each parameter does to the state within sample k, in which both inertias slide or rest.
 
-    The open transition begins at t[0], the closed one at t[whole]; ``where`` are an array and the place in it of that
-    which holds, with the gap closed by ``weight``; ``stuck``: what rests by it; ``doubt``: deviation of the gap's
-    argument (0: none), its rate, and half its way; ``room``: three columns of inputs and one of a state.
+    The open transition begins at t[0], the closed one at t[whole]; ``base`` is that which holds, with the gap closed by
+    ``weight``; ``stuck``: what rests by it; the transitions' changes begin with the pair ``first`` of ``change``;
+    ``doubt``: deviation of the gap's argument (0: none), its rate, and half its way; ``room``: three columns of inputs
+    and one of a state.
     """
     inputs, when_open, when_closed, turned = room
-    base, at = where
     deviation, rate, travel = doubt
     copy(x, inputs)
     inputs[TORQUE], inputs[EDGE], inputs[JUMP], inputs[MOTOR], inputs[LOAD] = u, edge, jump, 0.0, 0.0
     turned[:] = 0.0
-    _add_product(base, at, n, inputs, turned, 0)
+    _add_product(base, 0, n, inputs, turned, 0)
     # Without any friction, then without that of the load.
     free_motor = turned[1]
-    per_motor, per_load = base[at + MOTOR * WIDE + 1], base[at + LOAD * WIDE + 2]
+    per_motor, per_load = base[MOTOR * WIDE + 1], base[LOAD * WIDE + 2]
     motor, motor_bend, load, load_bend = 0.0, 0.0, 0.0, 0.0
     if not stuck & 1:
         motor, motor_bend = sliding_friction(
             x[1], free_motor, per_motor, c[OF_MOTOR], c[OF_MOTOR + 1], c[OF_MOTOR + 2]
         )
-    free_load = turned[2] + base[at + MOTOR * WIDE + 2] * motor
+    free_load = turned[2] + base[MOTOR * WIDE + 2] * motor
     if not stuck & 2:
         load, load_bend = sliding_friction(
             x[2], free_load, per_load, c[OF_LOAD], c[OF_LOAD + 1], c[OF_LOAD + 2]
@@ -137,35 +137,35 @@ def follow(
         motor_before, load_before = slope[to + 1], slope[to + 2]
         if what[j] & _TRANSITIONS:
             if weight < 1.0:
-                _add_product(change, 2 * j * BLOCK, n, when_open, slope, to)
+                _add_product(change, 2 * (first + j) * BLOCK, n, when_open, slope, to)
             if weight > 0.0:
-                _add_product(change, (2 * j + 1) * BLOCK, n, when_closed, slope, to)
+                _add_product(change, (2 * (first + j) + 1) * BLOCK, n, when_closed, slope, to)
         if what[j] & _TORQUES:
             other, turn = delayed(torque, k, c, of, ramp)
-            add(base, at + TORQUE * WIDE, (other - u) / step, slope, to)
-            add(base, at + JUMP * WIDE, (turn - jump) / step, slope, to)
+            add(base, TORQUE * WIDE, (other - u) / step, slope, to)
+            add(base, JUMP * WIDE, (turn - jump) / step, slope, to)
         if what[j] & _GAP:
             place = contact * c[of + HALF]
             if deviation > 0.0:
                 likely, place, _ = mean_gap(x[0] + c[of + LEAD] * rate + travel, c[of + HALF], deviation)
                 chance = (likely - weight) / step
                 add(turned, 0, chance, slope, to)
-            add(base, at + EDGE * WIDE, (place - edge) / step, slope, to)
+            add(base, EDGE * WIDE, (place - edge) / step, slope, to)
         # Until here the frictions are what they are without the change.
         if not stuck & 1:
-            per = _entry_change(t, whole, change, j, weight, chance, MOTOR, 1)
-            beside = _entry_change(t, whole, change, j, weight, chance, LOAD, 1)
+            per = _entry_change(t, whole, change, first + j, weight, chance, MOTOR, 1)
+            beside = _entry_change(t, whole, change, first + j, weight, chance, LOAD, 1)
             more = slope[to + 1] - motor_before - motor * per - load * beside
             more = _friction_change(
                 c, of, OF_MOTOR, x[1], free_motor, per_motor, motor, motor_bend, more, per, what[j], step
             )
             if more != 0.0:
-                add(base, at + MOTOR * WIDE, more, slope, to)
+                add(base, MOTOR * WIDE, more, slope, to)
         if not stuck & 2:
-            per = _entry_change(t, whole, change, j, weight, chance, LOAD, 2)
+            per = _entry_change(t, whole, change, first + j, weight, chance, LOAD, 2)
             more = slope[to + 2] - load_before - load * per
             more = _friction_change(
                 c, of, OF_LOAD, x[2], free_load, per_load, load, load_bend, more, per, what[j], step
             )
             if more != 0.0:
-                add(base, at + LOAD * WIDE, more, slope, to)
+                add(base, LOAD * WIDE, more, slope, to)
