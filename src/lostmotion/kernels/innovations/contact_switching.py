@@ -82,6 +82,7 @@ def _fill_at_rest(stuck, models, changes, filled, parameters, changed, free, dt,
     if not np.any(filled):
         fill_loads(parameters, dt, law, kind, loads)
     filled[stuck] = True
+    models[stuck] = 0.0
     fill_resting(
         parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, _STEP, models[stuck], changes[stuck]
     )
@@ -175,7 +176,8 @@ def innovations(
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, parts(finest) * BLOCK
     # One for each that may rest all the while: none, motor, load, both; these are filled when that first happens.
-    models, numbers = np.zeros((4, m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
+    models, numbers = np.empty((4, m + 1, 2 * whole)), np.zeros((m + 1, NUMBERS))
+    models[0] = 0.0
     noise, errors = np.zeros(2 * square), np.zeros(2 * square)
     rows, offsets = np.zeros((2, sensors.size, WIDE)), np.zeros(sensors.size)
     fill_model(parameters, dt, law, finest, kind, level, models[0, 0], numbers[0], noise)
@@ -190,7 +192,7 @@ def innovations(
         error_transition(models.reshape(-1), which * whole, n, 0, (0.0, 0.0), errors, which * square)
     t, c, model, at_rest = models.reshape(-1), numbers.reshape(-1), 2 * whole, (m + 1) * 2 * whole
     lead, half = c[LEAD], c[HALF]
-    changes, what = np.zeros((4, m, 2 * BLOCK)), np.zeros(m, dtype=np.int64)
+    changes, what = np.empty((4, m, 2 * BLOCK)), np.zeros(m, dtype=np.int64)
     fill_changes(models[0], numbers, whole, _STEP, changes[0], what)
     change = changes.reshape(-1)
     room = (np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(WIDE))
