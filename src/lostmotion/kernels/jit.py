@@ -20,8 +20,14 @@ from .quick_start import load_without_tables, without_collection
 with without_collection():
     from numba import cfunc, njit
     from numba.core import caching
+    from numba.core.options import DefaultOptions
 
-__all__ = ["cfunc", "keep_fresh", "njit"]
+__all__ = ["BORROWED", "cfunc", "keep_fresh", "njit"]
+
+#: For a kernel that makes no array, called by one that keeps the arrays. Otherwise numba counts each of these as used
+#: and unused again in every call, with the memory locked: that took 45 % of a pass of the contact-switching filter
+#: (Intel Xeon, 2026-11-27). The option is numba's own; without it kernels are slower, not wrong.
+BORROWED: dict[str, Any] = {"_nrt": False} if hasattr(DefaultOptions, "_nrt") else {}
 
 
 def keep_fresh(folder: Path) -> None:

@@ -7,14 +7,14 @@ parameters that hardly differ follow the sub-steps that were found.
 from __future__ import annotations
 
 from ..jit import njit
-from .columns import BORROWED, WIDE, copy
+from .columns import INNER, WIDE, copy
 from .holding import holds
 from .motion import closing, follow_errors, moved, next_contact, reversed_motion, slopes_of_friction
 from .sample_parts import DIGIT, MOST, part_number, parts, shape_mean, until_change
 from .transitions import BLOCK, HALF, LEAD, PART
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _share_until(contact, after, c, of, law, ends, x, y):
     """Share of a sub-step from state x to y until the contact changes, by linear interpolation: continuous in the
     parameters."""
@@ -27,26 +27,26 @@ def _share_until(contact, after, c, of, law, ends, x, y):
     return min(max((edge - first) / (last - first), 0.0), 1.0) if last != first else 1.0
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _advance(x, y, share):
     """State x after a share of the way to y."""
     for i in range(WIDE):
         x[i] += share * (y[i] - x[i])
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _contact_after(contact, c, law, ends, y):
     """Contact in state y after a sub-step."""
     return next_contact(contact, y[0] + c[LEAD] * (y[ends[0]] - y[ends[1]]), y[0], c[HALF], law)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _note(path, step, done, size, rest, contact):
     """One sub-step of the path."""
     path[step, 0], path[step, 1], path[step, 2], path[step, 3] = done, size, rest, contact
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def through_changes(
     t, filled, at_rest, c, loads, finest, ramp, n, ends, law, torque, jump, contact, rest, x, y, f, work, path
 ):  # fmt: skip
@@ -144,7 +144,7 @@ def through_changes(
     return contact, rest, closed / whole, steps, 0
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def along_path(
     t, begin, at_rest, c, of, finest, ramp, n, ends, law, torque, jump, contact, path, steps, x, y
 ):

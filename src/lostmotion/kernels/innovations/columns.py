@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from ..jit import njit
+from ..jit import BORROWED, njit
 from ..numerics.vectors import LANES, address, fused, load, read, splat, store, write
 
 COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
-#: For what makes no array: its caller keeps those that it is given. numba would count each as used and unused, with a
-#: lock of the memory, in every call: that took 45 % of a pass with sensitivities (Intel Xeon, 2026-11-27).
-BORROWED: Any = {**COMPILED, "_nrt": False}
+#: The same for what makes no array, see ``jit.BORROWED``.
+INNER: Any = {**COMPILED, **BORROWED}
 
 #: States at most (layout). Columns are so long: loops of a known length become vector instructions.
 WIDE = 9
@@ -26,7 +25,7 @@ _LAST = 2 * LANES
 NOTHING = np.zeros(WIDE)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def add(a, at, factor, out, to):
     """Column of ``out`` at ``to`` += factor · column of ``a`` at ``at``."""
     source, target, eight = address(a), address(out), splat(factor)
@@ -35,7 +34,7 @@ def add(a, at, factor, out, to):
     out[to + _LAST] += factor * a[at + _LAST]
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def combine(f, at, n, b, first, stride, base, base_at, out, to):
     """Column of ``out`` = column of ``base`` + Σ b[first + k·stride] · (column k of f), k from 0 to n − 1.
 
@@ -54,7 +53,7 @@ def combine(f, at, n, b, first, stride, base, base_at, out, to):
     write(target, to + _LAST, last)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def copy(a, out):
     """A column."""
     source, target = address(a), address(out)
@@ -63,14 +62,14 @@ def copy(a, out):
     write(target, _LAST, read(source, _LAST))
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def product_of(f, at, nc, b, count, out):
     """out = f·b for ``count`` columns of b; f begins at f[at]."""
     for column in range(count):
         combine(f, at, nc, b, column * WIDE, 1, NOTHING, 0, out, column * WIDE)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def turned_product(a, f, at, nc, noise, closed, p):
     """p = a·fᵀ + noise; f begins at f[at]."""
     for r in range(nc):

@@ -20,7 +20,7 @@ import numpy as np
 from ..jit import njit
 from .changes import along_path, through_changes
 from .channels import ANGLE_MOTOR, SPEED_LOAD, SPEED_MOTOR, TORQUE_SHAFT, TWIST
-from .columns import BORROWED, COMPILED, WIDE, add, copy, product_of, turned_product
+from .columns import COMPILED, INNER, WIDE, add, copy, product_of, turned_product
 from .delayed_torque import delayed, torque_at_ends
 from .gap_in_doubt import blend, mean_gap
 from .holding import fill_loads, fill_resting, holds, stops
@@ -63,7 +63,7 @@ _LOST, _MOST = 3.0, 1e6
 _STEP = 1e-6
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def _changed(value, kind, unit, change, dt):
     """A parameter whose place in θ has changed: kind 0 logarithm, 1 logarithm of value + dt, 2 plain."""
     if kind == 0:
@@ -74,7 +74,9 @@ def _changed(value, kind, unit, change, dt):
 
 
 @njit(**COMPILED)
-def _fill_at_rest(stuck, models, changes, filled, parameters, changed, free, dt, law, finest, kind, level, numbers, loads):
+def _fill_at_rest(
+    stuck, models, changes, filled, parameters, changed, free, dt, law, finest, kind, level, numbers, loads
+):
     """The models in which motor, load or both rest all the while, and their changes, with those of what is stuck, if
     that has not happened before."""
     if filled[stuck]:
@@ -84,11 +86,12 @@ def _fill_at_rest(stuck, models, changes, filled, parameters, changed, free, dt,
     filled[stuck] = True
     models[stuck] = 0.0
     fill_resting(
-        parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, _STEP, models[stuck], changes[stuck]
-    )
+        parameters, changed, free, dt, law, finest, kind, level, stuck, numbers, _STEP, models[stuck],
+        changes[stuck],
+    )  # fmt: skip
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offsets):
     """What each sensor shows of the state with the gap open and closed, and of the gap's edge."""
     for s in range(sensors.size):
@@ -109,7 +112,7 @@ def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offse
         offsets[s] = -q[STIFFNESS] if sensors[s] == TORQUE_SHAFT else 0.0
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def _start(third, unknown, slope_at, angle, spread, p):
     """Covariance p of a motion of which nothing is known but its size, see ``innovations``."""
     p[:] = 0.0

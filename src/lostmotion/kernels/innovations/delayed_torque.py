@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ..jit import njit
-from .columns import BORROWED
+from .columns import INNER
 from .transitions import OFFSET, PART, WHOLE
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def delayed(torque, k, c, of, ramp):
     """Mean of the torque that acts over sample k, and by how much it is higher at the beginning than in the end."""
     first, last = k - int(c[of + WHOLE]), torque.size - 1
@@ -20,7 +20,7 @@ def delayed(torque, k, c, of, ramp):
     return 0.5 * (mean + end), mean - end
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def torque_at_ends(mean, jump, part, ramp):
     """Torque at the beginning and at the end of a sample, from its mean and what it is higher by at the beginning."""
     if ramp:

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 
 from ..jit import njit
-from .columns import BORROWED
+from .columns import INNER
 from .transitions import BLOCK
 
 _ROOT_HALF, _DENSITY = math.sqrt(0.5), 1.0 / math.sqrt(2.0 * math.pi)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def mean_gap(z, half, deviation):
     """For z spread by ``deviation``: chance of contact, the edge that the spring sees while it is in contact, and the
     variance of the spring's twist beyond what the chance makes of z's."""
@@ -29,7 +29,7 @@ def mean_gap(z, half, deviation):
     return chance, edge, deviation * deviation * max(square - mean * mean - chance * chance, 0.0)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def blend(t, open, closed, weight, mixed):
     """Transition over a whole sample, open + weight·(closed − open); which begin at t[open], t[closed]."""
     for i in range(BLOCK):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import njit
-from .columns import BORROWED, COMPILED, WIDE
+from .columns import COMPILED, INNER, WIDE
 from .sample_parts import parts
 from .sensitivities import fill_changes
 from .transitions import (
@@ -67,7 +67,7 @@ def fill_loads(q, dt, law, kind, loads):
                     own[1, EDGE] += own[0, i] * block[i, n + 1] * dt
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def stops(t, at, c, stuck, x):
     """Whether friction stops at once what is left of the speed of what is stuck; the transition of a whole sample is at
     t[at …]."""
@@ -79,7 +79,7 @@ def stops(t, at, c, stuck, x):
     return True
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _load(own, x, torque, edge):
     total = own[TORQUE] * torque + own[EDGE] * edge
     for i in range(WIDE):
@@ -87,7 +87,7 @@ def _load(own, x, torque, edge):
     return total
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def holds(loads, closed, stuck, c, x, first, y, last, edge, share):
     """Whether friction holds all inertias that rest from state x with the torque ``first`` on the motor to state y with
     ``last``, a share of a sample later: the torque on them in between is a parabola of its values and slopes at both

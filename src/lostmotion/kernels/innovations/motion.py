@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from ..jit import njit
-from .columns import BORROWED, NOTHING, WIDE, add, combine, product_of
+from .columns import INNER, NOTHING, WIDE, add, combine, product_of
 from .sliding_friction import friction_slope, mean_friction
 from .transitions import (
     CLIPPED,
@@ -28,7 +28,7 @@ from .transitions import (
 _LATER = math.sqrt(2.0) - 1.0
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def moved(t, at, c, of, n, x, torque, jump, edge, stuck, out):
     """State after a sub-step with the transition at t[at …] and a model's numbers at c[of …].
 
@@ -58,7 +58,7 @@ def moved(t, at, c, of, n, x, torque, jump, edge, stuck, out):
     return (1 if motor_rests else 0) + (2 if load_rests else 0)
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def error_transition(t, at, n, stuck, slopes, f, to):
     """Columns of f from f[to] on: how an error of the state goes on over a sub-step, less what sticks.
 
@@ -81,7 +81,7 @@ def error_transition(t, at, n, stuck, slopes, f, to):
                 f[to + j * WIDE + row] = 0.0
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def stop_errors(stuck, f):
     """What moves an inertia that rests all the while stops at once."""
     for end in range(2):
@@ -89,7 +89,7 @@ def stop_errors(stuck, f):
             f[(1 + end) * WIDE : (2 + end) * WIDE] = 0.0
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def follow_errors(t, at, n, resting, stuck, slopes, share, f, work):
     """f = (1 − share)·f + share·(errors over the sub-step)·f; work has room for f and a column. ``resting``: what
     rests by the transition, ``stuck``: what friction has stopped."""
@@ -108,7 +108,7 @@ def follow_errors(t, at, n, resting, stuck, slopes, share, f, work):
             f[j * WIDE + i] += share * (work[room + i] - f[j * WIDE + i])
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def closing(z, twist, law):
     """What reaches the edge where a contact begins; z is the gap's argument, twist + damping/stiffness · rate.
 
@@ -122,7 +122,7 @@ def closing(z, twist, law):
     return z
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def next_contact(contact, z, twist, half, law):
     """Contact after a sub-step (−1, 0, 1); z is the gap's argument."""
     if contact == 0:
@@ -135,13 +135,13 @@ def next_contact(contact, z, twist, half, law):
     return contact if contact * z >= half or law == NO_GAP else 0
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def reversed_motion(c, of, x, y):
     """Whether an inertia with friction has changed its direction."""
     return (x[2] * y[2] < 0.0 and c[of + OF_LOAD] > 0.0) or (x[1] * y[1] < 0.0 and c[of + OF_MOTOR] > 0.0)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def slopes_of_friction(c, of, x, y):
     """Change of the friction of motor and load with the speed, over a sub-step from state x to y."""
     i, j = of + OF_MOTOR, of + OF_LOAD

@@ -8,19 +8,19 @@ three times three halvings.
 from __future__ import annotations
 
 from ..jit import njit
-from .columns import BORROWED
+from .columns import INNER
 
 #: A length is one octal digit: its bits, and its largest value (layout).
 DIGIT, MOST = 3, 7
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def parts(finest):
     """How many have a transition."""
     return 1 + MOST * ((finest + DIGIT - 1) // DIGIT)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def part_number(size, finest):
     """Which of them, the whole sample first, is ``size`` finest parts long; see ``part_within``."""
     if size == 1 << finest:
@@ -32,7 +32,7 @@ def part_number(size, finest):
     return first + size
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def part_within(size, finest):
     """The longest that is no longer than ``size`` finest parts."""
     digit = 0
@@ -41,7 +41,7 @@ def part_within(size, finest):
     return size >> digit << digit
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def shape_mean(part, finest, done, size):
     """Mean over a part of what a torque within a sample differs from its mean by; done and size in finest parts.
 
@@ -54,7 +54,7 @@ def shape_mean(part, finest, done, size):
     return min(max((part * whole - done) / size, 0.0), 1.0) - part
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def until_change(part, finest, done):
     """Finest parts from ``done`` until a held torque changes, the one in which it does alone, or the sample ends."""
     change, end = part * (1 << finest), 1 << finest

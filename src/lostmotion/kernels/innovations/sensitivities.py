@@ -7,7 +7,7 @@ parameter is a product with the transition's change. By differences of whole mot
 from __future__ import annotations
 
 from ..jit import njit
-from .columns import BORROWED, WIDE, add, combine, copy
+from .columns import INNER, WIDE, add, combine, copy
 from .delayed_torque import delayed
 from .gap_in_doubt import mean_gap
 from .sliding_friction import sliding_friction
@@ -33,13 +33,13 @@ _TRANSITIONS, _TORQUES, _GAP, _FRICTION = 1, 2, 4, 8
 _INPUTS, COLUMNS = 5, WIDE + 5
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def slides(x, y, stuck):
     """Whether motor and load slide or rest all the way from state x to y."""
     return (x[1] * y[1] > 0.0 or stuck & 1) and (x[2] * y[2] > 0.0 or stuck & 2)
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def fill_changes(models, numbers, whole, step, changes, what):
     """Change of the whole sample's transitions (open, then closed) with each parameter, and what it changes.
 
@@ -64,14 +64,14 @@ def fill_changes(models, numbers, whole, step, changes, what):
                     what[j] |= _TORQUES
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _add_product(transition, at, n, v, slope, to):
     """slope += transition · v; the transition, or its change, begins at ``at``."""
     combine(transition, at, n, v, 0, 1, slope, to, slope, to)
     combine(transition, at + WIDE * WIDE, _INPUTS, v, WIDE, 1, slope, to, slope, to)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _entry_change(t, whole, change, j, weight, chance, column, row):
     """Change of an entry of the transition that holds with parameter j; ``chance``: that of the contact's."""
     place = column * WIDE + row
@@ -79,7 +79,7 @@ def _entry_change(t, whole, change, j, weight, chance, column, row):
     return opened + weight * (closed - opened) + chance * (t[whole + place] - t[place])
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _friction_change(c, of, place, before, free, per_torque, friction, bend, more, per, what, step):
     """Change of a sliding friction whose numbers are at ``place``: ``more`` is that of the speed that its inertia would
     have without it, ``per`` that of what a torque adds to the speed; ``bend``: its change with the speed."""
@@ -91,10 +91,10 @@ def _friction_change(c, of, place, before, free, per_torque, friction, bend, mor
     return change
 
 
-@njit(**BORROWED)
+@njit(**INNER)
 def follow(
-    t, whole, base, c, change, first, what, n, torque, k, ramp, x, stuck, u, jump, edge, weight, contact, doubt, step, room,
-    slope,
+    t, whole, base, c, change, first, what, n, torque, k, ramp, x, stuck, u, jump, edge, weight, contact, doubt, step,
+    room, slope,
 ):  # fmt: skip
     """Add to ``slope`` what each parameter does to the state within sample k, in which both inertias slide or rest.
 

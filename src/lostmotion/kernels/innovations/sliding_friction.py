@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 
 from ..jit import njit
-from .columns import BORROWED
+from .columns import INNER
 
 #: Speeds over the fading speed that differ by less are one (numerics: the quotient's rounding).
 _ONE = 1e-4
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def _mean_rise(first, last, rise, fade):
     """Mean of rise · exp(−|speed| / fade) while the speed goes from first to last, without turning."""
     if rise == 0.0:
@@ -26,7 +26,7 @@ def _mean_rise(first, last, rise, fade):
     return rise * (math.exp(-near) - math.exp(-far)) / (far - near)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def sliding_friction(before, free, per_torque, level, rise, fade):
     """``mean_friction`` of an inertia that slides all the while, and its change with the speed at the end that it would
     have without the rise."""
@@ -42,7 +42,7 @@ def sliding_friction(before, free, per_torque, level, rise, fade):
     return slipping * (1.0 + mean), level * (rise * math.exp(-far) - mean) / ((far - near) * fade)
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def mean_friction(before, free, per_torque, level, rise, fade):
     """Mean torque of a friction over a sub-step, and whether its inertia is at rest in the end.
 
@@ -63,7 +63,7 @@ def mean_friction(before, free, per_torque, level, rise, fade):
     return moving * slipping + (1.0 - moving) * limited, limited == holding
 
 
-@njit(forceinline=True, **BORROWED)
+@njit(forceinline=True, **INNER)
 def friction_slope(first, last, level, rise, fade):
     """Change of the friction with the speed, Nm s/rad, between two speeds; 0 where it does not slide all the way."""
     if rise == 0.0 or first * last <= 0.0:
