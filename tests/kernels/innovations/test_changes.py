@@ -48,14 +48,13 @@ class Sample:
     """A sample of the plant's motion, from change to change."""
 
     def __init__(self, q: np.ndarray) -> None:
-        self.table, self.numbers = np.zeros(MODEL), np.zeros(NUMBERS)
-        fill_model(q, DT, 0, FINEST, KIND, 1.0, self.table, self.numbers, np.zeros(2 * WIDE * WIDE))
-        self.resting, self.loads = np.zeros(3 * MODEL), np.zeros((3, 2, 2, 2, WIDE + 5))
+        models, self.numbers = np.zeros((4, MODEL)), np.zeros(NUMBERS)
+        fill_model(q, DT, 0, FINEST, KIND, 1.0, models[0], self.numbers, np.zeros(2 * WIDE * WIDE))
+        self.table, self.loads = models.reshape(-1), np.zeros((3, 2, 2, 2, WIDE + 5))
         for stuck in range(1, 4):
-            resting = self.resting[(stuck - 1) * MODEL :][:MODEL]
-            fill_transitions(q, DT, 0, FINEST, KIND, 1.0, stuck, resting, np.zeros(0))
+            fill_transitions(q, DT, 0, FINEST, KIND, 1.0, stuck, models[stuck], np.zeros(0))
         fill_loads(q, DT, 0, KIND, self.loads)
-        self.filled = np.ones(3, dtype=np.bool_)
+        self.filled = np.ones(4, dtype=np.bool_)
 
     def ends(self, state: tuple[float, float, float], torque: float, rest: int = 0):
         """State at the end, errors on the way, pieces, what rests then and what transition is lacking."""
@@ -64,7 +63,7 @@ class Sample:
         x[:3] = state
         contact = int(np.sign(state[0])) if abs(state[0]) > 0.006 else 0
         _, rest, _, pieces, lacking = through_changes(
-            self.table, self.resting, self.filled, MODEL, self.numbers, self.loads, FINEST, False, 4, (1, 2), 0,
+            self.table, self.filled, MODEL, self.numbers, self.loads, FINEST, False, 4, (1, 2), 0,
             torque, 0.0, contact, rest, x, y, f, work, path,
         )  # fmt: skip
         return x[:3], f, path[:pieces], rest, lacking
@@ -74,7 +73,7 @@ class Sample:
         x[:3] = state
         contact = int(np.sign(state[0])) if abs(state[0]) > 0.006 else 0
         along_path(
-            self.table, 0, self.resting, 0, MODEL, self.numbers, 0, FINEST, False, 4, (1, 2), 0, torque, 0.0, contact,
+            self.table, 0, MODEL, self.numbers, 0, FINEST, False, 4, (1, 2), 0, torque, 0.0, contact,
             path, len(path), x, y,
         )  # fmt: skip
         return x[:3]

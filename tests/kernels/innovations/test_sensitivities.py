@@ -102,7 +102,7 @@ def test_they_are_those_of_whole_motions(contact: int, deviation: float, ramp: b
     blend(t, 0, WHOLE, weight, mixed)
     room = (np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(COLUMNS), np.zeros(WIDE))
     follow(
-        t, WHOLE, (mixed, 0), c, changes.reshape(-1), what, n, TORQUE, k, ramp, x, 0, u, jump, edge, weight, contact,
+        t, WHOLE, mixed, c, changes.reshape(-1), 0, what, n, TORQUE, k, ramp, x, 0, u, jump, edge, weight, contact,
         (deviation, rate, travel), STEP, room, slope,
     )  # fmt: skip
     found = slope.reshape(len(FREE), WIDE)[:, :n]
