@@ -139,8 +139,13 @@ def test_the_memory_that_is_asked_for_is_enough():
 
 
 @pytest.mark.parametrize(
-    ("nameplate", "words"), [(0.01, "The nameplate's 0.01 rad is used"), (0.0, "lacks it: 0 rad")]
+    ("used", "nameplate", "words"),
+    [
+        (0.01 * (1.0 + 1e-12), 0.01, "The nameplate's 0.01 rad is used"),
+        (0.0, 0.0, "lacks it: 0 rad"),
+        (0.02, 0.01, "the likeliest value, 0.02 rad, which may be far off"),
+    ],
 )
-def test_what_is_taken_for_an_unexcited_parameter(nameplate, words):
+def test_what_is_taken_for_an_unexcited_parameter(used, nameplate, words):
     """A user who gave no backlash is not told of the nameplate's."""
-    assert words in not_excited("backlash", nameplate).remedy
+    assert words in not_excited("backlash", used, nameplate).remedy

@@ -324,7 +324,11 @@ def _result(
                 pieces.dt,
                 values.gap_bound,
             ),
-            *([problem.not_excited("inertia_total", start.inertia_total)] if inertia is None else []),
+            *(
+                []
+                if inertia is not None
+                else [problem.not_excited("inertia_total", *2 * [start.inertia_total])]
+            ),
         ),
         prediction=prediction,
         structure=structure,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -11,6 +12,8 @@ from ...drivetrain import PARAMETER_UNITS, Drivetrain
 from ...errors import Problem
 from ..statistics.estimates import UNITS
 
+#: Values that differ by less are one (numerics: a logarithm and back).
+SAME = 1e-6
 _EXCITE = {
     "backlash": "Record reversals of the shaft torque: torque of both signs at steady speed.",
     "stiffness": "Record torque with content near the zero and the pole of the drivetrain.",
@@ -168,13 +171,15 @@ def laws_alike(gain: float, certainty: float, least: float) -> Problem:
 # Single parameters.
 
 
-def not_excited(name: str, nameplate: float) -> Problem:
-    value = f"{nameplate:g} {UNITS[name]}"
-    instead = (
-        f"The nameplate's {value} is used instead."
-        if nameplate
-        else f"The nameplate lacks it: {value} is used."
-    )
+def not_excited(name: str, used: float, nameplate: float) -> Problem:
+    """``used``: the value that the model has instead."""
+    value = f"{used:g} {UNITS[name]}"
+    if not math.isclose(used, nameplate, rel_tol=SAME):
+        instead = f"The model has the likeliest value, {value}, which may be far off."
+    elif nameplate:
+        instead = f"The nameplate's {value} is used instead."
+    else:
+        instead = f"The nameplate lacks it: {value} is used."
     remedy = f"{_EXCITE.get(name, 'Record more torque.')} {instead}"
     return Problem.warning(name, "a recording that does not tell it", "excitation", remedy)
 

@@ -194,7 +194,7 @@ def warnings(
     problems += [
         problem.no_gap(gap_bound, start.backlash)
         if name == "backlash" and gap_bound is not None
-        else problem.not_excited(name, getattr(start, name))
+        else problem.not_excited(name, getattr(found, name), getattr(start, name))
         for name, source in sources.items()
         if source == "not excited"
     ]

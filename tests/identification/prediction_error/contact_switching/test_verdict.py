@@ -93,6 +93,18 @@ def test_of_two_that_agree_on_the_drive_the_one_that_knows_it_better_is_taken(fi
     assert not fit.knows_less_than(found(0.5 * HALF, stiffness=1.1))
 
 
+def test_the_other_estimate_brings_its_likeliest_friction_along(fit: Fit):
+    """Motor friction is always its own: beside the nameplate's at the load the two would not belong together."""
+    best = away(fit, stiffness=1.3, viscous=2.0, lag=1.5)
+    known = np.where(np.isin(TOLD, ["inertia_motor", "inertia_load"]), HALF, np.inf)
+    predictor, stage, told, _ = fit.replaced_by(Estimate(told_vector(best), known, np.eye(8), best))
+    model = predictor.drivetrain(told.theta)
+    assert [TOLD[i] for i in stage.free] == ["inertia_motor", "inertia_load"]
+    assert model.viscous == pytest.approx(2.0 * PLANT.viscous)
+    assert model.lag == pytest.approx(1.5 * PLANT.lag)
+    assert model.stiffness == pytest.approx(9000.0)  # the nameplate's
+
+
 def test_where_nothing_explains_the_recording_only_the_core_is_told(fit: Fit):
     """Friction, damping and lag make up for what the model lacks."""
     _, stage, told, _ = fit.with_room_for([away(fit, backlash=0.9)], explained=False)

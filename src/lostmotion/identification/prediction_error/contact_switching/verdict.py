@@ -143,14 +143,19 @@ class Fit:
         return None
 
     def replaced_by(self, found: Estimate) -> Outcome:
-        """The other estimator's values in the place of the fit's."""
+        """The other estimator's values in the place of the fit's.
+
+        Of friction, damping and lag also those that are not identified: what the motor's friction is depends on them,
+        and with the nameplate's instead the model moves otherwise than the drive did.
+        """
         free = [i for i in range(len(NAMES)) if np.isfinite(found.half[i])]
         if not free:
             return self.nothing(problem.contradicted())
         lines = friction_lines(found.best)
         friction = {name: lines[name] for name in ("coulomb_motor", "viscous_motor")}
         predictor = replace(self.predictor, base=self.predictor.base.with_parameters(**friction))
-        theta = self._nameplate()
+        core = np.isin(np.arange(len(NAMES)), CORE)
+        theta = np.where(core, self._nameplate(), found.theta)
         theta[free] = found.theta[free]
         if found.gap_bound is not None:
             theta = without_gap(theta)
