@@ -95,7 +95,8 @@ class Identification(Estimates):
     Parameters
     ----------
     drivetrain : Drivetrain
-        With the contact law that was asked for. What was not identified has its nameplate value here.
+        With the contact law that was asked for. What was not identified has its nameplate value here; friction, damping
+        and lag of the second estimator have their likeliest one.
     prediction : Prediction
     structure : Structure
         What the model consists of, and what else would predict as well.
