@@ -284,6 +284,7 @@ def _result(
     full = np.zeros(theta.size)
     full[stage.free] = values.half
     low, high = (from_theta(theta + sign * full, predictor.dt) for sign in (-1.0, 1.0))
+    own = start.inertia_total
     innovation = predictor.speed_residual(residual)
     rms = float(np.sqrt(np.mean(innovation[predictor.settled()] ** 2)))
     prediction = Prediction(
@@ -324,11 +325,7 @@ def _result(
                 pieces.dt,
                 values.gap_bound,
             ),
-            *(
-                []
-                if inertia is not None
-                else [problem.not_excited("inertia_total", *2 * [start.inertia_total])]
-            ),
+            *([] if inertia is not None else [problem.not_excited("inertia_total", own, own)]),
         ),
         prediction=prediction,
         structure=structure,

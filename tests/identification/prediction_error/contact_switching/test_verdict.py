@@ -105,6 +105,16 @@ def test_the_other_estimate_brings_its_likeliest_friction_along(fit: Fit):
     assert model.stiffness == pytest.approx(9000.0)  # the nameplate's
 
 
+def test_what_is_fixed_keeps_the_nameplates_value(fit: Fit):
+    """The line through a friction that rises towards rest is not the level that was fixed."""
+    known = np.where(np.isin(TOLD, CORE), HALF, np.inf)
+    best = away(fit, coulomb=2.0, viscous=2.0)
+    fixed = replace(fit, stage=replace(fit.stage, free=[i for i in range(8) if TOLD[i] != "coulomb"]))
+    predictor, _, told, _ = fixed.replaced_by(Estimate(told_vector(best), known, np.eye(8), best))
+    model = predictor.drivetrain(told.theta)
+    assert (model.coulomb, model.viscous) == pytest.approx((PLANT.coulomb, 2.0 * PLANT.viscous))
+
+
 def test_where_nothing_explains_the_recording_only_the_core_is_told(fit: Fit):
     """Friction, damping and lag make up for what the model lacks."""
     _, stage, told, _ = fit.with_room_for([away(fit, backlash=0.9)], explained=False)

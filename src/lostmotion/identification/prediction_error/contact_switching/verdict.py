@@ -154,9 +154,11 @@ class Fit:
         lines = friction_lines(found.best)
         friction = {name: lines[name] for name in ("coulomb_motor", "viscous_motor")}
         predictor = replace(self.predictor, base=self.predictor.base.with_parameters(**friction))
-        core = np.isin(np.arange(len(NAMES)), CORE)
-        theta = np.where(core, self._nameplate(), found.theta)
-        theta[free] = found.theta[free]
+        # What was never to be fitted keeps the nameplate's value exactly.
+        fitted = {*self.stage.free, *self.stage.unexcited}
+        kept = [i for i in range(len(NAMES)) if i not in free and (i in CORE or i not in fitted)]
+        theta = found.theta.copy()
+        theta[kept] = self._nameplate()[kept]
         if found.gap_bound is not None:
             theta = without_gap(theta)
         lost = tuple(i for i in range(len(NAMES)) if i not in free)
