@@ -16,7 +16,7 @@ from .filter import FRICTIONS, INDEX
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .structures.no_gap import gap_bound, gap_of, without_gap
-from .told import lag, told_slopes, told_vector
+from .told import lag, room_for_rest, told_slopes, told_vector
 
 Array = NDArray[np.float64]
 
@@ -149,6 +149,7 @@ def told(
         + (DISAGREEMENT * disagreement) ** 2
         + room**2
         + _under_other_laws(best) ** 2
+        + room_for_rest(best) ** 2
         + EXACT**2
     )
     # A smooth torque that is held acts as one that goes straight from row to row, half a row later: the lag is one or

@@ -49,8 +49,8 @@ FINEST, HALVINGS = 2000.0, 9
 SETTLED, MOVED, LOST = 15.0, 6.0, 0.25
 #: Slope of a load torque at the start, in standard deviations of the torque in a second (numerics: a period of 2 s).
 DRIFT = 3.0
-#: Rows whose speeds stand for all (numerics).
-SOME = 2000
+#: Sensors of the kernel (layout), and the variance over that of the first of one that weighs nothing (numerics).
+SPEED_MOTOR, SPEED_LOAD, UNSEEN = 0, 1, 1e18
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,22 +225,8 @@ class ContactFilter:
 
     def run(self, theta: Array, free: Sequence[int] = ()) -> Run:
         """A pass with the parameters θ, and its sensitivities to the free ones."""
-        from ....kernels.innovations.contact_switching import innovations
-
-        m, n, q, counts = len(free), self.rows, self.values(theta), self._which
-        residuals, variances, jacobian = np.empty((n, 1)), np.empty((n, 1)), np.empty((m, n, 1))
-        with np.errstate(all="ignore"):
-            twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
-        torque = self.torque_deviation
-        start = np.array([twist, 0.3 * self.speed_deviation, torque, torque * DRIFT]) / self.level
-        innovations(
-            q, np.array(free, dtype=np.int64),
-            np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
-            self._units[list(free)],
-            self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind, self.drifts, np.zeros(1, dtype=np.int64),
-            self.counted, np.ones(1), np.array(self.bounds, dtype=np.int64), self.torque, self.measured[:, None],
-            self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
-        )  # fmt: skip
+        q, counts = self.values(theta), self._which
+        residuals, variances, jacobian = self._pass(q, free, [SPEED_MOTOR])
         with np.errstate(all="ignore"):
             variance = variances[counts, 0]
             deviations = np.sqrt(variance)
@@ -259,6 +245,34 @@ class ContactFilter:
             jacobian = np.column_stack([jacobian, last])
         return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian, rows, deviations)
 
+    def _pass(self, q: Array, free: Sequence[int], sensors: Sequence[int]) -> tuple[Array, Array, Array]:
+        """Innovations (n, s), their variances (n, s) and changes (m, n, s) with the values q; the first sensor is the
+        motor's, the others weigh nothing and show zero."""
+        from ....kernels.innovations.contact_switching import innovations
+
+        m, n, count = len(free), self.rows, len(sensors)
+        residuals, variances, jacobian = np.empty((n, count)), np.empty((n, count)), np.empty((m, n, count))
+        measured = np.zeros((n, count))
+        measured[:, 0] = self.measured
+        with np.errstate(all="ignore"):
+            twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
+        torque = self.torque_deviation
+        start = np.array([twist, 0.3 * self.speed_deviation, torque, torque * DRIFT]) / self.level
+        innovations(
+            q, np.array(free, dtype=np.int64),
+            np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
+            self._units[list(free)],
+            self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind, self.drifts,
+            np.array(sensors, dtype=np.int64), self.counted, np.array([1.0, *[UNSEEN] * (count - 1)]),
+            np.array(self.bounds, dtype=np.int64), self.torque, measured,
+            self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
+        )  # fmt: skip
+        return residuals, variances, jacobian
+
+    def load_speed(self, theta: Array) -> Array:
+        """(n,) speed of the load that the filter expects with the parameters θ, rad/s."""
+        return -self._pass(self.values(theta), (), [SPEED_MOTOR, SPEED_LOAD])[0][:, 1]
+
     def _beyond_slow_motion(self, motor: float, load: float) -> tuple[float, dict[str, float]]:
         """How far the total inertia is beyond what the slow motion tells, in half widths, and its derivatives.
 
@@ -274,13 +288,18 @@ class ContactFilter:
         return (away - np.copysign(half, away)) / half, slope
 
     @cached_property
-    def speeds(self) -> Array:
-        """Sizes of the motor speed at some thousand rows, rad/s."""
+    def motor_speed(self) -> Array:
+        """(n,) speed of the motor as recorded, rad/s; of counts over some rows, which takes a few."""
         if not self.counted:
-            size = np.abs(self.measured)
-        else:
-            size = np.abs(self.measured[self._span :] - self.measured[: -self._span]) / (self._span * self.dt)
-        return np.asarray(size[:: max(1, size.size // SOME)])
+            return self.measured
+        return np.asarray(
+            (self.measured[self._span :] - self.measured[: -self._span]) / (self._span * self.dt)
+        )
+
+    @property
+    def motor_speed_noise(self) -> float:
+        """Standard deviation of the sensor's noise in it, rad/s."""
+        return np.sqrt(2.0) * self.floor / (self._span * self.dt) if self.counted else self.floor
 
     @property
     def _span(self) -> int:
@@ -305,11 +324,7 @@ class ContactFilter:
     @cached_property
     def speed_deviation(self) -> float:
         """Standard deviation of the motor speed, rad/s."""
-        if not self.counted:
-            return float(np.std(self.measured))
-        return float(
-            np.std((self.measured[self._span :] - self.measured[: -self._span]) / (self._span * self.dt))
-        )
+        return float(np.std(self.motor_speed))
 
     def theta(self, values: Mapping[str, float]) -> Array:
         """Parameter vector of values, SI, zero where there is none; −inf for the logarithm of zero."""

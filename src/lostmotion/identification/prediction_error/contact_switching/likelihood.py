@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..innovations import THREADS
-from .filter import FRICTIONS, INDEX, NAMES, PARAMETERS, ContactFilter, Run, pole_of
+from .filter import FRICTIONS, INDEX, MOVED, NAMES, PARAMETERS, ContactFilter, Run, pole_of
 from .gauss_newton import minimise_within
 
 Array = NDArray[np.float64]
@@ -45,6 +45,9 @@ LEAST_FRICTION, MOST_FRICTION = 1e-8, 100.0
 #: Rise of a friction towards rest at most, and the speeds over which it fades, over the speed's standard deviation
 #: (numerics: a slower one is not seen, a faster one is viscous).
 MOST_RISE, FADE_BOUNDS = 3.0, (3e-3, 1.0)
+#: Speed over its standard deviation from which on an end moves (calibrated on 18 development drives of 3460 to 3820,
+#: 2026-11-27: of 1e-6 to 1e-2 that whose speeds give the true curve the true line); rows that stand for all (numerics).
+MOVES, SOME = 1e-3, 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +136,18 @@ class Candidate:
         """The pass at θ, with its sensitivities to the free parameters."""
         return self.flt.run(self.theta, self.free)
 
+    @cached_property
+    def speeds(self) -> tuple[Array, Array]:
+        """Sizes of the speeds, rad/s, at which load and motor move; some thousand rows of each."""
+        return self.speeds_above(MOVES)
+
+    def speeds_above(self, least: float) -> tuple[Array, Array]:
+        """The same above this part of the speed's standard deviation."""
+        flt = self.flt
+        least *= flt.speed_deviation
+        load = _some(np.abs(flt.load_speed(self.theta)), least)
+        return load, _some(np.abs(flt.motor_speed), max(least, MOVED * flt.motor_speed_noise))
+
     @property
     def values(self) -> dict[str, float]:
         """Values of the kernel's parameters by name, SI."""
@@ -159,6 +174,13 @@ class Candidate:
         """The filter over other rows, with what this candidate takes for the torques and the contact."""
         flt = self.flt
         return replace(rows, ramp=flt.ramp, behind=flt.behind, drifts=flt.drifts, law=flt.law)
+
+
+def _some(sizes: Array, least: float) -> Array:
+    """Some thousand of the sizes above a least one; of all, where these tell no line."""
+    above = sizes[sizes > least]
+    found = above if above.size > SOME // 100 else sizes
+    return found[:: max(1, found.size // SOME)]
 
 
 def cost_of(one: Candidate) -> float:

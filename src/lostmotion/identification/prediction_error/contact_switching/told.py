@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: Step of differences in θ (numerics: far above rounding, far below any interval).
 STEP = 1e-6
+#: Speed over its standard deviation up to which an end is at rest for certain (numerics: rounding).
+RESTS = 1e-6
 
 
 def lag(candidate: Candidate) -> float:
@@ -29,10 +31,10 @@ def _lag(candidate: Candidate) -> float:
     return values["lag"] + values["delay"]
 
 
-def told_vector(candidate: Candidate) -> Array:
-    """Parameter vector in the order of ``innovations.NAMES``."""
+def told_vector(candidate: Candidate, speeds: tuple[Array, Array] | None = None) -> Array:
+    """Parameter vector in the order of ``innovations.NAMES``; ``speeds`` for ``friction_lines``."""
     theta = candidate.theta[[INDEX[name] for name in TOLD]]
-    lines = friction_lines(candidate)
+    lines = friction_lines(candidate, speeds)
     with np.errstate(divide="ignore"):
         for name in ("coulomb", "viscous"):
             theta[TOLD.index(name)] = np.log(lines[name])
@@ -43,12 +45,23 @@ def told_vector(candidate: Candidate) -> Array:
 def told_slopes(candidate: Candidate) -> Array:
     """(8, m) derivatives of that vector by the free parameters; zero where it is not finite."""
     base, columns = told_vector(candidate), []
+    # How the speeds change is far less than how the curve does.
+    speeds = candidate.speeds if candidate.rises else None
     for place in candidate.free:
         theta = candidate.theta.copy()
         theta[place] += STEP
         other = replace(candidate, theta=theta)
         with np.errstate(invalid="ignore"):
-            columns.append((told_vector(other) - base) / STEP)
+            columns.append((told_vector(other, speeds) - base) / STEP)
         # Its chance is that of the sum, also where that is below zero.
         columns[-1][-1] = (_lag(other) - _lag(candidate)) / STEP / (lag(candidate) + candidate.flt.dt)
     return np.nan_to_num(np.array(columns).T, nan=0.0, posinf=0.0, neginf=0.0)
+
+
+def room_for_rest(candidate: Candidate) -> Array:
+    """(8,) how far the line that stands for a rising friction depends on which of the slow rows are no rest."""
+    if not candidate.rises:
+        return np.zeros(len(TOLD))
+    with np.errstate(invalid="ignore"):
+        other = np.abs(told_vector(candidate, candidate.speeds_above(RESTS)) - told_vector(candidate))
+    return np.asarray(np.nan_to_num(other))

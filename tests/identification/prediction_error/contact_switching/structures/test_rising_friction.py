@@ -15,7 +15,12 @@ from lostmotion.identification.prediction_error.contact_switching.structures.ris
     friction_lines,
     with_rising_friction,
 )
-from lostmotion.identification.prediction_error.contact_switching.told import told_slopes, told_vector
+from lostmotion.identification.prediction_error.contact_switching.told import (
+    room_for_rest,
+    told_slopes,
+    told_vector,
+)
+from lostmotion.rig.equivalent import friction_line
 
 DT, RISE, FADE = 2e-4, 0.4, 2.0
 FREE = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash", "coulomb", "viscous")
@@ -23,16 +28,22 @@ FREE = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash", "co
 
 @pytest.fixture(scope="module")
 def rubbing(plant: lm.Drivetrain) -> ContactFilter:
-    """20 bits of the exact drive whose friction rises by 40 % towards rest, in a random motion through rest."""
+    return recorded(plant)[0]
+
+
+def recorded(plant: lm.Drivetrain) -> tuple[ContactFilter, lm.Recording, lm.Friction]:
+    """20 bits of the exact drive whose friction rises by 40 % towards rest, in a random motion through rest; the motion
+    and the friction."""
     speeds = FADE * np.concatenate([np.linspace(0.0, 6.0, 200), [20.0]])
     curve = tuple((float(w), float(plant.coulomb * RISE * np.exp(-w / FADE))) for w in speeds[:-1])
     friction = lm.Friction(plant.coulomb, plant.viscous, stribeck=(*curve, (float(speeds[-1]), 0.0)))
     chain = replace(plant, frictions=(lm.Friction(), friction))
     torque = lm.signals.excitation(1.5, DT, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
     count = 2.0 * np.pi / 2**20
-    angle = np.floor(lm.simulate(chain, torque_motor=torque, dt=DT)["angle_motor"] / count) * count
+    motion = lm.simulate(chain, torque_motor=torque, dt=DT)
+    angle = np.floor(motion["angle_motor"] / count) * count
     floor = count / np.sqrt(12.0)
-    return ContactFilter(torque, angle, DT, True, floor, floor, 7, (0, torque.size))
+    return ContactFilter(torque, angle, DT, True, floor, floor, 7, (0, torque.size)), motion, friction
 
 
 @pytest.fixture(scope="module")
@@ -62,13 +73,14 @@ def test_a_descent_finds_it(constant: Candidate, values: dict[str, float]):
     assert len(other_choices(without, box)) == len(other_choices(found, box)) + 2
 
 
-def test_it_is_told_as_the_line_closest_to_it_at_the_recorded_speeds(constant: Candidate):
+def test_it_is_told_as_the_line_closest_to_it_at_the_speeds_of_its_end(constant: Candidate):
     theta, flt = constant.theta.copy(), constant.flt
     theta[[INDEX["rise"], INDEX["fade"]]] = RISE, np.log(FADE)
     rising = replace(constant, theta=theta, free=sorted({*constant.free, INDEX["rise"], INDEX["fade"]}))
     coulomb, viscous = flt.values(theta)[[INDEX["coulomb"], INDEX["viscous"]]]
-    torque = coulomb * (1.0 + RISE * np.exp(-flt.speeds / FADE)) + viscous * flt.speeds
-    line = np.linalg.lstsq(np.column_stack([np.ones(torque.size), flt.speeds]), torque, rcond=None)[0]
+    load, _ = rising.speeds
+    torque = coulomb * (1.0 + RISE * np.exp(-load / FADE)) + viscous * load
+    line = np.linalg.lstsq(np.column_stack([np.ones(torque.size), load]), torque, rcond=None)[0]
     lines = friction_lines(rising)
     assert [lines["coulomb"], lines["viscous"]] == pytest.approx([line[0], max(line[1], 0.0)])
     assert coulomb < lines["coulomb"] < (1.0 + RISE) * coulomb and lines["viscous"] < viscous
@@ -77,3 +89,20 @@ def test_it_is_told_as_the_line_closest_to_it_at_the_recorded_speeds(constant: C
     slopes = told_slopes(rising)
     assert slopes[5, rising.free.index(INDEX["rise"])] > 0.0
     assert slopes[0] == pytest.approx([1.0 if place == 0 else 0.0 for place in rising.free], abs=1e-6)
+
+
+def test_the_line_is_over_the_speeds_of_the_load_not_of_the_motor(
+    plant: lm.Drivetrain, values: dict[str, float]
+):
+    """A load behind a large gap rests and coasts while the motor moves."""
+    flt, motion, friction = recorded(plant.with_parameters(backlash=0.3))
+    theta = flt.theta(
+        values | {"backlash": 0.3, "rise": RISE, "fade": FADE, "motor_rate": 100.0, "impact": 1e-3}
+    )
+    true = Candidate("truth", theta, flt.run(theta).cost, flt, [INDEX["coulomb"], INDEX["rise"]])
+    load, motor = (friction_line(friction, motion[name])[0] for name in ("speed_load", "speed_motor"))
+    assert load is not None and motor is not None and motor < 0.98 * load
+    assert friction_lines(true)["coulomb"] == pytest.approx(load, rel=0.002)
+    # Which of the slowest rows are no rest belongs to the interval.
+    assert 0.0 < room_for_rest(true)[5] < 0.02
+    assert not np.any(room_for_rest(replace(true, free=[INDEX["coulomb"]])))

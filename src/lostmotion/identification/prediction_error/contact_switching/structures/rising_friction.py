@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..filter import INDEX
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
+
+Array = NDArray[np.float64]
 
 #: Rise over the Coulomb level, and speeds over which it fades, over the speed's standard deviation, with which descents
 #: start (numerics).
@@ -39,18 +42,19 @@ def with_rising_friction(candidate: Candidate, fade: float, box: Box) -> Candida
     return replace(found, flt=flt)
 
 
-def friction_lines(candidate: Candidate) -> dict[str, float]:
-    """Coulomb (Nm) and viscous friction (Nm s/rad) of either end: the line closest to the curve at the recorded speeds.
+def friction_lines(candidate: Candidate, speeds: tuple[Array, Array] | None = None) -> dict[str, float]:
+    """Coulomb (Nm) and viscous friction (Nm s/rad) of either end: the line closest to the curve at the speeds at which
+    it moves, of load and motor, those of the candidate if none are given.
 
     A viscous friction below zero is none.
     """
     values = candidate.values
     lines: dict[str, float] = {}
-    for end in ENDS:
+    for which, end in enumerate(ENDS):
         coulomb, viscous, rise = (values[f"{name}{end}"] for name in ("coulomb", "viscous", "rise"))
         if coulomb * rise > 0.0:
-            speeds = candidate.flt.speeds
-            slope, offset = np.polyfit(speeds, rise * coulomb * np.exp(-speeds / values[f"fade{end}"]), 1)
+            size = (speeds or candidate.speeds)[which]
+            slope, offset = np.polyfit(size, rise * coulomb * np.exp(-size / values[f"fade{end}"]), 1)
             coulomb, viscous = coulomb + float(offset), max(viscous + float(slope), 0.0)
         lines |= {f"coulomb{end}": coulomb, f"viscous{end}": viscous}
     return lines
