@@ -33,11 +33,11 @@ DT, FINEST = 1e-3, 9
 COULOMB_ALONE = 0.004
 
 
-MODEL, KIND = 2 * parts(FINEST) * BLOCK, (False, False, False, False, False)
+MODEL, KIND = 2 * parts(FINEST) * BLOCK, (False, 0, False, False, False)
 
 
 def values(**changed: float) -> np.ndarray:
-    q = np.zeros(23)
+    q = np.zeros(26)
     q[[INERTIA_MOTOR, INERTIA_LOAD]] = 0.0182, 0.111
     q[[STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS]] = 6285.896, 0.397, 0.012, 2.0, 0.0175
     q[COULOMB] = changed.get("coulomb", 2.0)

@@ -26,12 +26,12 @@ from lostmotion.kernels.innovations.transitions import (
 )
 
 #: Eight samples in the torsional period.
-DT, KIND = 1.25e-3, (False, False, False, False, False)
+DT, KIND = 1.25e-3, (False, 0, False, False, False)
 MOTOR, LOAD = 1, 2
 
 
 def parameters(coulomb: float, coulomb_motor: float) -> np.ndarray:
-    q = np.zeros(23)
+    q = np.zeros(26)
     q[[INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING]] = 0.0182, 0.111, 6285.896, 0.397
     q[[BACKLASH, COULOMB, COULOMB_MOTOR, VISCOUS_MOTOR]] = 0.012, coulomb, coulomb_motor, 0.004
     return q
@@ -50,7 +50,7 @@ def rested(
     """State after a sample in which what is stuck rests, and whether friction holds it."""
     table, numbers, loads = np.zeros(2 * BLOCK), np.zeros(NUMBERS), np.zeros((3, 2, 2, 2, WIDE + 5))
     fill_transitions(q, DT, 0, 0, KIND, 1.0, stuck, table, np.zeros(0))
-    fill_numbers(q, DT, 0, False, 1.0, numbers)
+    fill_numbers(q, DT, 0, 0, 1.0, numbers)
     fill_loads(q, DT, 0, KIND, loads)
     contact = int(np.sign(state[0])) if abs(state[0]) > 0.5 * q[BACKLASH] else 0
     x, y, edge, closed = np.zeros(WIDE), np.zeros(WIDE), contact * 0.5 * q[BACKLASH], abs(contact)
@@ -102,7 +102,7 @@ def test_what_moves_too_fast_to_stop_at_once_does_not_rest():
     q = parameters(2.0, 0.0)
     table, numbers, x = np.zeros(2 * BLOCK), np.zeros(NUMBERS), np.zeros(WIDE)
     fill_transitions(q, DT, 0, 0, KIND, 1.0, 0, table, np.zeros(0))
-    fill_numbers(q, DT, 0, False, 1.0, numbers)
+    fill_numbers(q, DT, 0, 0, 1.0, numbers)
     at_once = 2.0 * DT / q[INERTIA_LOAD] / 16.0
     for speed, expected in ((0.9 * at_once, True), (-0.9 * at_once, True), (1.1 * at_once, False)):
         x[2] = speed

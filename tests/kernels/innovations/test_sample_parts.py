@@ -25,11 +25,11 @@ from lostmotion.kernels.innovations.transitions import (
     fill_transitions,
 )
 
-DT, KIND = 1e-3, (False, False, False, False, False)
+DT, KIND = 1e-3, (False, 0, False, False, False)
 
 
 def transitions(dt: float, finest: int) -> np.ndarray:
-    q = np.zeros(23)
+    q = np.zeros(26)
     q[[INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING]] = 0.0182, 0.111, 6285.896, 0.397
     q[[BACKLASH, VISCOUS, LAG]] = 0.012, 0.0175, 8e-4
     table = np.zeros(2 * parts(finest) * BLOCK)

@@ -62,7 +62,7 @@ def models(parameters: np.ndarray, step: float, ramp: bool) -> tuple[np.ndarray,
         q = parameters.copy()
         if j > 0:
             q[FREE[j - 1]] *= np.exp(step)
-        fill_model(q, DT, 0, FINEST, (ramp, False, False, False, False), 1.0, tables[j], numbers[j], noise)
+        fill_model(q, DT, 0, FINEST, (ramp, 0, False, False, False), 1.0, tables[j], numbers[j], noise)
     return tables, numbers
 
 
@@ -71,7 +71,7 @@ def models(parameters: np.ndarray, step: float, ramp: bool) -> tuple[np.ndarray,
 @pytest.mark.parametrize("deviation", [0.0, 0.002], ids=["known contact", "contact in doubt"])
 @pytest.mark.parametrize("contact", [-1, 0, 1])
 def test_they_are_those_of_whole_motions(contact: int, deviation: float, ramp: bool, rise: float):
-    parameters = np.zeros(23)
+    parameters = np.zeros(26)
     parameters[list(VALUES)] = list(VALUES.values())
     parameters[[RISE, RISE_MOTOR]], parameters[[FADE, FADE_MOTOR]] = rise, 2.0
     tables, numbers = models(parameters, STEP, ramp)

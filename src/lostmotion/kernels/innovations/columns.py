@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from ..jit import BORROWED, njit
-from ..numerics.vectors import LANES, address, fused, load, read, splat, store, write
+from ..numerics.vectors import LANES, address, fused, load, read, splat, store
 
 COMPILED: Any = {"cache": True, "nogil": True, "fastmath": {"contract"}, "error_model": "numpy"}
 #: The same for what makes no array, see ``jit.BORROWED``.
 INNER: Any = {**COMPILED, **BORROWED}
 
-#: States at most (layout). Columns are so long: loops of a known length become vector instructions.
-WIDE = 9
-#: Place of a column's last number, behind those of two registers (layout).
+#: States at most, in whole registers (layout). Columns are so long: loops of a known length become vector instructions.
+WIDE = 3 * LANES
+#: Place of a column's last register (layout).
 _LAST = 2 * LANES
 #: A column of zeros.
 NOTHING = np.zeros(WIDE)
@@ -28,10 +28,10 @@ NOTHING = np.zeros(WIDE)
 @njit(forceinline=True, **INNER)
 def add(a, at, factor, out, to):
     """Column of ``out`` at ``to`` += factor · column of ``a`` at ``at``."""
-    source, target, eight = address(a), address(out), splat(factor)
-    store(target, to, fused(eight, load(source, at), load(target, to)))
-    store(target, to + LANES, fused(eight, load(source, at + LANES), load(target, to + LANES)))
-    out[to + _LAST] += factor * a[at + _LAST]
+    source, target, wide = address(a), address(out), splat(factor)
+    store(target, to, fused(wide, load(source, at), load(target, to)))
+    store(target, to + LANES, fused(wide, load(source, at + LANES), load(target, to + LANES)))
+    store(target, to + _LAST, fused(wide, load(source, at + _LAST), load(target, to + _LAST)))
 
 
 @njit(forceinline=True, **INNER)
@@ -41,16 +41,15 @@ def combine(f, at, n, b, first, stride, base, base_at, out, to):
     The sum stays in registers: numba's own loop stores it after each term, as the arrays might overlap, and waits.
     """
     columns, factors, start, target = address(f), address(b), address(base), address(out)
-    low, high, last = load(start, base_at), load(start, base_at + LANES), read(start, base_at + _LAST)
+    low, high, last = load(start, base_at), load(start, base_at + LANES), load(start, base_at + _LAST)
     for k in range(n):
-        number, place = read(factors, first + k * stride), at + k * WIDE
-        factor = splat(number)
+        factor, place = splat(read(factors, first + k * stride)), at + k * WIDE
         low = fused(factor, load(columns, place), low)
         high = fused(factor, load(columns, place + LANES), high)
-        last += number * read(columns, place + _LAST)
+        last = fused(factor, load(columns, place + _LAST), last)
     store(target, to, low)
     store(target, to + LANES, high)
-    write(target, to + _LAST, last)
+    store(target, to + _LAST, last)
 
 
 @njit(forceinline=True, **INNER)
@@ -59,7 +58,7 @@ def copy(a, out):
     source, target = address(a), address(out)
     store(target, 0, load(source, 0))
     store(target, LANES, load(source, LANES))
-    write(target, _LAST, read(source, _LAST))
+    store(target, _LAST, load(source, _LAST))
 
 
 @njit(forceinline=True, **INNER)

@@ -1,7 +1,7 @@
 """Innovations of a Kalman filter whose transition follows gap and friction, for identification.
 
-One model for all: two masses or a third on the shaft, with or without a gap, motor and load friction, any sensors, an
-unknown load torque. Between contacts the model is linear and its transition exact. Where a contact or a friction
+One model for all: two to four masses, with or without a gap, motor and load friction, any sensors, an unknown load
+torque. Between contacts the model is linear and its transition exact. Where a contact or a friction
 changes within a sample, the change is sought in ever smaller parts, and the rest goes on in the new state. Where
 the filter does not know on which side of an edge it is, the gap is taken as its mean over that spread (statistical
 linearisation, Gelb 1974, Applied Optimal Estimation, chapter 6). No law tells an impact exactly: the speeds after it
@@ -92,7 +92,7 @@ def _fill_at_rest(
 
 
 @njit(**INNER)
-def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offsets):
+def _sensor_rows(q, sensors, counted, law, further, angle, tail, head, rows, offsets):
     """What each sensor shows of the state with the gap open and closed, and of the gap's edge."""
     for s in range(sensors.size):
         for closed in range(2):
@@ -104,8 +104,9 @@ def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offse
                 rows[closed, s, angle] = 1.0
             elif sensors[s] == TWIST:
                 rows[closed, s, 0] = 1.0
-                if third > 0:
-                    rows[closed, s, third] = 1.0
+                for place in further:
+                    if place > 0:
+                        rows[closed, s, place] = 1.0
             elif closed == 1 or law == DEAD_ZONE:
                 rows[closed, s, tail], rows[closed, s, head] = q[DAMPING], -q[DAMPING]
                 rows[closed, s, 0] = q[STIFFNESS] if closed == 1 else 0.0
@@ -113,13 +114,14 @@ def _sensor_rows(q, sensors, counted, law, third, angle, tail, head, rows, offse
 
 
 @njit(**INNER)
-def _start(third, unknown, slope_at, angle, spread, p):
+def _start(further, unknown, slope_at, angle, spread, p):
     """Covariance p of a motion of which nothing is known but its size, see ``innovations``."""
     p[:] = 0.0
     p[0] = spread[0] ** 2
     p[WIDE + 1] = p[2 * WIDE + 2] = spread[1] ** 2
-    if third > 0:
-        p[third * WIDE + third], p[(third + 1) * WIDE + third + 1] = spread[0] ** 2, spread[1] ** 2
+    for place in further:
+        if place > 0:
+            p[place * WIDE + place], p[(place + 1) * WIDE + place + 1] = spread[0] ** 2, spread[1] ** 2
     if unknown > 0:
         p[unknown * WIDE + unknown] = spread[2] ** 2
     if slope_at > 0:
@@ -137,7 +139,7 @@ def innovations(
 
     Parameters
     ----------
-    parameters : (23,) array
+    parameters : (26,) array
         See ``transitions``.
     free, kinds : (m,) int arrays
         Places of the parameters whose sensitivities are wanted, and how they enter θ, see ``_changed``.
@@ -148,8 +150,9 @@ def innovations(
         Contact law; a sample is halved so often at most.
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
-    behind : bool
-        Whether a third mass is part of the load and sits behind the gap, else part of the motor and before it.
+    behind : int
+        Bits of the masses that are part of the load and sit behind the gap: 1 the third, 2 the fourth. Others are part
+        of the motor and sit before it.
     drifts : bool
         Whether the unknown load torque is smooth: its slope changes at random, else itself.
     sensors : (s,) int array
@@ -174,8 +177,8 @@ def innovations(
     m, angled = free.size, counted
     for s in range(sensors.size):
         angled = angled or sensors[s] == ANGLE_MOTOR
-    third, unknown, slope_at, angle, tail, head, n, nc = layout(parameters, angled, behind, drifts)
-    ends, kind = (tail, head), (ramp, behind, drifts, counted, angled)
+    third, fourth, unknown, slope_at, angle, tail, head, n, nc = layout(parameters, angled, behind, drifts)
+    further, ends, kind = (third, fourth), (tail, head), (ramp, behind, drifts, counted, angled)
     gap_law = law if parameters[BACKLASH] > 0.0 else NO_GAP
     square, whole = WIDE * WIDE, parts(finest) * BLOCK
     # One for each that may rest all the while: none, motor, load, both; these are filled when that first happens.
@@ -190,7 +193,7 @@ def innovations(
         changed[j, free[j]] = _changed(parameters[free[j]], kinds[j], units[j], _STEP, dt)
         fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, 0, models[0], j + 1)
         fill_numbers(changed[j], dt, law, behind, level, numbers[j + 1])
-    _sensor_rows(parameters, sensors, counted, law, third, angle, tail, head, rows, offsets)
+    _sensor_rows(parameters, sensors, counted, law, further, angle, tail, head, rows, offsets)
     for which in range(2):
         error_transition(models.reshape(-1), which * whole, n, 0, (0.0, 0.0), errors, which * square)
     t, c, model, at_rest = models.reshape(-1), numbers.reshape(-1), 2 * whole, (m + 1) * 2 * whole
@@ -216,9 +219,10 @@ def innovations(
             x[1] = (measured[min(k + 1, end), 0] - measured[k, 0]) / dt if counted else measured[k, 0]
             x[2] = x[1]
             x[n - 1] = torque[k] + c[OFFSET]
-            if third > 0:
-                x[third + 1] = x[1]
-            _start(third, unknown, slope_at, angle, spread, p)
+            for place in further:
+                if place > 0:
+                    x[place + 1] = x[1]
+            _start(further, unknown, slope_at, angle, spread, p)
             base = measured[k, 0] if counted else 0.0
         elif counted:
             # The angle is that since the last count: a small number, whose differences are fine.
@@ -229,7 +233,7 @@ def innovations(
         for i in range(nc):
             least = min(least, p[i * WIDE + i])
         if least < 0.0:
-            _start(third, unknown, slope_at, angle, spread, p)
+            _start(further, unknown, slope_at, angle, spread, p)
         closed = 1 if contact != 0 else 0
         for s in range(sensors.size):
             e = measured[k, s] - offsets[s] * contact * half

@@ -48,12 +48,12 @@ def fill_loads(q, dt, law, kind, loads):
     """
     _, behind, drifts, _, angled = kind
     places = layout(q, angled, behind, drifts)
-    n = places[6]
+    n = places[7]
     free, block = np.zeros((n + 4, n + 4)), np.zeros((n + 4, n + 4))
     for closed in range(2):
-        fill_continuous(q, dt, places, closed == 1, law, 0, free)
+        fill_continuous(q, dt, places, behind, closed == 1, law, 0, free)
         for stuck in range(1, 4):
-            fill_continuous(q, dt, places, closed == 1, law, stuck, block)
+            fill_continuous(q, dt, places, behind, closed == 1, law, stuck, block)
             for end in range(2):
                 own, per_torque = loads[stuck - 1, closed, end], -free[1 + end, n + 2 + end]
                 for i in range(n):

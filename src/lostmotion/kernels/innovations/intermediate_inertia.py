@@ -11,6 +11,8 @@ import numpy as np
 from ..jit import njit
 from .two_mass import predictor_gain, sampled
 
+#: Newton's steps at most, and the relative step that is none (numerics).
+_STEPS, _CLOSE = 60, 1e-15
 #: States: twist behind the intermediate inertia, speed_motor, speed_load, torque_actuator, twist before that inertia,
 #: its speed. (Layout.)
 _STATES = 6
@@ -42,6 +44,33 @@ def two_springs(inertia_motor, inertia_load, stiffness, share, compliance):
     squared = 2.0 * product / (total + np.sqrt(total * total - 4.0 * product))
     scale = stiffness * (1.0 / inertia_motor + 1.0 / inertia_load) / squared
     return scale * before, scale * behind
+
+
+@njit(cache=True, nogil=True)
+def lowest_mode(masses, springs):
+    """Square of the lowest frequency (rad²/s²) of four inertias (kg m2) in a row with three springs (Nm/rad) between.
+
+    Newton's steps from below the lowest root of the characteristic polynomial of the twists, λ³ − sum·λ² + pairs·λ −
+    product, all of whose roots are positive: they cannot step beyond it.
+    """
+    (first, second, third, fourth), (a, b, c) = masses, springs
+    one, two, last = (
+        a * (1.0 / first + 1.0 / second),
+        b * (1.0 / second + 1.0 / third),
+        c * (1.0 / third + 1.0 / fourth),
+    )
+    near, far = a * b / second**2, b * c / third**2
+    total, pairs = one + two + last, one * two + one * last + two * last - near - far
+    product = a * b * c * (first + second + third + fourth) / (first * second * third * fourth)
+    squared = product / pairs
+    for _ in range(_STEPS):
+        value = ((squared - total) * squared + pairs) * squared - product
+        slope = (3.0 * squared - 2.0 * total) * squared + pairs
+        further = squared - value / slope
+        if not further > squared * (1.0 + _CLOSE):
+            break
+        squared = further
+    return squared
 
 
 @njit(cache=True, nogil=True)

@@ -2,8 +2,8 @@
 
 States::
 
-    twist at the gap, speed_motor, speed_load, [twist before, speed of the third mass], [load torque], [its slope],
-    [angle_motor], torque_actuator
+    twist at the gap, speed_motor, speed_load, [twist and speed of the third mass], [those of the fourth],
+    [load torque], [its slope], [angle_motor], torque_actuator
 
 The last is known without error; the covariance is that of the others.
 """
@@ -16,19 +16,45 @@ import numpy as np
 
 from ..jit import njit
 from .columns import COMPILED, NOTHING, WIDE, combine
-from .intermediate_inertia import two_springs
+from .intermediate_inertia import lowest_mode, two_springs
 from .sample_parts import DIGIT, part_number, part_within, parts, shape_mean, until_change
 from .two_mass import add_series, congruence, product
 
 # Places in a row of parameters, SI units. A share of zero: two masses. An infinite stiffness: rigid. A torque rate of
 # zero: no unknown load torque. ``TORQUE_OFFSET``: what acts on the motor beside the torque of the recording, always the
 # same; friction that differs by direction is such a torque beside friction that does not, also at rest. ``IMPACT``: how
-# far the speeds after a contact changes may be off, over the approach.
+# far the speeds after a contact changes may be off, over the approach. The fourth mass divides what the third leaves at
+# the gap, or the other side: its share is part of that inertia, its compliance part of that of the shaft at the gap.
 (
-    INERTIA_MOTOR, INERTIA_LOAD, STIFFNESS, DAMPING, BACKLASH, COULOMB, VISCOUS, COULOMB_MOTOR, VISCOUS_MOTOR, LAG,
-    DELAY, TORQUE_OFFSET, SHARE, COMPLIANCE, LOSS, MOTOR_RATE, LOAD_RATE, TORQUE_RATE, RISE, FADE, RISE_MOTOR,
-    FADE_MOTOR, IMPACT,
-) = range(23)  # fmt: skip
+    INERTIA_MOTOR,
+    INERTIA_LOAD,
+    STIFFNESS,
+    DAMPING,
+    BACKLASH,
+    COULOMB,
+    VISCOUS,
+    COULOMB_MOTOR,
+    VISCOUS_MOTOR,
+    LAG,
+    DELAY,
+    TORQUE_OFFSET,
+    SHARE,
+    COMPLIANCE,
+    LOSS,
+    MOTOR_RATE,
+    LOAD_RATE,
+    TORQUE_RATE,
+    RISE,
+    FADE,
+    RISE_MOTOR,
+    FADE_MOTOR,
+    IMPACT,
+    SHARE_FOURTH,
+    COMPLIANCE_FOURTH,
+    LOSS_FOURTH,
+) = range(26)
+# Bits of ``behind``: which further masses sit behind the gap, and are part of the load; else before it, of the motor.
+_THIRD, _FOURTH = 1, 2  # fmt: skip
 
 #: Contact laws, see ``drivetrain.Shaft``; the last is what a model without a gap has.
 VISCOELASTIC, DEAD_ZONE, CLIPPED, LIMITED, NO_GAP = range(5)
@@ -57,19 +83,26 @@ _NO_LAG = 1e-6
 
 @njit(**COMPILED)
 def layout(q, angled, behind, drifts):
-    """Places among the states of third mass, load torque, its slope and angle (0: none), and of the speeds before and
-    behind the gap; states; states with a covariance. ``behind``: the third mass sits behind the gap, else before it;
+    """Places among the states of third and fourth mass, load torque, its slope and angle (0: none), and of the speeds
+    before and behind the gap; states; states with a covariance. ``behind``: bits of the masses behind the gap;
     ``drifts``: the load torque has a slope."""
     third = 3 if q[SHARE] > 0.0 else 0
-    tail, head = third + 1 if third > 0 and not behind else 1, third + 1 if third > 0 and behind else 2
-    nc = 5 if third > 0 else 3
+    fourth = 5 if third > 0 and q[SHARE_FOURTH] > 0.0 else 0
+    tail, head, nc = 1, 2, 3
+    for place, side in ((third, behind & _THIRD), (fourth, behind & _FOURTH)):
+        if place > 0:
+            nc += 2
+            if side:
+                head = place + 1
+            else:
+                tail = place + 1
     load = nc if q[TORQUE_RATE] > 0.0 else 0
     nc += 1 if load > 0 else 0
     slope = nc if load > 0 and drifts else 0
     nc += 1 if slope > 0 else 0
     angle = nc if angled else 0
     nc += 1 if angle > 0 else 0
-    return third, load, slope, angle, tail, head, nc + 1, nc
+    return third, fourth, load, slope, angle, tail, head, nc + 1, nc
 
 
 @njit(**COMPILED)
@@ -89,47 +122,104 @@ def _damped_spring(block, behind, before, spring, damper, j_before, j_behind):
 
 @njit(**COMPILED)
 def _shafts(q, behind):
-    """Stiffness of the shaft with the gap and of the further one, Nm/rad, and damping over stiffness of either, s.
+    """Stiffness of the shaft with the gap, of the third mass's and of the fourth's, Nm/rad (infinite: none), and
+    damping over stiffness of the first, s.
 
-    ``STIFFNESS`` is that of two masses with the same torsional mode; ``DAMPING`` is that of both shafts in series, in
-    slow motion; the further one's damping over stiffness is ``LOSS`` times that of the other.
+    ``STIFFNESS`` is that of two masses with the same torsional mode; ``DAMPING`` is that of all shafts in series, in
+    slow motion; a further one's damping over stiffness is ``LOSS`` times that of the shaft with the gap.
     """
+    rate = q[DAMPING] / q[STIFFNESS]
     if q[SHARE] == 0.0:
-        rate = q[DAMPING] / q[STIFFNESS]
-        return q[STIFFNESS], np.inf, rate, rate
-    near, far = q[INERTIA_MOTOR], q[INERTIA_LOAD]
-    if behind:
-        near, far = far, near
-    further, own = two_springs(near, far, q[STIFFNESS], q[SHARE], q[COMPLIANCE])
-    rate = q[DAMPING] * (1.0 / further + 1.0 / own) / (1.0 + (q[LOSS] - 1.0) * q[COMPLIANCE])
-    return own, further, rate, q[LOSS] * rate
+        return q[STIFFNESS], np.inf, np.inf, rate
+    rest, lossy = 1.0 - q[COMPLIANCE], q[LOSS] * q[COMPLIANCE]
+    if q[SHARE_FOURTH] == 0.0:
+        near, far = q[INERTIA_MOTOR], q[INERTIA_LOAD]
+        if behind & _THIRD:
+            near, far = far, near
+        further, own = two_springs(near, far, q[STIFFNESS], q[SHARE], q[COMPLIANCE])
+        rate = q[DAMPING] * (1.0 / further + 1.0 / own) / (rest + lossy)
+        return own, further, np.inf, rate
+    fourth = q[COMPLIANCE_FOURTH] * rest
+    rest -= fourth
+    lossy += q[LOSS_FOURTH] * fourth
+    masses, springs = _in_order(q, behind, rest, fourth)
+    series = q[STIFFNESS] * (1.0 / q[INERTIA_MOTOR] + 1.0 / q[INERTIA_LOAD]) / lowest_mode(masses, springs)
+    rate = q[DAMPING] / series / (rest + lossy)
+    return series / rest, series / q[COMPLIANCE], series / fourth, rate
 
 
 @njit(**COMPILED)
-def _at_the_gap(q, third, behind):
+def _in_order(q, behind, rest, fourth):
+    """Four inertias from motor to load, and the stiffnesses between them with a compliance of one together."""
+    jm, jl, j_third, j_fourth = _inertias(q, behind)
+    own, third, last = 1.0 / rest, 1.0 / q[COMPLIANCE], 1.0 / fourth
+    if behind == _THIRD + _FOURTH:
+        return (jm, j_fourth, j_third, jl), (own, last, third)
+    if behind == _THIRD:
+        return (jm, j_fourth, j_third, jl), (last, own, third)
+    if behind == _FOURTH:
+        return (jm, j_third, j_fourth, jl), (third, own, last)
+    return (jm, j_third, j_fourth, jl), (third, last, own)
+
+
+@njit(**COMPILED)
+def _inertias(q, behind):
+    """Inertias of motor, load, third and fourth mass; none has that of an end."""
+    jm, jl, third, fourth = q[INERTIA_MOTOR], q[INERTIA_LOAD], 0.0, 0.0
+    if q[SHARE] > 0.0:
+        third = q[SHARE] * (jl if behind & _THIRD else jm)
+        if behind & _THIRD:
+            jl -= third
+        else:
+            jm -= third
+        if q[SHARE_FOURTH] > 0.0:
+            if (behind & _THIRD > 0) == (behind & _FOURTH > 0):
+                fourth = q[SHARE_FOURTH] * third
+                third -= fourth
+            elif behind & _FOURTH:
+                fourth = q[SHARE_FOURTH] * jl
+                jl -= fourth
+            else:
+                fourth = q[SHARE_FOURTH] * jm
+                jm -= fourth
+    return jm, jl, third, fourth
+
+
+@njit(**COMPILED)
+def _at_the_gap(q, behind):
     """Inertias before and behind the gap."""
-    if not third:
-        return q[INERTIA_MOTOR], q[INERTIA_LOAD]
-    if behind:
-        return q[INERTIA_MOTOR], q[SHARE] * q[INERTIA_LOAD]
-    return q[SHARE] * q[INERTIA_MOTOR], q[INERTIA_LOAD]
+    jm, jl, third, fourth = _inertias(q, behind)
+    tail, head = jm, jl
+    for inertia, side in ((third, behind & _THIRD), (fourth, behind & _FOURTH)):
+        if inertia > 0.0:
+            if side:
+                head = inertia
+            else:
+                tail = inertia
+    return tail, head
 
 
 @njit(**COMPILED)
-def fill_continuous(q, dt, places, closed, law, stuck, block):
+def fill_continuous(q, dt, places, behind, closed, law, stuck, block):
     """Fill the block [A, inputs; 0, 0] for the gap closed or open; ``places``: see ``layout``; ``stuck``: 1 if the
     motor rests, plus 2 if the load does."""
-    third, load, slope, angle, tail, head, n, _ = places
+    third, fourth, load, slope, angle, tail, head, n, _ = places
     block[:] = 0.0
-    jm, jl = q[INERTIA_MOTOR], q[INERTIA_LOAD]
-    k, further, rate, other = _shafts(q, head != 2)
-    j_tail, j_head = _at_the_gap(q, third > 0, head != 2)
-    if third > 0 and head == 2:
-        jm -= j_tail
-        _damped_spring(block, tail, (third, 1), further, other * further, jm, j_tail)
-    elif third > 0:
-        jl -= j_head
-        _damped_spring(block, 2, (third, head), further, other * further, j_head, jl)
+    k, k_third, k_fourth, rate = _shafts(q, behind)
+    jm, jl, j_third, j_fourth = _inertias(q, behind)
+    j_tail, j_head = _at_the_gap(q, behind)
+    # Each further mass hangs on the one outside of it, which is an end or the third.
+    before, j_before, after, j_after = 1, jm, 2, jl
+    for place, spring, loss, inertia, side in (
+        (third, k_third, q[LOSS], j_third, behind & _THIRD),
+        (fourth, k_fourth, q[LOSS_FOURTH], j_fourth, behind & _FOURTH),
+    ):
+        if place > 0 and side:
+            _damped_spring(block, after, (place, place + 1), spring, loss * rate * spring, inertia, j_after)
+            after, j_after = place + 1, inertia
+        elif place > 0:
+            _damped_spring(block, place + 1, (place, before), spring, loss * rate * spring, j_before, inertia)
+            before, j_before = place + 1, inertia
     spring = k if closed else 0.0
     damper = rate * k if closed or law == DEAD_ZONE else 0.0
     if math.isinf(k):  # rigid: there is one inertia, the motor's
@@ -239,8 +329,8 @@ def _fill_jump(table, at, finest, n, part):
 def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     """Fill transitions (open, then closed, each from the whole sample to its finest part), numbers and noise.
 
-    ``kind``: whether the torque is a ramp, a third mass sits behind the gap, the load torque has a slope, the speed is
-    counted, the angle a state.
+    ``kind``: whether the torque is a ramp, bits of the masses behind the gap, whether the load torque has a slope, the
+    speed is counted, the angle a state.
     """
     fill_transitions(q, dt, law, finest, kind, level, 0, table, noise)
     fill_numbers(q, dt, law, kind[1], level, c)
@@ -252,13 +342,13 @@ def fill_transitions(q, dt, law, finest, kind, level, stuck, table, noise):
     does. An empty ``noise`` is not filled."""
     ramp, behind, drifts, counted, angled = kind
     places = layout(q, angled, behind, drifts)
-    third, load, slope, _, _, _, n, nc = places
+    n, nc = places[7], places[8]
     states = nc if noise.size > 0 else 0
     block, density, own = np.zeros((n + 4, n + 4)), np.zeros((states, states)), np.zeros((states, states))
     if states > 0:
-        _fill_density(q, dt, third, load, slope, counted, behind, level, density)
+        _fill_density(q, dt, places, counted, behind, level, density)
     for closed in range(2):
-        fill_continuous(q, dt, places, closed == 1, law, stuck, block)
+        fill_continuous(q, dt, places, behind, closed == 1, law, stuck, block)
         at = closed * parts(finest) * BLOCK
         _transitions(block, density, dt, n, finest, table, at, own)
         _fill_jump(table, at, finest, n, -1.0 if ramp else q[DELAY] / dt - math.floor(q[DELAY] / dt))
@@ -268,13 +358,15 @@ def fill_transitions(q, dt, law, finest, kind, level, stuck, table, noise):
 
 
 @njit(**COMPILED)
-def _fill_density(q, dt, third, load, slope, counted, behind, level, density):
+def _fill_density(q, dt, places, counted, behind, level, density):
     """Torque noise that moves motor or load as fast as their rates say: a lone inertia that is seen by its speed, or by
     its angle, has a filter of that bandwidth."""
+    third, fourth, load, slope = places[:4]
     power = 4.0 if counted else 2.0
     density[1, 1], density[2, 2] = q[MOTOR_RATE] ** power * dt, q[LOAD_RATE] ** power * dt
-    if third > 0:
-        density[third + 1, third + 1] = density[2, 2] if behind else density[1, 1]
+    for place, side in ((third, behind & _THIRD), (fourth, behind & _FOURTH)):
+        if place > 0:
+            density[place + 1, place + 1] = density[2, 2] if side else density[1, 1]
     if load > 0:  # the rate is that of the torque in a second, or of its slope
         noisy = slope if slope > 0 else load
         density[noisy, noisy] = (q[TORQUE_RATE] / level) ** 2
@@ -283,7 +375,7 @@ def _fill_density(q, dt, third, load, slope, counted, behind, level, density):
 @njit(**COMPILED)
 def fill_numbers(q, dt, law, behind, level, c):
     """Fill what a model has beside its transitions."""
-    c[LEAD] = 0.0 if law == DEAD_ZONE else _shafts(q, behind)[2]
+    c[LEAD] = 0.0 if law == DEAD_ZONE else _shafts(q, behind)[3]
     c[HALF] = 0.5 * q[BACKLASH]
     c[OF_MOTOR], c[OF_MOTOR + 1], c[OF_MOTOR + 2] = q[COULOMB_MOTOR], q[RISE_MOTOR], q[FADE_MOTOR]
     c[OF_LOAD], c[OF_LOAD + 1], c[OF_LOAD + 2] = q[COULOMB], q[RISE], q[FADE]
@@ -291,7 +383,7 @@ def fill_numbers(q, dt, law, behind, level, c):
     c[WHOLE] = math.floor(q[DELAY] / dt)
     c[PART] = q[DELAY] / dt - c[WHOLE]
     # What an impact's force does otherwise than its law says acts on both sides of the gap.
-    j_tail, j_head = _at_the_gap(q, q[SHARE] > 0.0, behind)
+    j_tail, j_head = _at_the_gap(q, behind)
     kick = q[IMPACT] / (j_tail + j_head) / level
     c[KICKS], c[KICKS + 1] = kick * j_head, -kick * j_tail
 

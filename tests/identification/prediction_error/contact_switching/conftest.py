@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,3 +41,53 @@ def flt(request: pytest.FixtureRequest) -> ContactFilter:
     else:
         speed = run["speed_motor"] + 0.01 * np.random.default_rng(1).standard_normal(torque.size)
     return ContactFilter.of(Predictor(torque, speed, DT, request.param, PLANT, skip=0), 300.0)
+
+
+@pytest.fixture(scope="session")
+def four_inertias() -> Callable[[bool, bool], tuple[ContactFilter, dict[str, float]]]:
+    """Filter and values of four inertias, with the third and the fourth behind the gap or before it."""
+    return _four_inertias
+
+
+def _four_inertias(behind: bool, fourth_behind: bool) -> tuple[ContactFilter, dict[str, float]]:
+    """20 bits of a chain whose three shafts have loss factors of their own."""
+    inertias, share, share_fourth = [0.05, 0.08], 0.4, 0.3
+    third = share * inertias[behind]
+    inertias[behind] -= third
+    # The fourth divides the third if it is on its side, else the other end.
+    if fourth_behind == behind:
+        fourth = share_fourth * third
+        third -= fourth
+    else:
+        fourth = share_fourth * inertias[fourth_behind]
+        inertias[fourth_behind] -= fourth
+    shafts = of_third, of_fourth, at_gap = (
+        lm.Shaft(2e4, 12.0), lm.Shaft(1.5e4, 3.0), lm.Shaft(6e3, 1.0, backlash=0.01)
+    )  # fmt: skip
+    sides: list[list[tuple[float, lm.Shaft]]] = [[], []]
+    sides[behind].append((third, of_third))
+    sides[fourth_behind].append((fourth, of_fourth))
+    before, after = sides[0], sides[1][::-1]
+    chain = lm.Drivetrain(
+        (inertias[0], *(inertia for inertia, _ in (*before, *after)), inertias[1]),
+        (*(shaft for _, shaft in before), at_gap, *(shaft for _, shaft in after)),
+        (lm.Friction(), lm.Friction(), lm.Friction(), lm.Friction(1.0)),
+    )
+    compliances, rates = (
+        np.array([1.0 / shaft.stiffness for shaft in shafts]),
+        np.array([shaft.damping / shaft.stiffness for shaft in shafts]),
+    )
+    parts = compliances / compliances.sum()
+    pole = 2.0 * np.pi * lm.rig.eigenfrequencies(chain)[1]
+    values = {
+        "inertia_motor": 0.05, "inertia_load": 0.08, "stiffness": pole**2 / (1.0 / 0.05 + 1.0 / 0.08),
+        "damping": float(parts @ rates / compliances.sum()), "backlash": 0.01, "coulomb": 1.0, "share": share,
+        "compliance": parts[0], "loss": rates[0] / rates[2], "share_fourth": share_fourth,
+        "compliance_fourth": parts[1] / (1.0 - parts[0]), "loss_fourth": rates[1] / rates[2],
+    }  # fmt: skip
+    torque = lm.signals.excitation(1.0, DT, seed=3, inertia=0.13, coulomb=1.0, viscous=0.0)
+    count = 2.0 * np.pi / 2**20
+    angle = np.floor(lm.simulate(chain, torque_motor=torque, dt=DT)["angle_motor"] / count) * count
+    floor = count / np.sqrt(12.0)
+    flt = ContactFilter(torque, angle, DT, True, floor, floor, 6, (0, torque.size))
+    return replace(flt, behind=behind, fourth_behind=fourth_behind), values

@@ -11,7 +11,7 @@ from lostmotion.identification.prediction_error.contact_switching.choices import
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, LAWS, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
-from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import Place
+from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import Place
 
 CORE = ("inertia_motor", "inertia_load", "stiffness", "damping")
 
@@ -42,7 +42,7 @@ def test_a_part_that_it_lacks_is_added(flt: ContactFilter, values: dict[str, flo
     both = [part(best) for part in other_parts(best, few, box, None)]
     assert [one.flt.behind for one in both] == [False, True]
     for one in both:
-        assert one.start == "third inertia" and one.flt.rows == 1000 and Place.of(one) is not None
+        assert one.start == "further inertia" and one.flt.rows == 1000 and Place.of(one) is not None
     # One that has a third inertia gets it on the other side.
     (other,) = other_parts(both[1], few, box, None)
     moved = other(both[1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -80,6 +81,20 @@ def test_a_third_inertia_is_followed_on_its_side_of_the_gap(behind: bool):
     theta = flt.theta(values | {"motor_rate": 3.0, "load_rate": 1.0})
     assert replace(flt, behind=behind).run(theta).cost == pytest.approx(0.0, abs=0.15)
     assert replace(flt, behind=not behind).run(theta).cost > 0.5
+
+
+@pytest.mark.parametrize("behind", [False, True], ids=["third before the gap", "third behind it"])
+@pytest.mark.parametrize("fourth_behind", [False, True], ids=["fourth before the gap", "fourth behind it"])
+def test_a_fourth_inertia_is_followed_on_its_side_of_the_gap(
+    four_inertias: Callable[[bool, bool], tuple[ContactFilter, dict[str, float]]],
+    behind: bool,
+    fourth_behind: bool,
+):
+    """Each of the three shafts has a loss factor of its own; with the fourth elsewhere it is another drive."""
+    flt, values = four_inertias(behind, fourth_behind)
+    theta = flt.theta(values | {"motor_rate": 3.0, "load_rate": 1.0})
+    assert flt.run(theta).cost == pytest.approx(0.0, abs=0.15)
+    assert replace(flt, fourth_behind=not fourth_behind).run(theta).cost > 0.3
 
 
 @pytest.mark.parametrize("name", ["inertia_motor", "stiffness", "backlash", "coulomb"])

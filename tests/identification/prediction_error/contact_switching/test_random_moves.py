@@ -15,7 +15,7 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
 from lostmotion.identification.prediction_error.contact_switching.random_moves import moved, wandering
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
-from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import THIRD
+from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import THIRD
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from ..gain_schedule import Stage
 from ..gap.absent_gap import NEEDED
 from ..identifiability import Told
 from ..innovations import NAMES, Predictor
-from .choices import with_other_torque
-from .descents import NOISE_ALONE, POLES, Search
+from .choices import NOISE_ALONE, with_other_torque
+from .descents import POLES, Search
 from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals

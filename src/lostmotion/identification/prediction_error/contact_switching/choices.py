@@ -13,9 +13,12 @@ from .likelihood import Box, Candidate, polish
 from .likelihood_ratio import alike
 from .structures.no_gap import bare
 from .structures.rising_friction import FADES, may_rise, with_rising_friction
-from .structures.third_inertia import Place, places, with_third_inertia
+from .structures.shaft_inertias import Place, has_fourth, places, with_further_inertia
 
 Choice = Callable[[Candidate], Candidate]
+
+#: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
+NOISE_ALONE = 0.02
 
 
 def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
@@ -45,15 +48,16 @@ def other_parts(
     best: Candidate, rows: ContactFilter, box: Box, known: tuple[float, float] | None
 ) -> list[Choice]:
     """Each gives the best, over some rows, a part that it does not have: a third inertia before or behind the gap (one
-    that it has goes to the other side), or friction that rises towards rest. What predicts as well may be right.
+    that it has goes to the other side), a fourth beside a third, or friction that rises towards rest. What predicts as
+    well may be right.
 
     ``known``: share and compliance of a third inertia before the gap, if they were found.
     """
 
-    def third(side: list[Place]) -> Choice:
+    def further(side: list[Place]) -> Choice:
         def add(one: Candidate) -> Candidate:
-            tried = [with_third_inertia(one, place, rows, box) for place in side]
-            return replace(min(tried, key=lambda found: found.cost), start="third inertia")
+            tried = [with_further_inertia(one, place, rows, box) for place in side]
+            return replace(min(tried, key=lambda found: found.cost), start="further inertia")
 
         return add
 
@@ -63,10 +67,10 @@ def other_parts(
             start="rising friction",
         )
 
-    has = Place.of(best)
-    sides = [
-        [Place(*known)] if known and not behind else places(best, rows, [behind])
-        for behind in (False, True)
-        if has is None or behind != has.behind
-    ]
-    return [*map(third, sides), *(rising(fade) for fade in FADES if may_rise(best))]
+    has, sides = Place.of(best), []
+    for behind in (False, True):
+        if has is None or (behind != has.behind and not has_fourth(best)):
+            sides.append([Place(*known)] if known and not behind else places(best, rows, [behind]))
+        if has is not None and not has_fourth(best) and abs(best.cost) >= NOISE_ALONE:
+            sides.append(places(best, rows, [behind], fourth=True))
+    return [*map(further, sides), *(rising(fade) for fade in FADES if may_rise(best))]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
 from .backlash_scan import with_better_backlash, with_other_backlash
-from .choices import Choice, other_choices, other_parts
+from .choices import NOISE_ALONE, Choice, other_choices, other_parts
 from .estimate import CORE, EXPLAINED, Estimate, sharp, told
 from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
 from .intervals.further_inertias import room_for_further_inertias
@@ -34,7 +34,13 @@ from .starts import grid
 from .starts.from_drivetrain import RESPONSE, free_places, response_start, rigid_start, starts
 from .starts.slow_motion import informed
 from .structures.no_gap import bare
-from .structures.third_inertia import THIRD, Place, places, split_at_the_softest_shaft, with_third_inertia
+from .structures.shaft_inertias import (
+    THIRD,
+    Place,
+    places,
+    split_at_the_softest_shaft,
+    with_further_inertia,
+)
 
 Array = NDArray[np.float64]
 
@@ -52,8 +58,6 @@ RAW = ("nameplate", "fitted")
 #: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
 NEAR = 0.05
 
-#: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
-NOISE_ALONE = 0.02
 #: Steps from the fit's likeliest values without its intervals (numerics).
 FREED_STEPS = 10
 #: What a friction that the fit does not have starts with, over its usual start (numerics).
@@ -172,7 +176,7 @@ class Search:
         return self._polished(found), [] if self.piece else self.thirds([fit])
 
     def _third(self, candidate: Candidate, place: Place) -> Candidate:
-        found = with_third_inertia(candidate, place, self.coarse, self.box)
+        found = with_further_inertia(candidate, place, self.coarse, self.box)
         return polish(found, replace(candidate.flt, behind=place.behind), self.box)
 
     def raw(self, name: str) -> Candidate:
@@ -198,7 +202,7 @@ class Search:
         few = apart(fits, ELSEWHERE)[:FEW]
         other = replace(fits[0], flt=replace(fits[0].flt, ramp=not fits[0].flt.ramp))
         pairs = [(one, place) for one in (*few, other, *raw) for place in places(one, self.coarse)]
-        tried = side_by_side(lambda pair: with_third_inertia(*pair, self.coarse, self.box), pairs)
+        tried = side_by_side(lambda pair: with_further_inertia(*pair, self.coarse, self.box), pairs)
         tried = apart(sorted(tried, key=cost_of))[:FEW]
         best = side_by_side(lambda one: polish(one, one.over(self.part), self.box), tried)
         place = Place.of(min(best, key=cost_of))

@@ -25,7 +25,8 @@ PARAMETERS = {
     "coulomb": "friction", "viscous": "damper", "coulomb_motor": "friction", "viscous_motor": "damper", "lag": "lag",
     "delay": "samples", "torque_offset": "torque", "share": "log", "compliance": "log", "loss": "log",
     "motor_rate": "log", "load_rate": "log", "torque_rate": "log", "rise": "plain", "fade": "log",
-    "rise_motor": "plain", "fade_motor": "log", "impact": "log",
+    "rise_motor": "plain", "fade_motor": "log", "impact": "log", "share_fourth": "log", "compliance_fourth": "log",
+    "loss_fourth": "log",
 }  # fmt: skip
 NAMES = tuple(PARAMETERS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
@@ -106,6 +107,8 @@ class ContactFilter:
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
     behind : bool
         Whether a third inertia is part of the load and sits behind the gap, else part of the motor and before it.
+    fourth_behind : bool
+        The same of a fourth inertia.
     drifts : bool
         Whether an unknown load torque is smooth: its slope changes at random, else itself.
     inertia : (float, float)
@@ -129,6 +132,7 @@ class ContactFilter:
     law: str = "viscoelastic"
     ramp: bool = False
     behind: bool = False
+    fourth_behind: bool = False
     drifts: bool = False
     inertia: tuple[float, float] = (1.0, np.inf)
     charged: bool = True
@@ -262,7 +266,7 @@ class ContactFilter:
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
             self._units[list(free)],
-            self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind, self.drifts,
+            self.dt, LAWS[self.law], self.halvings, self.ramp, self.behind + 2 * self.fourth_behind, self.drifts,
             np.array(sensors, dtype=np.int64), self.counted, np.array([1.0, *[UNSEEN] * (count - 1)]),
             np.array(self.bounds, dtype=np.int64), self.torque, measured,
             self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,

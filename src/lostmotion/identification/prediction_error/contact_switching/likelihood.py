@@ -34,7 +34,7 @@ ROUNDS, ROUND_GAIN = 3, 1e-3
 #: What has bounds of its own, wherever a descent starts.
 BOUNDED = (
     *FRICTIONS, "lag", "delay", "torque_offset", "share", "compliance", "loss",
-    "rise", "fade", "rise_motor", "fade_motor",
+    "rise", "fade", "rise_motor", "fade_motor", "share_fourth", "compliance_fourth", "loss_fourth",
 )  # fmt: skip
 #: Constant torque on the motor at most, over the torque's standard deviation; loss factor of the shaft beyond a third
 #: inertia over that at the gap, either way (numerics: hardly damped steel beside rubber).
@@ -78,7 +78,8 @@ class Box:
             ("compliance", 0.01, 0.99),
             ("loss", 1.0 / MOST_LOSS, MOST_LOSS),
         ):
-            lower[INDEX[name]], upper[INDEX[name]] = np.log(least), np.log(most)
+            for place in (INDEX[name], INDEX[f"{name}_fourth"]):
+                lower[place], upper[place] = np.log(least), np.log(most)
         for end in ("", "_motor"):
             lower[INDEX[f"rise{end}"]], upper[INDEX[f"rise{end}"]] = 0.0, MOST_RISE
             fade = INDEX[f"fade{end}"]
@@ -156,14 +157,20 @@ class Candidate:
     @property
     def structure(self) -> tuple[Hashable, ...]:
         """What the model consists of, but for the gap."""
-        flt, third = self.flt, bool(np.isfinite(self.theta[INDEX["share"]]))
-        return flt.law, flt.ramp, flt.drifts, third, third and flt.behind, self.rises
+        flt, third, fourth = self.flt, self._has("share"), self._has("share_fourth")
+        sides = (third and flt.behind, fourth and flt.fourth_behind)
+        return flt.law, flt.ramp, flt.drifts, third, fourth, *sides, self.rises
+
+    def _has(self, name: str) -> bool:
+        return bool(np.isfinite(self.theta[INDEX[name]]))
 
     def contains(self, other: Candidate) -> bool:
         """Whether it has all parts of the other, under the same laws."""
         mine, its = self.structure, other.structure
-        third = not its[3] or mine[3:5] == its[3:5]
-        return mine[:3] == its[:3] and third and (self.rises or not other.rises)
+        # A fourth inertia is one beside a third on its side.
+        third = not its[3] or (mine[3], mine[5]) == (its[3], its[5])
+        fourth = not its[4] or (mine[4], mine[6]) == (its[4], its[6])
+        return mine[:3] == its[:3] and third and fourth and (self.rises or not other.rises)
 
     @property
     def rises(self) -> bool:
@@ -173,7 +180,14 @@ class Candidate:
     def over(self, rows: ContactFilter) -> ContactFilter:
         """The filter over other rows, with what this candidate takes for the torques and the contact."""
         flt = self.flt
-        return replace(rows, ramp=flt.ramp, behind=flt.behind, drifts=flt.drifts, law=flt.law)
+        return replace(
+            rows,
+            ramp=flt.ramp,
+            drifts=flt.drifts,
+            law=flt.law,
+            behind=flt.behind,
+            fourth_behind=flt.fourth_behind,
+        )
 
 
 def _some(sizes: Array, least: float) -> Array:

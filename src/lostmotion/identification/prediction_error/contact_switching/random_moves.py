@@ -11,7 +11,7 @@ import numpy as np
 from .filter import INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, minimise, polish, side_by_side
 from .starts.from_drivetrain import unknown
-from .structures.third_inertia import THIRD, Place, placed, with_third_dropped
+from .structures.shaft_inertias import THIRD, Place, placed, with_dropped
 
 #: Moves of a round, of which the best few go on to the end; rounds without a lower cost after which it ends, and rounds
 #: at most (numerics).
@@ -140,7 +140,7 @@ def _third(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> C
     if not {*THIRD} <= {*free}:
         return one
     if np.isfinite(one.theta[THIRD[0]]) and rng.random() < CHOICE:
-        return with_third_dropped(one)
+        return with_dropped(one)
     place = Place(
         float(np.exp(rng.uniform(*np.log(SHARES)))),
         float(rng.uniform(*COMPLIANCES)),

@@ -67,7 +67,9 @@ def parts_of(candidate: Candidate) -> Parts:
     gap = v["backlash"] * v["stiffness"] > GAP * torque
     rigid = candidate.start == "rigid"
     parts = [
-        "one rigid mass" if rigid else _masses(v["share"], flt.behind),
+        "one rigid mass"
+        if rigid
+        else _masses(v["share"], flt.behind) + _fourth(v["share_fourth"], flt.fourth_behind),
         "a gap" if gap else "no gap",
         _friction(v["coulomb"], v["coulomb_motor"]),
         "friction that rises towards rest" if rising > RISING * friction > 0.0 else "",
@@ -85,6 +87,10 @@ def _masses(share: float, behind: bool = False) -> str:
         return "two masses"
     whose = "load's behind the gap" if behind else "motor's on the shaft"
     return f"three masses, {100.0 * share:.2g} % of the {whose}"
+
+
+def _fourth(share: float, behind: bool) -> str:
+    return f", and a fourth {'behind' if behind else 'before'} the gap" if share > 0.0 else ""
 
 
 def _friction(load: float, motor: float) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from ....statistics.block_covariance import student_factor
 from ...gap.absent_gap import FIRST, shown
 from ..filter import INDEX
-from ..likelihood import Box, Candidate, inverse_hessian, minimise, polish
+from ..likelihood import Box, Candidate, cost_of, inverse_hessian, minimise, polish
 from ..likelihood_ratio import alike
 
 PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
@@ -18,6 +18,8 @@ PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
 SHOWN = 0.5
 #: Gauss–Newton steps without the gap, or with one of a given size (numerics: what a small gap changes).
 STEPS = 4
+#: How much lower the rates of unknown torques start as well (numerics: two of their steps).
+LOWER = 10.0
 #: Steps from one size of the gap to the next until the bound lies between two; how near these are at the end; and how
 #: far below the first a gap is none (numerics).
 STRIDE, NARROW, FAR = 4.0, 1.3, 1e4
@@ -43,9 +45,17 @@ def without_gap(best: Candidate, box: Box) -> Candidate | None:
     found = bare(best)
     if best.flt.run(found.theta).cost > best.cost + SHOWN:
         return None
-    # With its rates: each contact of the smallest gap makes the filter less sure of the motion.
-    found = polish(found, found.flt, box, STEPS)
+    # With its rates: each contact of the smallest gap makes the filter less sure of the motion. Rates that are high
+    # once stay so: the other values are those with them.
+    found = min((polish(one, one.flt, box, STEPS) for one in (found, _less_unknown(found))), key=cost_of)
     return found if alike(found, best) else None
+
+
+def _less_unknown(candidate: Candidate) -> Candidate:
+    """The candidate with lower rates of the unknown torques on motor and load."""
+    theta = candidate.theta.copy()
+    theta[[INDEX["motor_rate"], INDEX["load_rate"]]] -= np.log(LOWER)
+    return replace(candidate, theta=theta)
 
 
 def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:

@@ -1,7 +1,8 @@
-"""A third inertia: a descent finds it on its side of the gap, with a loss factor of its own."""
+"""A third inertia and a fourth: a descent finds each on its side of the gap, with a loss factor of its own."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +11,17 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.structures.third_inertia import (
+from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
+    FOURTH,
     PLACES,
+    THIRD,
     Place,
+    has_fourth,
     places,
     split_at_the_softest_shaft,
-    with_third_inertia,
+    with_dropped,
+    with_further_inertia,
+    without_last_inertia,
 )
 from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 
@@ -50,7 +56,7 @@ def test_a_descent_finds_it_on_its_side(behind: bool):
     free, box = sorted(INDEX[name] for name in FREE), Box.around(flt, theta, 30.0)
     two = polish(Candidate("two masses", theta, flt.run(theta).cost, flt, free), flt, box)
     found = polish(
-        with_third_inertia(two, Place(0.1, 0.3, behind=behind), flt, box), replace(flt, behind=behind), box
+        with_further_inertia(two, Place(0.1, 0.3, behind=behind), flt, box), replace(flt, behind=behind), box
     )
     assert found.cost < 0.2 < 0.4 < two.cost
     place = Place.of(found)
@@ -58,6 +64,30 @@ def test_a_descent_finds_it_on_its_side(behind: bool):
     assert place.share == pytest.approx(0.1, rel=0.05)
     assert place.compliance == pytest.approx(4000.0 / 13000.0, rel=0.05)
     assert found.start == "two masses"
+
+
+@pytest.mark.parametrize("fourth_behind", [False, True], ids=["before the gap", "behind it"])
+def test_a_descent_finds_a_fourth_beside_a_third(
+    four_inertias: Callable[[bool, bool], tuple[ContactFilter, dict[str, float]]], fourth_behind: bool
+):
+    flt, values = four_inertias(False, fourth_behind)
+    theta = flt.theta(values | {"motor_rate": 30.0, "load_rate": 10.0})
+    free, box = sorted({*(INDEX[name] for name in FREE), *THIRD}), Box.around(flt, theta, 30.0)
+    true = Candidate("three masses", theta, np.inf, flt, [*free, *FOURTH])
+    three = without_last_inertia(true, box)
+    assert Place.of(three) is not None and not has_fourth(three) and not three.flt.fourth_behind
+    begun = places(three, flt, [fourth_behind], fourth=True)
+    assert all(place.fourth and place.behind is fourth_behind for place in begun)
+    four = min((with_further_inertia(three, place, flt, box) for place in begun), key=lambda one: one.cost)
+    assert has_fourth(four) and four.flt.fourth_behind is fourth_behind and four.contains(three)
+    four = polish(four, four.flt, box)
+    assert four.cost < 0.2 < three.cost - 0.2
+    for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
+        assert four.values[name] == pytest.approx(values[name], rel=0.02)
+    none = with_dropped(four)
+    assert (
+        Place.of(none) is None and not has_fourth(none) and none.free == sorted(INDEX[name] for name in FREE)
+    )
 
 
 def hub() -> tuple[ContactFilter, Candidate, Box]:
@@ -87,7 +117,7 @@ def test_descents_start_where_the_candidate_predicts_best():
     usual = [one for one in starts if one not in further]
 
     def lowest(begun: list[Place]) -> float:
-        return min(with_third_inertia(two, place, flt, box).cost for place in begun)
+        return min(with_further_inertia(two, place, flt, box).cost for place in begun)
 
     assert lowest(further) < 0.05 < 0.15 < min(two.cost, lowest(usual))
 

@@ -1,4 +1,4 @@
-"""A third inertia on the shaft, before the gap or behind it: where descents with one start."""
+"""A third inertia on the shaft, before the gap or behind it, and a fourth: where descents with one start."""
 
 from __future__ import annotations
 
@@ -23,20 +23,29 @@ STEPS = 4
 PLACES = ((0.1, 0.3), (0.03, 0.6), (0.1, 0.9))
 #: Shares and compliances that are looked at (numerics: a light or a heavy joint, on a stiff or a soft shaft).
 SHARES, COMPLIANCES = (0.03, 0.1, 0.3, 0.6), (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.97)
-#: Places of its parameters.
-THIRD = [INDEX[name] for name in ("share", "compliance", "loss")]
+#: Places of the parameters of a third inertia, and of a fourth.
+THIRD, FOURTH = (
+    [INDEX[f"{name}{which}"] for name in ("share", "compliance", "loss")] for which in ("", "_fourth")
+)
 #: With how many of the best on either side descents start as well (numerics).
 FOLLOWED = 2
 
 
 @dataclass(frozen=True)
 class Place:
-    """Part of its side's inertia and of the shaft's compliance, loss factor over that at the gap, and its side."""
+    """Part of its side's inertia and of the shaft's compliance, loss factor over that at the gap, its side, and whether
+    it is a fourth inertia: then both are parts of what the third leaves at the gap, see ``kernels``."""
 
     share: float
     compliance: float
     loss: float = 1.0
     behind: bool = False
+    fourth: bool = False
+
+    @property
+    def free(self) -> list[int]:
+        """Places of its parameters."""
+        return FOURTH if self.fourth else THIRD
 
     @classmethod
     def of(cls, candidate: Candidate) -> Place | None:
@@ -46,7 +55,9 @@ class Place:
         return cls(share, compliance, loss, candidate.flt.behind) if share > 0.0 else None
 
 
-def places(candidate: Candidate, rows: ContactFilter, sides: Sequence[bool] = (False, True)) -> list[Place]:
+def places(
+    candidate: Candidate, rows: ContactFilter, sides: Sequence[bool] = (False, True), fourth: bool = False
+) -> list[Place]:
     """Where descents start, before the gap (False) or behind it: always the same, and those with which the candidate
     predicts some rows best.
 
@@ -54,9 +65,10 @@ def places(candidate: Candidate, rows: ContactFilter, sides: Sequence[bool] = (F
     """
     starts = []
     for behind in sides:
-        others = [Place(*pair, behind=behind) for pair in product(SHARES, COMPLIANCES) if pair not in PLACES]
+        pairs = [pair for pair in product(SHARES, COMPLIANCES) if pair not in PLACES]
+        others = [Place(*pair, behind=behind, fourth=fourth) for pair in pairs]
         costs = side_by_side(lambda place: _cost_with(candidate, place, rows), others)
-        starts += [Place(*pair, behind=behind) for pair in PLACES]
+        starts += [Place(*pair, behind=behind, fourth=fourth) for pair in PLACES]
         starts += [others[i] for i in np.argsort(costs, kind="stable")[:FOLLOWED]]
     return starts
 
@@ -67,30 +79,39 @@ def _cost_with(candidate: Candidate, place: Place, rows: ContactFilter) -> float
 
 
 def placed(candidate: Candidate, place: Place, rows: ContactFilter) -> tuple[ContactFilter, Array]:
-    """Filter and θ of the candidate with a third inertia there."""
-    flt = replace(candidate.over(rows), behind=place.behind)
-    values = {"share": place.share, "compliance": place.compliance, "loss": place.loss}
-    return flt, flt.changed(candidate.theta, **values)
+    """Filter and θ of the candidate with a further inertia there."""
+    theta, flt = candidate.theta.copy(), candidate.over(rows)
+    flt = replace(flt, fourth_behind=place.behind) if place.fourth else replace(flt, behind=place.behind)
+    theta[place.free] = np.log([place.share, place.compliance, place.loss])
+    return flt, theta
 
 
-def with_third_inertia(candidate: Candidate, place: Place, rows: ContactFilter, box: Box) -> Candidate:
-    """The candidate with a third inertia over some rows; its descent comes down from a higher noise level."""
+def with_further_inertia(candidate: Candidate, place: Place, rows: ContactFilter, box: Box) -> Candidate:
+    """The candidate with a further inertia over some rows; its descent comes down from a higher noise level."""
     flt, theta = placed(candidate, place, rows)
-    free = sorted({*candidate.free, *THIRD})
+    free = sorted({*candidate.free, *place.free})
     return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
 
 
-def with_third_dropped(candidate: Candidate) -> Candidate:
-    """The candidate without its third inertia; its cost is still that with it."""
-    theta = candidate.flt.changed(candidate.theta, share=0.0, compliance=0.0, loss=0.0)
-    free = [place for place in candidate.free if place not in THIRD]
-    return replace(candidate, theta=theta, free=free, flt=replace(candidate.flt, behind=False))
+def with_dropped(candidate: Candidate, which: Sequence[int] = (*THIRD, *FOURTH)) -> Candidate:
+    """The candidate without its further inertias; its cost is still that with them."""
+    theta = candidate.theta.copy()
+    theta[[*which]] = -np.inf
+    free = [place for place in candidate.free if place not in which]
+    flt = replace(candidate.flt, fourth_behind=False)
+    if set(THIRD) <= {*which}:
+        flt = replace(flt, behind=False)
+    return replace(candidate, theta=theta, free=free, flt=flt)
 
 
-def without_third_inertia(candidate: Candidate, box: Box) -> Candidate:
-    """The candidate fitted without its third inertia."""
-    dropped = with_third_dropped(candidate)
+def without_last_inertia(candidate: Candidate, box: Box) -> Candidate:
+    """The candidate fitted without its fourth inertia, or without its third if it has no fourth."""
+    dropped = with_dropped(candidate, FOURTH if has_fourth(candidate) else THIRD)
     return polish(dropped, dropped.flt, box)
+
+
+def has_fourth(candidate: Candidate) -> bool:
+    return bool(np.isfinite(candidate.theta[FOURTH[0]]))
 
 
 def split_at_the_softest_shaft(candidate: Candidate, box: Box) -> Candidate:
@@ -102,7 +123,7 @@ def split_at_the_softest_shaft(candidate: Candidate, box: Box) -> Candidate:
     gap = INDEX["backlash"]
     moved = {INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness")}
     moved |= {gap} if np.isfinite(candidate.theta[gap]) else set()
-    if place is None or place.compliance <= 0.5 or not moved <= set(candidate.free):
+    if place is None or has_fourth(candidate) or place.compliance <= 0.5 or not moved <= set(candidate.free):
         return candidate
     values = candidate.values
     motor, load, stiffness = (values[name] for name in ("inertia_motor", "inertia_load", "stiffness"))
