@@ -34,13 +34,8 @@ from .starts import grid
 from .starts.from_drivetrain import RESPONSE, free_places, response_start, rigid_start, starts
 from .starts.slow_motion import informed
 from .structures.no_gap import bare
-from .structures.shaft_inertias import (
-    THIRD,
-    Place,
-    places,
-    split_at_the_softest_shaft,
-    with_further_inertia,
-)
+from .structures.shaft_inertias import THIRD, Place, places, with_further_inertia
+from .structures.softest_shaft import split_at_the_softest_shaft
 
 Array = NDArray[np.float64]
 

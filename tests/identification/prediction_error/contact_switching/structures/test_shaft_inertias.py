@@ -18,41 +18,20 @@ from lostmotion.identification.prediction_error.contact_switching.structures.sha
     Place,
     has_fourth,
     places,
-    split_at_the_softest_shaft,
     with_dropped,
     with_further_inertia,
     without_last_inertia,
 )
-from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 
-DT = 2e-4
 FREE = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash", "coulomb")
-TWO_MASSES = {
-    "inertia_motor": 0.05, "inertia_load": 0.08, "stiffness": 3000.0, "damping": 0.6, "backlash": 0.01, "coulomb": 1.0,
-    "motor_rate": 30.0, "load_rate": 10.0,
-}  # fmt: skip
-
-
-def recorded(
-    behind: bool, further: float = 9000.0, own: float = 4000.0, backlash: float = 0.01
-) -> ContactFilter:
-    """20 bits of a chain with a joint of a tenth of the motor's or load's inertia beside the gap."""
-    shafts = [lm.Shaft(further, 3.0), lm.Shaft(own, 0.3, backlash=backlash)]
-    inertias, friction = [0.045, 0.005, 0.08], lm.Friction(1.0)
-    if behind:
-        shafts, inertias = shafts[::-1], [0.05, 0.008, 0.072]
-    chain = lm.Drivetrain(inertias, shafts, (lm.Friction(), lm.Friction(), friction))
-    torque = lm.signals.excitation(0.6, DT, seed=3, inertia=0.13, coulomb=1.0, viscous=0.0)
-    count = 2.0 * np.pi / 2**20
-    angle = np.floor(lm.simulate(chain, torque_motor=torque, dt=DT)["angle_motor"] / count) * count
-    floor = count / np.sqrt(12.0)
-    return ContactFilter(torque, angle, DT, True, floor, floor, 6, (0, torque.size))
 
 
 @pytest.mark.parametrize("behind", [False, True], ids=["before the gap", "behind it"])
-def test_a_descent_finds_it_on_its_side(behind: bool):
+def test_a_descent_finds_it_on_its_side(
+    recorded: Callable[..., ContactFilter], two_masses: dict[str, float], behind: bool
+):
     flt = recorded(behind)
-    theta = flt.theta(TWO_MASSES)
+    theta = flt.theta(two_masses)
     free, box = sorted(INDEX[name] for name in FREE), Box.around(flt, theta, 30.0)
     two = polish(Candidate("two masses", theta, flt.run(theta).cost, flt, free), flt, box)
     found = polish(
@@ -120,45 +99,3 @@ def test_descents_start_where_the_candidate_predicts_best():
         return min(with_further_inertia(two, place, flt, box).cost for place in begun)
 
     assert lowest(further) < 0.05 < 0.15 < min(two.cost, lowest(usual))
-
-
-def stiff_joint(behind: bool, backlash: float) -> tuple[ContactFilter, dict[str, float]]:
-    """A chain whose further shaft is the softer one, and its values with the joint at the other."""
-    flt, further, own = recorded(behind, 4000.0, 9000.0, backlash), 3.0 / 4000.0, 0.3 / 9000.0
-    compliance = 9000.0 / 13_000.0
-    sides = (0.08, 0.05) if behind else (0.05, 0.08)
-    values = TWO_MASSES | {
-        "backlash": backlash, "share": 0.1, "compliance": compliance, "loss": further / own,
-        "stiffness": 4000.0 / two_springs(*sides, 1.0, 0.1, compliance)[0],
-        "damping": (compliance * further + (1.0 - compliance) * own) * 36e6 / 13_000.0,
-    }  # fmt: skip
-    return replace(flt, behind=behind), values
-
-
-@pytest.mark.parametrize("behind", [False, True], ids=["before the gap", "behind it"])
-def test_without_a_gap_the_softer_shaft_divides_motor_and_load(behind: bool):
-    """Two names for one chain, which start with other unknown torques: the second has to be fitted before it is judged.
-    A motor inertia was 20 % too small beside ±0.7 % for want of that."""
-    flt, values = stiff_joint(behind, 0.0)
-    theta, free = flt.theta(values), sorted(INDEX[name] for name in (*FREE, "share", "compliance", "loss"))
-    box = Box.around(flt, theta, 30.0)
-    free.remove(INDEX["backlash"])
-    first = polish(Candidate("one name", theta, np.inf, flt, free), flt, box)
-    other = split_at_the_softest_shaft(first, box)
-    assert other.flt.behind is not behind and other.cost == pytest.approx(first.cost, abs=2e-3)
-    told = dict(zip(INDEX, flt.values(other.theta), strict=True))
-    motor, load = (0.058, 0.072) if behind else (0.045, 0.085)
-    assert (told["inertia_motor"], told["inertia_load"]) == pytest.approx((motor, load), rel=0.01)
-    assert told["compliance"] == pytest.approx(4000.0 / 13_000.0, rel=0.05)
-    assert split_at_the_softest_shaft(other, box) is other
-    for name in ("inertia_motor", "inertia_load", "stiffness"):  # what is fixed keeps its value
-        fixed = replace(first, free=[place for place in free if place != INDEX[name]])
-        assert split_at_the_softest_shaft(fixed, box) is fixed
-
-
-def test_where_a_gap_shows_it_is_the_joint_whatever_the_shafts_are():
-    flt, values = stiff_joint(False, 0.01)
-    theta = flt.theta(values)
-    shown = Candidate("true", theta, flt.run(theta).cost, flt, [INDEX[name] for name in FREE])
-    assert shown.cost < 0.1
-    assert split_at_the_softest_shaft(shown, Box.around(flt, theta, 30.0)) is shown

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from ..filter import INDEX, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
-from ..likelihood_ratio import alike
-from .no_gap import SHOWN, bare
 
 Array = NDArray[np.float64]
 
@@ -112,33 +110,3 @@ def without_last_inertia(candidate: Candidate, box: Box) -> Candidate:
 
 def has_fourth(candidate: Candidate) -> bool:
     return bool(np.isfinite(candidate.theta[FOURTH[0]]))
-
-
-def split_at_the_softest_shaft(candidate: Candidate, box: Box) -> Candidate:
-    """The same three inertias with motor and load divided at the softer shaft, where no gap shows which is the joint.
-
-    Without a gap, a third inertia before it and one behind it are two names for one drive.
-    """
-    place = Place.of(candidate)
-    gap = INDEX["backlash"]
-    moved = {INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness")}
-    moved |= {gap} if np.isfinite(candidate.theta[gap]) else set()
-    if place is None or has_fourth(candidate) or place.compliance <= 0.5 or not moved <= set(candidate.free):
-        return candidate
-    values = candidate.values
-    motor, load, stiffness = (values[name] for name in ("inertia_motor", "inertia_load", "stiffness"))
-    piece = place.share * (load if place.behind else motor)
-    change = -piece if place.behind else piece
-    whole, share = (motor - change, load + change), piece / (piece + (motor if place.behind else load))
-    theta = candidate.flt.changed(
-        bare(candidate).theta, inertia_motor=whole[0], inertia_load=whole[1], share=share,
-        stiffness=stiffness * (1.0 / motor + 1.0 / load) / (1.0 / whole[0] + 1.0 / whole[1]),
-        compliance=1.0 - place.compliance, loss=1.0 / place.loss,
-    )  # fmt: skip
-    flt = replace(candidate.flt, behind=not place.behind)
-    other = replace(bare(candidate), theta=theta, flt=flt, cost=flt.run(theta).cost)
-    if other.cost > candidate.cost + SHOWN:
-        return candidate
-    # The unknown torque of the third inertia is that of its side: the rates are others.
-    other = polish(other, flt, box)
-    return other if alike(other, candidate, 0.0) else candidate
