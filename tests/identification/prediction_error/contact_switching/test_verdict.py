@@ -93,6 +93,25 @@ def test_of_two_that_agree_on_the_drive_the_one_that_knows_it_better_is_taken(fi
     assert not fit.knows_less_than(found(0.5 * HALF, stiffness=1.1))
 
 
+def test_another_estimate_may_tell_the_drive_alone(fit: Fit):
+    """Inertias, stiffness, damping and backlash are its own where it has them; friction and lag stay the fit's."""
+    best = away(fit, inertia_motor=1.01, stiffness=0.99, damping=1.5, coulomb=1.3)
+    half = np.full(8, 0.001)
+    half[TOLD.index("backlash")] = np.inf
+    found = Estimate(told_vector(best), half, 1e-7 * np.eye(8), best)
+    predictor, stage, told, problems = fit.with_the_drive_of(found)
+    assert predictor is fit.predictor and stage.free == fit.stage.free and problems == []
+    for i, name in enumerate(TOLD):
+        its = name in ("inertia_motor", "inertia_load", "stiffness", "damping")
+        assert told.theta[i] == pytest.approx((found if its else fit.told).theta[i])
+        assert told.half[i] == (0.001 if its else HALF)
+        assert told.covariance[i, i] == pytest.approx(1e-7 if its else 1e-4)
+    assert stage.fit.theta == pytest.approx(told.theta)
+    assert fit.told.half == pytest.approx(np.full(8, HALF))  # the fit itself is as it was
+    assert not fit.contradicts(away(fit, stiffness=1.01, coulomb=2.0))
+    assert fit.contradicts(away(fit, stiffness=1.1))
+
+
 def test_the_other_estimate_brings_its_likeliest_friction_along(fit: Fit):
     """Motor friction is always its own: beside the nameplate's at the load the two would not belong together."""
     best = away(fit, stiffness=1.3, viscous=2.0, lag=1.5)

@@ -20,6 +20,7 @@ from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, cost_of
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
+from .refinement import with_a_fourth_inertia
 from .verdict import Fit, Outcome
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
@@ -41,8 +42,9 @@ def confirmed(
 ) -> Outcome:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
-    Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there, and that is all.
-    Otherwise it stands if no descent from any start predicts clearly better or knows its values better, nor a rigid
+    Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there. If it has an
+    intermediate inertia that does not explain the recording, a fourth one tells the drive; else that is all. Otherwise
+    it stands if no descent from any start predicts clearly better or knows its values better, nor a rigid
     drive as well. Where one does, or the fit tells nothing, its own values are told if they stand out. Else the
     difference is part of the intervals, and too large a one leaves nothing.
 
@@ -56,7 +58,12 @@ def confirmed(
         return fit.stays()
     search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece, slow)
     if stage.free and _stands(search.glimpse(), fit):
-        return fit.stays()
+        four = with_a_fourth_inertia(search, fit)
+        if four is None:
+            return fit.stays()
+        if not fit.contradicts(four.best):
+            compared.append(four.best)
+            return fit.with_the_drive_of(four)
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
     rivals = search.rivals(own)
     inside = intervals(search.part, stage, told, search.box)

@@ -82,6 +82,10 @@ class Fit:
         shift = self.shift(found)
         return bool(np.any(np.hypot(self.told.half, shift)[(shift > 0.0) & self.core] > APART))
 
+    def contradicts(self, found: Candidate) -> bool:
+        """Whether an inertia, stiffness or backlash of a candidate is outside of the fit's intervals."""
+        return bool(np.any(self.shift([found])[self.core]))
+
     def knows_less_than(self, found: Estimate) -> bool:
         """Whether another estimate of the same inertias, stiffness and backlash has narrower intervals of all of them.
 
@@ -89,8 +93,9 @@ class Fit:
         delay.
         """
         core = np.array(self.stage.free)[self.core]
-        same = not np.any(self.shift([found.best])[self.core])
-        return same and bool(np.all(found.apart_from_room[core] <= self.told.half[self.core]))
+        return not self.contradicts(found.best) and bool(
+            np.all(found.apart_from_room[core] <= self.told.half[self.core])
+        )
 
     def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
         """With intervals that contain the candidates' values as well; nothing if they are too far apart.
@@ -165,6 +170,20 @@ class Fit:
         stage = _at(predictor, replace(self.stage, free=free, unexcited=lost), theta)
         told = Told(theta, found.covariance[np.ix_(free, free)], found.half[free], found.gap_bound)
         return predictor, stage, told, []
+
+    def with_the_drive_of(self, found: Estimate) -> Outcome:
+        """With inertias, stiffness, damping and backlash of another estimate of the same drive, as far as that tells
+        them; friction and lag are the fit's."""
+        free, told = self.stage.free, self.told
+        drive = [*CORE, NAMES.index("damping")]
+        taken = [k for k, i in enumerate(free) if i in drive and np.isfinite(found.half[i])]
+        places = [free[k] for k in taken]
+        theta, half, covariance = told.theta.copy(), told.half.copy(), told.covariance.copy()
+        theta[places], half[taken] = found.theta[places], found.half[places]
+        covariance[taken, :] = covariance[:, taken] = 0.0
+        covariance[np.ix_(taken, taken)] = found.covariance[np.ix_(places, places)]
+        stage = _at(self.predictor, self.stage, theta)
+        return self.predictor, stage, Told(theta, covariance, half, told.gap_bound), []
 
     def _nameplate(self) -> Array:
         return to_theta([getattr(self.start, name) for name in NAMES], self.predictor.dt)

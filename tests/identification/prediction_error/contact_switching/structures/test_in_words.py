@@ -47,6 +47,10 @@ def test_parts_of_a_model(flt: ContactFilter):
         parts_of(candidate(flt, share=0.1, compliance=0.3))[0]
         == "three masses, 10 % of the motor's on the shaft"
     )
+    four = candidate(flt, share=0.1, compliance=0.3, share_fourth=0.2, compliance_fourth=0.3)
+    assert parts_of(four)[0] == "four masses, two of the motor's on the shaft"
+    either = replace(four, flt=replace(flt, fourth_behind=True))
+    assert parts_of(either)[0] == "four masses, one on the shaft, one behind the gap"
     rigid = parts_of(candidate(flt, "rigid", backlash=0.0, coulomb_motor=1.0, coulomb=0.0))
     assert rigid == ("one rigid mass", "friction at the motor")
     other = replace(candidate(flt), flt=replace(flt, law="dead_zone", ramp=True))

@@ -67,9 +67,7 @@ def parts_of(candidate: Candidate) -> Parts:
     gap = v["backlash"] * v["stiffness"] > GAP * torque
     rigid = candidate.start == "rigid"
     parts = [
-        "one rigid mass"
-        if rigid
-        else _masses(v["share"], flt.behind) + _fourth(v["share_fourth"], flt.fourth_behind),
+        "one rigid mass" if rigid else _masses(v["share"], flt.behind, v["share_fourth"], flt.fourth_behind),
         "a gap" if gap else "no gap",
         _friction(v["coulomb"], v["coulomb_motor"]),
         "friction that rises towards rest" if rising > RISING * friction > 0.0 else "",
@@ -82,15 +80,14 @@ def parts_of(candidate: Candidate) -> Parts:
     return tuple(part for part in parts if part and not (rigid and part == "no gap"))
 
 
-def _masses(share: float, behind: bool = False) -> str:
+def _masses(share: float, behind: bool = False, fourth: float = 0.0, fourth_behind: bool = False) -> str:
     if not share > 0.0:
         return "two masses"
+    if fourth > 0.0:
+        where = {0: "two of the motor's on the shaft", 2: "two of the load's behind the gap"}
+        return f"four masses, {where.get(behind + fourth_behind, 'one on the shaft, one behind the gap')}"
     whose = "load's behind the gap" if behind else "motor's on the shaft"
     return f"three masses, {100.0 * share:.2g} % of the {whose}"
-
-
-def _fourth(share: float, behind: bool) -> str:
-    return f", and a fourth {'behind' if behind else 'before'} the gap" if share > 0.0 else ""
 
 
 def _friction(load: float, motor: float) -> str:

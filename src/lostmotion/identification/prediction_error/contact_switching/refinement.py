@@ -1,0 +1,38 @@
+"""A fit that stands although its model lacks an inertia: what a fourth one tells of the drive."""
+
+from __future__ import annotations
+
+from .descents import POLISHED, Search
+from .estimate import EXPLAINED, Estimate, told
+from .fitted import intervals, within_intervals
+from .intervals.further_inertias import room_for_further_inertias
+from .intervals.refits import disagreement
+from .likelihood import cost_of, polish, side_by_side
+from .likelihood_ratio import clearly_better
+from .selection import plausible
+from .structures.shaft_inertias import has_fourth, places, with_further_inertia
+from .verdict import Fit
+
+
+def with_a_fourth_inertia(search: Search, fit: Fit) -> Estimate | None:
+    """What the likeliest drive with a fourth inertia tells; None where the fit needs none, or that explains no more.
+
+    The descents begin at the fit, over some torsional periods: nothing is looked for elsewhere.
+    """
+    if search.piece is None:
+        return None
+    part, box, fixed = search.part, search.box, search.fixed
+    own = within_intervals(part, fit.predictor, fit.stage, fit.told, box, fixed)
+    if abs(own.cost) < EXPLAINED:
+        return None
+    three = search.with_all_structures(own, intervals(part, fit.stage, fit.told, box))
+    begun = places(three, search.coarse, fourth=True)
+    tried = side_by_side(lambda place: with_further_inertia(three, place, search.coarse, box), begun)
+    few = sorted(tried, key=cost_of)[:POLISHED]
+    found = [three, *side_by_side(lambda one: polish(one, one.over(part), box), few)]
+    found += search.otherwise(found, [])
+    best = min(found, key=cost_of)
+    if not has_fourth(best) or abs(best.cost) >= EXPLAINED or not clearly_better(best, three):
+        return None
+    room = room_for_further_inertias(best, [], box)
+    return told(best, plausible(found), disagreement(best, [], box), room, box, fixed)
