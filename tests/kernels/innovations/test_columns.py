@@ -11,6 +11,7 @@ from numba.core.dispatcher import Dispatcher
 
 from lostmotion.kernels.innovations.columns import add, combine, copy, product_of, turned_product
 from lostmotion.kernels.innovations.transitions import WIDE
+from lostmotion.kernels.jit import BORROWED
 
 N = WIDE
 RANDOM = np.random.default_rng(4)
@@ -68,4 +69,6 @@ def test_what_runs_in_every_row_counts_no_references(module: str):
     """Counted, the arrays of the contact-switching filter's inner calls took half of its time."""
     names = vars(import_module(f"lostmotion.kernels.innovations.{module}"))
     kernels = [one for one in names.values() if isinstance(one, Dispatcher)]
+    if not BORROWED:
+        pytest.skip("this numba has no option _nrt: kernels are slower by the counting, not wrong")
     assert kernels and all(one.targetoptions.get("_nrt") is False for one in kernels)
