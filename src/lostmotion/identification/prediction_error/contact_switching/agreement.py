@@ -59,11 +59,11 @@ def confirmed(
     search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece, slow)
     if stage.free and _stands(search.glimpse(), fit):
         four = with_a_fourth_inertia(search, fit)
-        if four is None:
+        # What says otherwise began at the fit: it has left its minimum, and is no reason for another search.
+        if four is None or fit.contradicts(four.best):
             return fit.stays()
-        if not fit.contradicts(four.best):
-            compared.append(four.best)
-            return fit.with_the_drive_of(four)
+        compared.append(four.best)
+        return fit.with_the_drive_of(four)
     own = within_intervals(search.part, predictor, stage, told, search.box, fixed)
     rivals = search.rivals(own)
     inside = intervals(search.part, stage, told, search.box)
