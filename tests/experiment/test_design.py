@@ -25,11 +25,18 @@ def levels() -> ExcitationDesign:
     return design_excitation(NAMEPLATE, speed_limit=45.0, plants=2)
 
 
+@pytest.fixture
+def fit_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Limits and what a design says of a rehearsal do not depend on which estimator it had."""
+    monkeypatch.setattr("lostmotion.experiment.design.identify", partial(lm.identify, second_estimator=False))
+
+
+@pytest.mark.usefixtures("fit_alone")
 def test_predicted_intervals_come_true_on_a_rig() -> None:
-    design = levels()
+    design = design_excitation(NAMEPLATE, speed_limit=45.0, plants=2)
     assert design.not_excited == ()
     recording, truth = lm.rig.record(1, torque_motor=design.recording["torque_motor"])
-    found = lm.identify(recording, start=NAMEPLATE)
+    found = lm.identify(recording, start=NAMEPLATE, second_estimator=False)
     for name in WELL_KNOWN:
         low, high = found.intervals[name]
         half = (high - low) / 2.0 / getattr(found.drivetrain, name)
@@ -37,10 +44,15 @@ def test_predicted_intervals_come_true_on_a_rig() -> None:
         assert low < truth.parameters[name] < high
 
 
-@pytest.fixture
-def fit_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Limits and what a design says of a rehearsal do not depend on which estimator it had."""
-    monkeypatch.setattr("lostmotion.experiment.design.identify", partial(lm.identify, second_estimator=False))
+def test_with_a_fourth_inertia_predicted_and_found_intervals_are_narrow() -> None:
+    """Below 1 %; how far below is up to which mode a further inertia might hide in, and differs from rig to rig."""
+    design = levels()
+    recording, truth = lm.rig.record(1, torque_motor=design.recording["torque_motor"])
+    found = lm.identify(recording, start=NAMEPLATE)
+    for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
+        low, high = found.intervals[name]
+        assert max(design.half_widths[name], (high - low) / 2.0 / truth.parameters[name]) < 0.01, name
+        assert low < truth.parameters[name] < high
 
 
 @pytest.mark.usefixtures("fit_alone")

@@ -48,7 +48,7 @@ def test_the_rigs_two_intermediate_inertias_tell_the_drive(seed: int):
         low, high = found.intervals[name]
         true = truth.parameters[name]
         assert found.values[name] == pytest.approx(true, rel=most)
-        assert low <= true <= high and high - low < 0.1 * true
+        assert low <= true <= high and high - low < (0.2 if name == "damping" else 0.03) * true
     for name in ("coulomb", "viscous", "lag"):  # the fit's
         low, high = found.intervals[name]
         assert low <= truth.parameters[name] <= high
@@ -63,6 +63,7 @@ def test_where_two_masses_stand_or_all_is_explained_no_more_is_looked_for(monkey
         return asked[-1]
 
     monkeypatch.setattr(agreement, "with_a_fourth_inertia", noted)
+    monkeypatch.setattr(agreement, "_stands", lambda search, fit: True)
     found = lm.identify(recorded(), start=PLANT)
     assert asked == [None] and found.values["stiffness"] == pytest.approx(6285.896, rel=0.01)
 
@@ -77,5 +78,6 @@ def test_a_fourth_inertia_that_says_otherwise_leaves_the_fit_as_it_is(monkeypatc
         return Estimate(told_vector(best), np.full(8, 0.01), 1e-4 * np.eye(8), best)
 
     monkeypatch.setattr(agreement, "with_a_fourth_inertia", elsewhere)
+    monkeypatch.setattr(agreement, "_stands", lambda search, fit: True)
     found = lm.identify(recorded(), start=PLANT)
     assert found.values == alone.values and found.structure.parts[0] == "two masses"

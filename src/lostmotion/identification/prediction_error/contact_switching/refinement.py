@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .descents import POLISHED, Search
 from .estimate import EXPLAINED, Estimate, told
+from .filter import LAWS
 from .fitted import intervals, within_intervals
 from .intervals.further_inertias import room_for_further_inertias
 from .intervals.refits import disagreement
@@ -30,7 +33,10 @@ def with_a_fourth_inertia(search: Search, fit: Fit) -> Estimate | None:
     tried = side_by_side(lambda place: with_further_inertia(three, place, search.coarse, box), begun)
     few = sorted(tried, key=cost_of)[:POLISHED]
     found = [three, *side_by_side(lambda one: polish(one, one.over(part), box), few)]
-    found += search.otherwise(found, [])
+    best = min(found, key=cost_of)
+    # Of all choices the law of the contact matters most beside inertias that are right.
+    laws = [replace(best.flt, law=law) for law in LAWS if law != best.flt.law]
+    found += side_by_side(lambda flt: polish(best, flt, box), laws)
     best = min(found, key=cost_of)
     if not has_fourth(best) or abs(best.cost) >= EXPLAINED or not clearly_better(best, three):
         return None
