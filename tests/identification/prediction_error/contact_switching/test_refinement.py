@@ -56,10 +56,10 @@ def test_the_rigs_two_intermediate_inertias_tell_the_drive(seed: int):
 
 def test_where_two_masses_stand_or_all_is_explained_no_more_is_looked_for(monkeypatch: pytest.MonkeyPatch):
     """An exact drive of two masses: no intermediate inertia was found."""
-    asked: list[object] = []
+    asked: list[Estimate | None] = []
 
-    def noted(*given: object) -> object:
-        asked.append(with_a_fourth_inertia(*given))  # type: ignore[arg-type]
+    def noted(search: Search, fit: Fit) -> Estimate | None:
+        asked.append(with_a_fourth_inertia(search, fit))
         return asked[-1]
 
     monkeypatch.setattr(agreement, "with_a_fourth_inertia", noted)

@@ -256,8 +256,9 @@ class ContactFilter:
 
         m, n, count = len(free), self.rows, len(sensors)
         residuals, variances, jacobian = np.empty((n, count)), np.empty((n, count)), np.empty((m, n, count))
-        measured = np.zeros((n, count))
-        measured[:, 0] = self.measured
+        measured = self.measured[:, None]
+        if count > 1:
+            measured = np.hstack([measured, np.zeros((n, count - 1))])
         with np.errstate(all="ignore"):
             twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
         torque = self.torque_deviation
