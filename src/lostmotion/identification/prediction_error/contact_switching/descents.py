@@ -197,13 +197,24 @@ class Search:
         few = apart(fits, ELSEWHERE)[:FEW]
         other = replace(fits[0], flt=replace(fits[0].flt, ramp=not fits[0].flt.ramp))
         pairs = [(one, place) for one in (*few, other, *raw) for place in places(one, self.coarse)]
-        tried = side_by_side(lambda pair: with_further_inertia(*pair, self.coarse, self.box), pairs)
-        tried = apart(sorted(tried, key=cost_of))[:FEW]
-        best = side_by_side(lambda one: polish(one, one.over(self.part), self.box), tried)
+        best = self.with_inertias(pairs)
         place = Place.of(min(best, key=cost_of))
         if place is None or alike(fits[0], min(best, key=cost_of)):
             return best
         return best + side_by_side(lambda one: self._third(one, place), apart(fits)[:POLISHED])
+
+    def with_inertias(self, pairs: Sequence[tuple[Candidate, Place]]) -> list[Candidate]:
+        """The best few of descents from candidates with one inertia more, each at its place."""
+        tried = side_by_side(lambda pair: with_further_inertia(*pair, self.coarse, self.box), pairs)
+        few = apart(sorted(tried, key=cost_of))[:FEW]
+        return side_by_side(lambda one: polish(one, one.over(self.part), self.box), few)
+
+    def under_other_laws(self, best: Candidate) -> list[Candidate]:
+        """Over the same rows."""
+        laws = [law for law in LAWS if law != best.flt.law]
+        return side_by_side(
+            lambda law: replace(polish(best, replace(best.flt, law=law), self.box), start=law), laws
+        )
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; from the fit
@@ -264,11 +275,7 @@ class Search:
         found = side_by_side(
             lambda one: polish(one, one.flt, self.box), sorted(judged, key=cost_of)[:POLISHED]
         )
-        best = min(found, key=cost_of)
-        laws = [law for law in LAWS if law != best.flt.law]
-        found += side_by_side(
-            lambda law: replace(polish(best, replace(best.flt, law=law), self.box), start=law), laws
-        )
+        found += self.under_other_laws(min(found, key=cost_of))
         found += self._polished(with_better_backlash(min(found, key=cost_of), self.box))
         best = min(found, key=cost_of)
         begun = side_by_side(lambda part: part(best), other_parts(best, self.coarse, self.box, self.piece))

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from .descents import POLISHED, Search
+from .descents import Search
 from .estimate import EXPLAINED, Estimate, told
-from .filter import LAWS
 from .fitted import intervals, within_intervals
 from .intervals.further_inertias import room_for_further_inertias
 from .intervals.refits import disagreement
-from .likelihood import cost_of, polish, side_by_side
+from .likelihood import cost_of
 from .likelihood_ratio import clearly_better
 from .selection import plausible
-from .structures.shaft_inertias import has_fourth, places, with_further_inertia
+from .structures.shaft_inertias import has_fourth, places
 from .verdict import Fit
 
 
@@ -30,13 +27,9 @@ def with_a_fourth_inertia(search: Search, fit: Fit) -> Estimate | None:
         return None
     three = search.with_all_structures(own, intervals(part, fit.stage, fit.told, box))
     begun = places(three, search.coarse, fourth=True)
-    tried = side_by_side(lambda place: with_further_inertia(three, place, search.coarse, box), begun)
-    few = sorted(tried, key=cost_of)[:POLISHED]
-    found = [three, *side_by_side(lambda one: polish(one, one.over(part), box), few)]
-    best = min(found, key=cost_of)
+    found = [three, *search.with_inertias([(three, place) for place in begun])]
     # Of all choices the law of the contact matters most beside inertias that are right.
-    laws = [replace(best.flt, law=law) for law in LAWS if law != best.flt.law]
-    found += side_by_side(lambda flt: polish(best, flt, box), laws)
+    found += search.under_other_laws(min(found, key=cost_of))
     best = min(found, key=cost_of)
     if not has_fourth(best) or abs(best.cost) >= EXPLAINED or not clearly_better(best, three):
         return None
