@@ -11,12 +11,14 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.backlash_scan import (
     FOLLOWED,
     SCAN,
+    with_best_backlash,
     with_better_backlash,
     with_other_backlash,
 )
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
+from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 
 
 @pytest.fixture
@@ -57,3 +59,20 @@ def test_the_backlash_beside_is_found_where_a_fit_stands_in_another_minimum(
     assert np.exp(best.theta[INDEX["backlash"]]) == pytest.approx(plant.backlash, rel=0.02)
     free = [place for place in narrow.free if place != INDEX["backlash"]]
     assert with_better_backlash(replace(stuck, free=free), box) == []
+
+
+def test_a_gap_of_any_size_is_found_under_its_own_law(narrow: Candidate, plant: lm.Drivetrain):
+    """All else right, but a gap forty times too small under another law: development drive 4033."""
+    flt = replace(narrow.flt, law="dead_zone")
+    theta = flt.changed(narrow.theta, backlash=plant.backlash / 40.0)
+    stuck = replace(narrow, theta=theta, cost=flt.run(theta).cost, flt=flt)
+    rows, box = flt.liveliest(1000), Box.around(flt, narrow.theta, 1e4)
+    found = with_best_backlash(stuck, rows, box)
+    assert np.exp(found.theta[INDEX["backlash"]]) == pytest.approx(plant.backlash, rel=0.02)
+    assert found.cost < stuck.cost - 0.1 and found.flt.rows == flt.rows
+    # A candidate without a gap gets one, with what is fitted beside it.
+    place = INDEX["backlash"]
+    gapless = replace(bare(stuck), cost=np.inf)
+    found = with_best_backlash(gapless, rows, box, [place])
+    assert place in found.free and np.exp(found.theta[place]) == pytest.approx(plant.backlash, rel=0.02)
+    assert with_best_backlash(replace(found, cost=-np.inf), rows, box).cost == -np.inf

@@ -31,8 +31,17 @@ from .likelihood_ratio import alike
 from .random_moves import wandering
 from .selection import ELSEWHERE, apart, plausible
 from .starts import grid
-from .starts.from_drivetrain import RESPONSE, free_places, response_start, rigid_start, starts
+from .starts.from_drivetrain import (
+    LONGEST_LAG,
+    RESPONSE,
+    free_places,
+    lag_and_delay,
+    response_start,
+    rigid_start,
+    starts,
+)
 from .starts.slow_motion import informed
+from .starts.torque_delay import torque_delay
 from .structures.no_gap import bare
 from .structures.shaft_inertias import THIRD, Place, places, with_further_inertia
 from .structures.softest_shaft import split_at_the_softest_shaft
@@ -123,6 +132,11 @@ class Search:
             self.glimpse().part, halvings=min(self.part.halvings, COARSE), charged=self.part.charged
         )
 
+    @cached_property
+    def free(self) -> list[int]:
+        """Places of what is fitted."""
+        return free_places(self.start, self.fixed)
+
     def descent(self, name: str, gap: bool = True) -> Candidate:
         """From one of the starts, with its gap or without."""
         first = FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
@@ -133,12 +147,21 @@ class Search:
     def from_grid(self) -> list[Candidate]:
         """The best of a race from a coarse grid, with any backlash."""
         # Innovations that are too large are divided out: charged, what is far from the drive does not come through.
-        rows, like = replace(self.coarse, charged=False), (self.response, self.begun["fitted"])
-        ends = grid.race(rows, self.start, self.fixed, like, self.box)
+        ends = grid.race(
+            replace(self.coarse, charged=False), self.start, self.fixed, self._delays(), self.box
+        )
         few = apart(ends, ELSEWHERE)[:SCANNED]
         few = apart(sorted([*few, *with_other_backlash(few, self.box)], key=cost_of), ELSEWHERE)[:SCANNED]
         numbered = [replace(one, start=f"grid {number}") for number, one in enumerate(few)]
         return side_by_side(lambda one: polish(one, self.part, self.box), numbered)
+
+    def _delays(self) -> list[Array]:
+        """θ with each lag and delay that the recording suggests."""
+        found = [self.response, self.begun["fitted"]]
+        delay = torque_delay(self.flt, self.start.pole_frequency, LONGEST_LAG)
+        if delay is not None and "lag" not in self.fixed:
+            found.append(self.flt.changed(found[1], **lag_and_delay(delay, self.flt.dt)))
+        return found
 
     def rigid(self, like: Candidate | None = None) -> Candidate:
         """One inertia with friction and lag, and all its choices: how the torques change, friction that rises towards
@@ -149,7 +172,7 @@ class Search:
             flt = replace(flt, ramp=like.flt.ramp, drifts=like.flt.drifts)
             theta[INDEX["torque_rate"]] = like.theta[INDEX["torque_rate"]]
         found = [polish(descend("rigid", flt, theta, free, self.box), flt, self.box)]
-        return min([*found, *self.otherwise(found, [])], key=cost_of)
+        return min([*found, *self.otherwise(found)], key=cost_of)
 
     def with_all_structures(self, fit: Candidate, box: Box) -> Candidate:
         """The fit with friction at both ends, delay and a third inertia's own damping, within a box."""
@@ -159,7 +182,7 @@ class Search:
             theta[place] = theta[place] or fitted[place] / LITTLE
         theta = np.where(np.isfinite(theta), theta, fitted - np.log(LITTLE))
         third = [INDEX["loss"]] if INDEX["share"] in fit.free else []
-        free = sorted({*free_places(self.start, self.fixed), *fit.free, *third})
+        free = sorted({*self.free, *fit.free, *third})
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
         return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 
@@ -177,7 +200,7 @@ class Search:
     def raw(self, name: str) -> Candidate:
         """A start as it is."""
         theta = self.response if name == RESPONSE else self.begun[name]
-        return Candidate(name, theta, np.inf, self.part, free_places(self.start, self.fixed))
+        return Candidate(name, theta, np.inf, self.part, self.free)
 
     @cached_property
     def response(self) -> Array:
@@ -226,26 +249,31 @@ class Search:
         best = min(found, key=cost_of)
         if self.rigid(best).cost < min(best.cost, EXPLAINED):
             return found  # no torsion shows
-        found += self.otherwise(found, _best_elsewhere(found))
+        found += self.otherwise(found, _best_elsewhere(found), self.free)
         found += self.thirds(found, [self.raw(name) for name in RAW])
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
         )
         before = min(found, key=cost_of)
-        found += wandering(before, self.part, self.box, {*free_places(self.start, self.fixed), *THIRD})
+        found += wandering(before, self.part, self.box, {*self.free, *THIRD})
         if min(found, key=cost_of).cost < before.cost:
-            found += self.otherwise(found, [])
+            found += self.otherwise(found, free=self.free)
         return self._split(found)
 
-    def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
-        """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""
+    def otherwise(
+        self, found: Sequence[Candidate], others: Sequence[Candidate] = (), free: Collection[int] = ()
+    ) -> list[Candidate]:
+        """The best with one of its choices made otherwise, as long as that is better; then the others likewise.
+
+        ``free``: what may be fitted of a drive with a gap.
+        """
         more: list[Candidate] = []
         while True:
             best = min([*found, *more], key=cost_of)
-            choices = other_choices(best, self.box)
+            choices = other_choices(best, self.coarse, self.box, free)
             tried = self._chosen([(choice, best) for choice in choices])
             better = min(tried, key=cost_of)
-            if better.cost >= best.cost or alike(best, better):
+            if better.cost >= best.cost or alike(best, better, 0.0):
                 return more
             choice = choices[tried.index(better)]
             more += [better, *self._chosen([(choice, one) for one in others])]

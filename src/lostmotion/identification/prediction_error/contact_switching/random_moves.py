@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .filter import INDEX, LAWS, ContactFilter, pole_of
-from .likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, minimise, polish, side_by_side
+from .likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish, rates_first, side_by_side
 from .starts.from_drivetrain import unknown
 from .structures.shaft_inertias import THIRD, Place, placed, with_dropped
 
@@ -51,15 +51,15 @@ def wandering(best: Candidate, rows: ContactFilter, box: Box, free: Collection[i
 
 
 def _end(numbered: tuple[int, Candidate], box: Box) -> Candidate:
-    """Of a descent that comes down through the noise levels, or stays at the sensor's: either finds what the other does
-    not. It divides out innovations that are too large, its end is judged with them."""
+    """Of a descent that comes down through the noise levels, or stays at the sensor's with rates of its own: either
+    finds what the other does not. It divides out innovations that are too large, its end is judged with them."""
     number, begun = numbered
     flt = replace(begun.flt, charged=False)
     if number % 2:
         found = descend(begun.start, flt, begun.theta, begun.free, box, FITTED_LEVEL, STEPS)
         theta = found.theta
     else:
-        theta, _ = minimise(flt, begun.theta, begun.free, box, STEPS_ALONE)
+        theta = rates_first(replace(begun, flt=flt), box, STEPS_ALONE).theta
     return replace(begun, theta=theta, cost=begun.flt.run(theta).cost)
 
 

@@ -17,7 +17,7 @@ from ..gap.absent_gap import NEEDED, without_gap
 from ..identifiability import NOT_EXCITED, Told
 from ..innovations import NAMES, Predictor, to_theta
 from ..warnings import NEGLIGIBLE
-from .estimate import APART, CORE, WIDEST, Estimate
+from .estimate import APART, CORE, Estimate
 from .filter import ContactFilter
 from .likelihood import Candidate
 from .starts.slow_motion import NAMEPLATE
@@ -106,7 +106,7 @@ class Fit:
         """
         shift = self.shift(found)
         half = np.hypot(self.told.half, shift)
-        wider, lost = shift > 0.0, half > np.where(self.core, WIDEST, np.log(NOT_EXCITED))
+        wider, lost = shift > 0.0, half > np.where(self.core, APART, np.log(NOT_EXCITED))
         if not np.any(wider | lost):
             return self.stays()
         if self.contradicted_by(found):

@@ -70,7 +70,7 @@ def test_a_descent_finds_it(constant: Candidate, values: dict[str, float]):
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
         assert told[name] == pytest.approx(values[name], rel=0.005)
     # Once it rises there is nothing to choose.
-    assert len(other_choices(without, box)) == len(other_choices(found, box)) + 2
+    assert len(other_choices(without, without.flt, box)) == len(other_choices(found, found.flt, box)) + 2
 
 
 def test_it_is_told_as_the_line_closest_to_it_at_the_speeds_of_its_end(constant: Candidate):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -29,9 +29,9 @@ RATES, FEWEST = 4, 500
 
 
 def points(
-    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: tuple[Array, Array]
+    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Sequence[Array]
 ) -> Iterator[Array]:
-    """The grid; lag and delay are those of either of two starts in turn, what is fixed keeps the nameplate's value."""
+    """The grid; lag and delay are those of each of some starts in turn, what is fixed keeps the nameplate's value."""
     torque, total, pole = flt.torque_deviation, flt.inertia[0], 2.0 * np.pi * start.pole_frequency
     known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
     known |= frictions(flt, start, fixed)
@@ -45,12 +45,12 @@ def points(
             "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * torque / stiffness,
         } | unknown(flt, omega) | known  # fmt: skip
         theta = flt.theta(values)
-        theta[lags] = like[(i + j + k) % 2][lags]
+        theta[lags] = like[(i + j + k) % len(like)][lags]
         yield theta
 
 
 def race(
-    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: tuple[Array, Array], box: Box
+    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Sequence[Array], box: Box
 ) -> list[Candidate]:
     """Ends of the descents that get furthest, the lowest first.
 
