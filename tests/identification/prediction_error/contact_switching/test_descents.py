@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.choices import with_other_torque
 from lostmotion.identification.prediction_error.contact_switching.descents import Search
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from lostmotion.identification.prediction_error.contact_switching import estimate
 from lostmotion.identification.prediction_error.contact_switching.estimate import (
+    APART,
     COHERENT,
     CORE,
     DISAGREEMENT,
@@ -93,15 +94,15 @@ def test_what_other_fits_disagree_about_belongs_to_the_interval(best: Candidate)
 
 
 def test_a_wide_interval_is_told_up_to_its_limit(best: Candidate):
-    apart = np.where(np.array(TOLD) == "stiffness", 0.9 * WIDEST / DISAGREEMENT, 0.0)
+    apart = np.where(np.array(TOLD) == "stiffness", 0.9 * APART / DISAGREEMENT, 0.0)
     found = told(best, [best], apart, NOTHING, box(best), ())
-    assert found.half[TOLD.index("stiffness")] == pytest.approx(0.9 * WIDEST, rel=1e-3)
+    assert found.half[TOLD.index("stiffness")] == pytest.approx(0.9 * APART, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["damping", "coulomb", "backlash"])
-def test_nothing_is_told_whose_interval_is_wider_than_the_limit(best: Candidate, name: str):
+@pytest.mark.parametrize("name, limit", [("damping", WIDEST), ("coulomb", WIDEST), ("backlash", APART)])
+def test_nothing_is_told_whose_interval_is_wider_than_the_limit(best: Candidate, name: str, limit: float):
     for part, is_told in ((0.9, True), (1.1, False)):
-        apart = np.where(np.array(TOLD) == name, part * WIDEST / DISAGREEMENT, 0.0)
+        apart = np.where(np.array(TOLD) == name, part * limit / DISAGREEMENT, 0.0)
         half = told(best, [best], apart, NOTHING, box(best), ()).half
         assert np.isfinite(half[TOLD.index(name)]) == is_told, (part, half)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from table_i import PAPER
 
-from lostmotion.identification.prediction_error.contact_switching.estimate import WIDEST, Estimate
+from lostmotion.identification.prediction_error.contact_switching.estimate import Estimate
 from lostmotion.identification.prediction_error.contact_switching.filter import NAMES, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
 from lostmotion.identification.prediction_error.contact_switching.told import told_vector
@@ -154,7 +154,7 @@ def test_a_friction_that_may_be_anything_is_not_told(fit: Fit):
 
 def test_an_inertia_that_is_hardly_known_is_not_told_either(fit: Fit):
     """As wide as the other estimator's may be, and not wider; it may be the only one."""
-    for half, names in ((0.9 * WIDEST, []), (1.1 * WIDEST, ["inertia_motor"])):
+    for half, names in ((0.9 * APART, []), (1.1 * APART, ["inertia_motor"])):
         halves = np.where(np.arange(8) == TOLD.index("inertia_motor"), half, HALF)
         unsure = replace(fit, told=replace(fit.told, half=halves, gap_bound=0.1))
         _, stage, told, _ = unsure.with_room_for([], explained=True)

@@ -13,13 +13,14 @@ from ..gain_schedule import Stage
 from ..gap.absent_gap import NEEDED
 from ..identifiability import Told
 from ..innovations import NAMES, Predictor
-from .choices import NOISE_ALONE, with_other_torque
 from .descents import POLES, Search
 from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
+from .final_fits import estimate
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, cost_of
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
+from .moves.choices import NOISE_ALONE, with_other_torque
 from .refinement import with_a_fourth_inertia
 from .verdict import Fit, Outcome
 
@@ -80,7 +81,7 @@ def confirmed(
     excess = 0.0 if explained else fit.excess(flt)
     doubtful = bool(better) or not stage.free or excess > UNEXPLAINED or fit.contradicted_by(others)
     if doubtful or explained:
-        found = search.estimate(rivals)
+        found = estimate(search, rivals)
         if found is not None and (doubtful or fit.knows_less_than(found)):
             compared.insert(0, found.best)
             wrong = fit.wrong_minimum(found) if doubtful else None

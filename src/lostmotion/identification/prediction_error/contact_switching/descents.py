@@ -10,12 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
-from .backlash_scan import with_better_backlash, with_other_backlash
-from .choices import NOISE_ALONE, Choice, other_choices, other_parts
-from .estimate import CORE, EXPLAINED, Estimate, sharp, told
+from .estimate import EXPLAINED, sharp
 from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
-from .intervals.further_inertias import room_for_further_inertias
-from .intervals.refits import disagreement
 from .likelihood import (
     FIRST_LEVEL,
     FITTED_LEVEL,
@@ -28,8 +24,10 @@ from .likelihood import (
     side_by_side,
 )
 from .likelihood_ratio import alike
-from .random_moves import wandering
-from .selection import ELSEWHERE, apart, plausible
+from .moves.backlash_scan import with_best_backlash, with_other_backlash
+from .moves.choices import NOISE_ALONE, Choice, other_choices
+from .moves.random_moves import wandering
+from .selection import ELSEWHERE, apart
 from .starts import grid
 from .starts.from_drivetrain import (
     LONGEST_LAG,
@@ -42,15 +40,15 @@ from .starts.from_drivetrain import (
 )
 from .starts.slow_motion import informed
 from .starts.torque_delay import torque_delay
-from .structures.no_gap import bare
+from .structures.no_gap import OFFSET, PLACE, bare
 from .structures.shaft_inertias import THIRD, Place, places, with_further_inertia
 from .structures.softest_shaft import split_at_the_softest_shaft
 
 Array = NDArray[np.float64]
 
-#: Torsional periods of the rows that the descents run over, and rows at least and at most; rows of the last fits
-#: (numerics: a pass over them takes some 10 ms).
-PERIODS, FEWEST, MOST, ROWS = 80, 3000, 10_000, 30_000
+#: Torsional periods of the rows that the descents run over, and rows at least and at most (numerics: a pass over them
+#: takes some 3 ms).
+PERIODS, FEWEST, MOST = 80, 3000, 10_000
 #: Poles up to this multiple of the nameplate's are stepped over finely enough (numerics: three either way).
 POLES = 3.0
 #: No parameter leaves its start by more than this factor (numerics).
@@ -142,7 +140,7 @@ class Search:
         first = FITTED_LEVEL if name == "fitted" else FIRST_LEVEL
         uncharged = replace(self.part, charged=False)
         begun = self.raw(name) if gap else bare(self.raw(name))
-        return _judged(descend(name, uncharged, begun.theta, begun.free, self.box, first), self.part)
+        return judged(descend(name, uncharged, begun.theta, begun.free, self.box, first), self.part)
 
     def from_grid(self) -> list[Candidate]:
         """The best of a race from a coarse grid, with any backlash."""
@@ -191,7 +189,7 @@ class Search:
         inertia if it has none."""
         gap = bool(np.isfinite(fit.theta[INDEX["backlash"]]))
         found = side_by_side(lambda name: self.descent(name, gap), ["fitted", "nameplate"])
-        return self._polished(found), [] if self.piece else self.thirds([fit])
+        return self.polished(found), [] if self.piece else self.thirds([fit])
 
     def _third(self, candidate: Candidate, place: Place) -> Candidate:
         found = with_further_inertia(candidate, place, self.coarse, self.box)
@@ -243,74 +241,60 @@ class Search:
         """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; from the fit
         without its intervals; and from where random moves lead."""
         found = side_by_side(self.descent, [*self.begun, RESPONSE])
-        found += self._polished(_best_elsewhere(found))
+        found += self.polished(_best_elsewhere(found))
         if not sharp(min(found, key=cost_of)):
             found += self.from_grid()
         best = min(found, key=cost_of)
         if self.rigid(best).cost < min(best.cost, EXPLAINED):
             return found  # no torsion shows
-        found += self.otherwise(found, _best_elsewhere(found), self.free)
+        found += self.otherwise(found, _best_elsewhere(found))
         found += self.thirds(found, [self.raw(name) for name in RAW])
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
         )
+        found += self.with_other_gaps(found)
         before = min(found, key=cost_of)
         found += wandering(before, self.part, self.box, {*self.free, *THIRD})
         if min(found, key=cost_of).cost < before.cost:
-            found += self.otherwise(found, free=self.free)
-        return self._split(found)
+            found += self.otherwise(found)
+            found += self.with_other_gaps(found)
+        return self.split(found)
 
-    def otherwise(
-        self, found: Sequence[Candidate], others: Sequence[Candidate] = (), free: Collection[int] = ()
-    ) -> list[Candidate]:
-        """The best with one of its choices made otherwise, as long as that is better; then the others likewise.
+    def with_other_gaps(self, found: Sequence[Candidate]) -> list[Candidate]:
+        """The best with a backlash of any size, and with its other choices then, as long as that is better."""
+        more: list[Candidate] = []
+        gap = {PLACE, OFFSET} & {*self.free}
+        while True:
+            best = min([*found, *more], key=cost_of)
+            if abs(best.cost) < NOISE_ALONE or not gap & {PLACE}:
+                return more
+            scans = [with_best_backlash(best, self.coarse, self.box, gap, afresh) for afresh in (False, True)]
+            better = min(self.polished(scans), key=cost_of)
+            if alike(best, better, 0.0):
+                return more
+            more += [better, *self.otherwise([better])]
 
-        ``free``: what may be fitted of a drive with a gap.
-        """
+    def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate] = ()) -> list[Candidate]:
+        """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""
         more: list[Candidate] = []
         while True:
             best = min([*found, *more], key=cost_of)
-            choices = other_choices(best, self.coarse, self.box, free)
+            choices = other_choices(best, self.box)
             tried = self._chosen([(choice, best) for choice in choices])
             better = min(tried, key=cost_of)
-            if better.cost >= best.cost or alike(best, better, 0.0):
+            if better.cost >= best.cost or alike(best, better):
                 return more
             choice = choices[tried.index(better)]
             more += [better, *self._chosen([(choice, one) for one in others])]
 
     def _chosen(self, pairs: Sequence[tuple[Choice, Candidate]]) -> list[Candidate]:
-        return self._polished(side_by_side(lambda pair: pair[0](pair[1]), pairs))
+        return self.polished(side_by_side(lambda pair: pair[0](pair[1]), pairs))
 
-    def _polished(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+    def polished(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+        """Over their own rows."""
         return side_by_side(lambda one: polish(one, one.flt, self.box), candidates)
 
-    def estimate(self, found: Sequence[Candidate]) -> Estimate | None:
-        """What the best of the candidates tell; None where no inertia, stiffness or backlash is."""
-        others = plausible(found)
-        if not np.isfinite(others[0].cost):
-            return None
-        finished = self._finished(others, self.flt.liveliest(ROWS))
-        best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
-        shifts = disagreement(best, under_laws, self.box)
-        room = room_for_further_inertias(best, finished, self.box)
-        estimate = told(best, plausible(finished), shifts, room, self.box, self.fixed)
-        return estimate if np.any(np.isfinite(estimate.half[CORE])) else None
-
-    def _finished(self, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
-        """Over more rows, which tell more of them apart: those that predict these best, then the best under other laws,
-        with backlashes beside its own and with parts that it does not have; the lowest first."""
-        judged = side_by_side(lambda one: _judged(one, one.over(flt)), apart(others, NEAR))
-        found = side_by_side(
-            lambda one: polish(one, one.flt, self.box), sorted(judged, key=cost_of)[:POLISHED]
-        )
-        found += self.under_other_laws(min(found, key=cost_of))
-        found += self._polished(with_better_backlash(min(found, key=cost_of), self.box))
-        best = min(found, key=cost_of)
-        begun = side_by_side(lambda part: part(best), other_parts(best, self.coarse, self.box, self.piece))
-        found += side_by_side(lambda one: polish(one, one.over(flt), self.box), begun)
-        return sorted(self._split(found), key=cost_of)
-
-    def _split(self, found: Sequence[Candidate]) -> list[Candidate]:
+    def split(self, found: Sequence[Candidate]) -> list[Candidate]:
         """With what is near the best divided at the softest shaft where no gap shows."""
         best = min(found, key=cost_of)
         return side_by_side(
@@ -324,7 +308,7 @@ def _best_elsewhere(found: Sequence[Candidate]) -> list[Candidate]:
     return apart(sorted(found, key=cost_of), ELSEWHERE)[:POLISHED]
 
 
-def _judged(found: Candidate, flt: ContactFilter) -> Candidate:
+def judged(found: Candidate, flt: ContactFilter) -> Candidate:
     """The end of a descent by its likelihood over other rows."""
     at = replace(flt, level=found.flt.level)
     return replace(found, cost=at.run(found.theta).cost, flt=at)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.choices import other_choices
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.moves.choices import other_choices
 from lostmotion.identification.prediction_error.contact_switching.structures.rising_friction import (
     friction_lines,
     with_rising_friction,
@@ -70,7 +70,7 @@ def test_a_descent_finds_it(constant: Candidate, values: dict[str, float]):
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
         assert told[name] == pytest.approx(values[name], rel=0.005)
     # Once it rises there is nothing to choose.
-    assert len(other_choices(without, without.flt, box)) == len(other_choices(found, found.flt, box)) + 2
+    assert len(other_choices(without, box)) == len(other_choices(found, box)) + 2
 
 
 def test_it_is_told_as_the_line_closest_to_it_at_the_speeds_of_its_end(constant: Candidate):

@@ -7,9 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.identification.prediction_error.contact_switching.choices import other_choices, other_parts
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, LAWS, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.contact_switching.moves.choices import (
+    other_choices,
+    other_parts,
+)
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import Place
 
@@ -27,14 +30,13 @@ def candidate(flt: ContactFilter, values: dict[str, float], *free: str) -> Candi
 
 
 def test_what_is_fixed_is_no_choice(flt: ContactFilter, values: dict[str, float], box: Box):
-    """Torque, load torque and a gap's law can always be otherwise; gap, its size and rise if they are free."""
-    always, gap = 2 + len(LAWS) - 1, [INDEX["backlash"]]
-    assert len(other_choices(bare(candidate(flt, values)), flt, box)) == 2
-    assert len(other_choices(bare(candidate(flt, values)), flt, box, gap)) == 4
-    assert len(other_choices(candidate(flt, values), flt, box)) == always
-    assert len(other_choices(candidate(flt, values, "backlash"), flt, box)) == always + 3
-    assert len(other_choices(candidate(flt, values, "coulomb"), flt, box)) == always + 2
-    assert len(other_choices(candidate(flt, values, "coulomb", "rise", "fade"), flt, box)) == always
+    """Torque, load torque and a gap's law can always be otherwise; gap and rise if they are free."""
+    always = 2 + len(LAWS) - 1
+    assert len(other_choices(bare(candidate(flt, values)), box)) == 2
+    assert len(other_choices(candidate(flt, values), box)) == always
+    assert len(other_choices(candidate(flt, values, "backlash"), box)) == always + 1
+    assert len(other_choices(candidate(flt, values, "coulomb"), box)) == always + 2
+    assert len(other_choices(candidate(flt, values, "coulomb", "rise", "fade"), box)) == always
 
 
 def test_a_part_that_it_lacks_is_added(flt: ContactFilter, values: dict[str, float], box: Box):

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from .filter import INDEX, LAWS, ContactFilter, pole_of
-from .likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish, rates_first, side_by_side
-from .starts.from_drivetrain import unknown
-from .structures.shaft_inertias import THIRD, Place, placed, with_dropped
+from ..filter import INDEX, LAWS, ContactFilter, pole_of
+from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish, rates_first, side_by_side
+from ..starts.from_drivetrain import unknown
+from ..structures.shaft_inertias import THIRD, Place, placed, with_dropped
 
 #: Moves of a round, of which the best few go on to the end; rounds without a lower cost after which it ends, and rounds
 #: at most (numerics).

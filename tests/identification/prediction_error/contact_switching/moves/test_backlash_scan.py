@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.backlash_scan import (
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.moves.backlash_scan import (
     FOLLOWED,
     SCAN,
     with_best_backlash,
     with_better_backlash,
     with_other_backlash,
 )
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 

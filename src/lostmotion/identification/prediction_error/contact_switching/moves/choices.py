@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from .backlash_scan import with_best_backlash
-from .filter import LAWS, ContactFilter
-from .likelihood import Box, Candidate, polish
-from .likelihood_ratio import alike
-from .structures.no_gap import OFFSET, PLACE, bare
-from .structures.rising_friction import FADES, may_rise, with_rising_friction
-from .structures.shaft_inertias import Place, has_fourth, places, with_further_inertia
+from ..filter import LAWS, ContactFilter
+from ..likelihood import Box, Candidate, polish
+from ..likelihood_ratio import alike
+from ..structures.no_gap import PLACE, bare
+from ..structures.rising_friction import FADES, may_rise, with_rising_friction
+from ..structures.shaft_inertias import Place, has_fourth, places, with_further_inertia
 
 Choice = Callable[[Candidate], Candidate]
 
@@ -28,12 +27,9 @@ def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
     return other if other.cost < candidate.cost and not alike(candidate, other) else None
 
 
-def other_choices(best: Candidate, rows: ContactFilter, box: Box, free: Collection[int] = ()) -> list[Choice]:
+def other_choices(best: Candidate, box: Box) -> list[Choice]:
     """Each makes one choice otherwise than the best: how the torque goes between rows, how the load torque changes, the
-    law of the contact, whether there is a gap and how wide, and whether friction rises towards rest.
-
-    ``rows``: those of a scan; ``free``: what may be fitted of a drive with a gap.
-    """
+    law of the contact, whether there is a gap, and whether friction rises towards rest."""
 
     def with_filter(change: dict[str, Any]) -> Choice:
         return lambda one: replace(one, flt=replace(one.flt, **change))
@@ -44,14 +40,8 @@ def other_choices(best: Candidate, rows: ContactFilter, box: Box, free: Collecti
     changes: list[dict[str, Any]] = [{"ramp": not best.flt.ramp}, {"drifts": not best.flt.drifts}]
     if np.isfinite(best.theta[PLACE]):
         changes += [{"law": law} for law in LAWS if law != best.flt.law]
-    gap: list[Choice] = [bare] if PLACE in best.free else []
-    of_gap = {PLACE, OFFSET} & {*free}
-    if PLACE in of_gap or gap:
-        gap += [
-            lambda one: with_best_backlash(one, rows, box, of_gap),
-            lambda one: with_best_backlash(one, rows, box, of_gap, afresh=True),
-        ]
-    return [*map(with_filter, changes), *gap, *(rising(fade) for fade in FADES if may_rise(best))]
+    gapless = [bare] if PLACE in best.free else []
+    return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if may_rise(best))]
 
 
 def other_parts(

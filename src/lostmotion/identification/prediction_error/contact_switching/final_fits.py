@@ -1,0 +1,47 @@
+"""What the search has found over more rows: the best few fitted anew, and what beside them may be right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .descents import NEAR, POLISHED, Search, judged
+from .estimate import CORE, Estimate, told
+from .filter import LAWS, ContactFilter
+from .intervals.further_inertias import room_for_further_inertias
+from .intervals.refits import disagreement
+from .likelihood import Candidate, cost_of, polish, side_by_side
+from .moves.backlash_scan import with_better_backlash
+from .moves.choices import other_parts
+from .selection import apart, plausible
+
+#: Rows of the last fits at most (numerics: a pass over them takes some 10 ms).
+ROWS = 30_000
+
+
+def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
+    """What the best of the candidates tell; None where no inertia, stiffness or backlash is."""
+    others = plausible(found)
+    if not np.isfinite(others[0].cost):
+        return None
+    finished = _finished(search, others, search.flt.liveliest(ROWS))
+    best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
+    shifts = disagreement(best, under_laws, search.box)
+    room = room_for_further_inertias(best, finished, search.box)
+    result = told(best, plausible(finished), shifts, room, search.box, search.fixed)
+    return result if np.any(np.isfinite(result.half[CORE])) else None
+
+
+def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
+    """Over more rows, which tell more of them apart: those that predict these best, then the best under other laws,
+    with backlashes beside its own and with parts that it does not have; the lowest first."""
+    box = search.box
+    few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
+    found = search.polished(sorted(few, key=cost_of)[:POLISHED])
+    found += search.under_other_laws(min(found, key=cost_of))
+    found += search.polished(with_better_backlash(min(found, key=cost_of), box))
+    best = min(found, key=cost_of)
+    begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.piece))
+    found += side_by_side(lambda one: polish(one, one.over(flt), box), begun)
+    return sorted(search.split(found), key=cost_of)

@@ -1,0 +1,1 @@
+"""Where a search goes from a candidate: other choices and parts, another backlash, random moves."""
