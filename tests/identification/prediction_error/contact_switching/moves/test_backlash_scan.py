@@ -70,6 +70,7 @@ def test_a_gap_of_any_size_is_found_under_its_own_law(narrow: Candidate, plant: 
     found = with_best_backlash(stuck, rows, box)
     assert np.exp(found.theta[INDEX["backlash"]]) == pytest.approx(plant.backlash, rel=0.02)
     assert found.cost < stuck.cost - 0.1 and found.flt.rows == flt.rows
+    assert found.flt.law == narrow.flt.law
     # A candidate without a gap gets one, with what is fitted beside it.
     place = INDEX["backlash"]
     gapless = replace(bare(stuck), cost=np.inf)
