@@ -264,15 +264,16 @@ class Search:
         """The best with a backlash of any size, and with its other choices then, as long as that is better."""
         more: list[Candidate] = []
         gap = {PLACE, OFFSET} & {*self.free}
-        while True:
+        while PLACE in gap:
             best = min([*found, *more], key=cost_of)
-            if abs(best.cost) < NOISE_ALONE or not gap & {PLACE}:
-                return more
+            if abs(best.cost) < NOISE_ALONE:
+                break
             scans = [with_best_backlash(best, self.coarse, self.box, gap, afresh) for afresh in (False, True)]
             better = min(self.polished(scans), key=cost_of)
             if alike(best, better, 0.0):
-                return more
+                break
             more += [better, *self.otherwise([better])]
+        return more
 
     def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate] = ()) -> list[Candidate]:
         """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""

@@ -30,14 +30,11 @@ LIGHT, LOW, STEPS_DOWN = 0.003, 0.1 * FITTED_LEVEL, 6
 
 def with_other_backlash(found: Sequence[Candidate], box: Box) -> list[Candidate]:
     """Each candidate with a backlash of any size, a few steps from there; without those that have no gap to fit."""
-    place, stiffness = INDEX["backlash"], INDEX["stiffness"]
 
     def moved(one: Candidate, gap: float) -> Candidate:
-        theta = one.theta.copy()
-        theta[place] = np.log(gap * one.flt.torque_deviation) - theta[stiffness]
-        return rates_first(replace(one, theta=theta), box, STEPS)
+        return rates_first(replace(one, theta=_with_gap(one.theta, one.flt, gap)), box, STEPS)
 
-    pairs = [(one, gap) for one in found if place in one.free for gap in SCAN]
+    pairs = [(one, gap) for one in found if INDEX["backlash"] in one.free for gap in SCAN]
     return side_by_side(lambda pair: moved(*pair), pairs)
 
 
@@ -72,13 +69,12 @@ def with_best_backlash(
     In a wrong minimum, damping and the rates of unknown torques are often so large that no gap shows. ``afresh``: with
     little damping and the rates of a start; then what the scan finds comes down through the noise levels.
     """
-    place, at = INDEX["backlash"], replace(found.over(rows), level=found.flt.level)
+    at = replace(found.over(rows), level=found.flt.level)
     theta = _ringing(found) if afresh else found.theta
-    begun = replace(found, free=sorted({*found.free, *free, place}))
+    begun = replace(found, free=sorted({*found.free, *free, INDEX["backlash"]}))
 
     def moved(law: str, gap: float) -> Candidate:
-        tried = theta.copy()
-        tried[place] = np.log(gap * found.flt.torque_deviation) - theta[INDEX["stiffness"]]
+        tried = _with_gap(theta, found.flt, gap)
         cost = replace(at, law=law).run(tried).cost
         return replace(begun, theta=tried, cost=cost, flt=replace(found.flt, law=law))
 
@@ -94,6 +90,13 @@ def with_best_backlash(
 
     few = [one for each in side_by_side(lowest, list(LAWS)) for one in each]
     return min([found, *side_by_side(followed, few)], key=cost_of)
+
+
+def _with_gap(theta: Array, flt: ContactFilter, gap: float) -> Array:
+    """θ with another backlash, over the wind-up at the torque's standard deviation."""
+    other = theta.copy()
+    other[INDEX["backlash"]] = np.log(gap * flt.torque_deviation) - theta[INDEX["stiffness"]]
+    return other
 
 
 def _ringing(one: Candidate) -> Array:

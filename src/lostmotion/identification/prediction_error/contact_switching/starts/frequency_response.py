@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from .....drivetrain import Drivetrain
@@ -12,6 +10,7 @@ from .....recording import Recording
 from ....frequency.response import frequency_response
 from ....frequency.two_mass_fit import two_mass_fit
 from ..filter import ContactFilter
+from .longest_segment import longest_segment
 from .slow_motion import NAMEPLATE
 
 #: What a mode tells: all of it or nothing.
@@ -25,12 +24,10 @@ def linear_drive(flt: ContactFilter, start: Drivetrain) -> dict[str, float]:
 
     A gap makes the spring softer than it is; a start needs no more.
     """
-    first, end = max(pairwise(flt.bounds), key=lambda segment: segment[1] - segment[0])
-    measured = flt.measured[first:end]
-    speed = np.diff(measured, prepend=measured[0]) / flt.dt if flt.counted else measured
+    torque, speed = longest_segment(flt)
     recording = Recording(
-        time=np.arange(end - first, dtype=np.float64) * flt.dt,
-        signals={"torque_motor": flt.torque[first:end], "speed_motor": speed},
+        time=np.arange(torque.size, dtype=np.float64) * flt.dt,
+        signals={"torque_motor": torque, "speed_motor": speed},
         meta={"speed_from_counts": flt.counted},
     )
     try:

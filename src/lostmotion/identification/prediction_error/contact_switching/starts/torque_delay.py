@@ -7,12 +7,11 @@ section 16.4 (delay by the fit of ARX models).
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..filter import ContactFilter
+from .longest_segment import longest_segment
 
 Array = NDArray[np.float64]
 
@@ -30,12 +29,10 @@ def torque_delay(flt: ContactFilter, pole: float, longest: float) -> float | Non
 
     ``pole``: the nameplate's torsional frequency, Hz.
     """
-    first, end = max(pairwise(flt.bounds), key=lambda segment: segment[1] - segment[0])
-    measured = flt.measured[first:end]
-    speed = np.diff(measured, prepend=measured[0]) / flt.dt if flt.counted else measured
+    torque, speed = longest_segment(flt)
     mean = max(1, int(1.0 / (pole * flt.dt * FINEST)))
     delays = int(min(longest / (mean * flt.dt), MOST)) + 1
-    y, u = (_means(signal, mean) for signal in (speed, flt.torque[first:end]))
+    y, u = (_means(signal, mean) for signal in (speed, torque))
     past = delays + SPEEDS + TORQUES
     if y.size < 4 * past:
         return None
