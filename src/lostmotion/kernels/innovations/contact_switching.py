@@ -173,6 +173,11 @@ def innovations(
         Filled with the innovations, and with their variances over that of the first sensor.
     jacobian : (m, n, s) array
         Filled with the change of the innovations with θ, the gains as they are.
+
+    Returns
+    -------
+    int
+        Parts of samples in which a contact or a friction changed: what makes one pass longer than another.
     """
     m, angled = free.size, counted
     for s in range(sensors.size):
@@ -208,7 +213,7 @@ def innovations(
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
     path, steps = np.zeros((1 << finest, 4), dtype=np.int64), 0
     loads, filled = np.zeros((3, 2, 2, 2, COLUMNS)), np.zeros(4, dtype=np.bool_)
-    piece, contact, rest, base, weight = -1, 0, 0, 0.0, 0.0
+    piece, contact, rest, base, weight, taken = -1, 0, 0, 0.0, 0.0, 0
     for k in range(torque.size):
         if k == bounds[piece + 1]:
             piece += 1
@@ -351,6 +356,7 @@ def innovations(
                     )  # fmt: skip
                     if lacking == 0:
                         break
+                taken += steps
         if quiet and stuck == 0 and slopes[0] == 0.0 and slopes[1] == 0.0:
             where = closed * square
             product_of(errors, where, n, slope, m, next_slope)
@@ -409,3 +415,4 @@ def innovations(
             add(y, 0, 1.0 / _STEP, next_slope, j * WIDE)
         for i in range(m * WIDE):
             slope[i] = next_slope[i]
+    return taken

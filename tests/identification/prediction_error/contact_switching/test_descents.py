@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.descents import Search
+from lostmotion.identification.prediction_error.contact_switching import descents
+from lostmotion.identification.prediction_error.contact_switching.descents import LONG, Search
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
@@ -66,8 +67,8 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     """They go out from the lowest of what the other descents found, and may change all that is not fixed."""
     given: list[tuple[float, set[int]]] = []
 
-    def wander(one: Candidate, rows: ContactFilter, _: Box, free: set[int]) -> list[Candidate]:
-        assert rows is search.part
+    def wander(one: Candidate, rows: ContactFilter, _: Box, free: set[int], effort: float) -> list[Candidate]:
+        assert rows is search.part and effort == LONG
         given.append((one.cost, free))
         return [replace(best, start="moved", cost=one.cost - 1.0)]
 
@@ -75,7 +76,12 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
         "lostmotion.identification.prediction_error.contact_switching.descents.wandering", wander
     )
     monkeypatch.setattr(Search, "otherwise", lambda *_: [])
-    found = replace(search, fixed=("coulomb",)).rivals(best)
+    search = replace(search, fixed=("coulomb",))
+    monkeypatch.setattr(descents, "NOISE_ALONE", np.inf)
+    search.rivals(best)
+    assert given == []  # as if only the sensor's noise were left
+    monkeypatch.setattr(descents, "NOISE_ALONE", -np.inf)
+    found = search.rivals(best)
     (cost, free), lowest = given[0], min(found, key=lambda one: one.cost)
     assert lowest.start == "moved" and all(one.cost >= cost for one in found if one is not lowest)
     assert INDEX["coulomb"] not in free and {INDEX["backlash"], INDEX["share"]} <= free

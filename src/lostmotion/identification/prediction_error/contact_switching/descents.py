@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
+from .effort import Effort
 from .estimate import EXPLAINED, sharp
 from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
 from .likelihood import (
@@ -24,9 +25,10 @@ from .likelihood import (
     side_by_side,
 )
 from .likelihood_ratio import alike
-from .moves.backlash_scan import with_best_backlash, with_other_backlash
+from .moves.backlash_scan import with_best_backlashes, with_other_backlash
 from .moves.choices import NOISE_ALONE, Choice, other_choices
 from .moves.random_moves import wandering
+from .race import race
 from .selection import ELSEWHERE, apart
 from .starts import grid
 from .starts.from_drivetrain import (
@@ -41,7 +43,7 @@ from .starts.from_drivetrain import (
 from .starts.slow_motion import informed
 from .starts.torque_delay import torque_delay
 from .structures.no_gap import OFFSET, PLACE, bare
-from .structures.shaft_inertias import THIRD, Place, places, with_further_inertia
+from .structures.shaft_inertias import THIRD, Place, places, with_further_inertias
 from .structures.softest_shaft import split_at_the_softest_shaft
 
 Array = NDArray[np.float64]
@@ -68,6 +70,8 @@ LITTLE = 10.0
 GLIMPSE, LEAST = 4, 2000
 #: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
 COARSE = 4
+#: Steps of the model after which nothing new is begun (chosen: some 10 s on two threads of an Intel Xeon, 2026-11-27).
+LONG = 100_000_000
 #: Ends of the race that get another backlash; descents that go on to the end (numerics).
 SCANNED, POLISHED = 5, 3
 
@@ -109,7 +113,7 @@ class Search:
         slow: tuple[float, float],
     ) -> Search:
         """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
-        flt = informed(flt, slow, start)
+        flt = replace(informed(flt, slow, start), effort=Effort())
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
         rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
@@ -130,6 +134,10 @@ class Search:
             self.glimpse().part, halvings=min(self.part.halvings, COARSE), charged=self.part.charged
         )
 
+    def ended(self, found: Sequence[Candidate]) -> bool:
+        """Whether nothing new is looked for: only the sensor's noise is left, or it has taken long."""
+        return abs(min(found, key=cost_of).cost) < NOISE_ALONE or self.flt.effort.steps > LONG
+
     @cached_property
     def free(self) -> list[int]:
         """Places of what is fitted."""
@@ -145,9 +153,8 @@ class Search:
     def from_grid(self) -> list[Candidate]:
         """The best of a race from a coarse grid, with any backlash."""
         # Innovations that are too large are divided out: charged, what is far from the drive does not come through.
-        ends = grid.race(
-            replace(self.coarse, charged=False), self.start, self.fixed, self._delays(), self.box
-        )
+        rows = replace(self.coarse, charged=False)
+        ends = race(grid.candidates(rows, self.start, self.fixed, self._delays()), rows, self.box)
         few = apart(ends, ELSEWHERE)[:SCANNED]
         few = apart(sorted([*few, *with_other_backlash(few, self.box)], key=cost_of), ELSEWHERE)[:SCANNED]
         numbered = [replace(one, start=f"grid {number}") for number, one in enumerate(few)]
@@ -192,7 +199,7 @@ class Search:
         return self.polished(found), [] if self.piece else self.thirds([fit])
 
     def _third(self, candidate: Candidate, place: Place) -> Candidate:
-        found = with_further_inertia(candidate, place, self.coarse, self.box)
+        found = with_further_inertias([(candidate, place)], self.coarse, self.box)[0]
         return polish(found, replace(candidate.flt, behind=place.behind), self.box)
 
     def raw(self, name: str) -> Candidate:
@@ -226,8 +233,7 @@ class Search:
 
     def with_inertias(self, pairs: Sequence[tuple[Candidate, Place]]) -> list[Candidate]:
         """The best few of descents from candidates with one inertia more, each at its place."""
-        tried = side_by_side(lambda pair: with_further_inertia(*pair, self.coarse, self.box), pairs)
-        few = apart(sorted(tried, key=cost_of))[:FEW]
+        few = apart(with_further_inertias(pairs, self.coarse, self.box))[:FEW]
         return side_by_side(lambda one: polish(one, one.over(self.part), self.box), few)
 
     def under_other_laws(self, best: Candidate) -> list[Candidate]:
@@ -254,7 +260,8 @@ class Search:
         )
         found += self.with_other_gaps(found)
         before = min(found, key=cost_of)
-        found += wandering(before, self.part, self.box, {*self.free, *THIRD})
+        if not self.ended(found):
+            found += wandering(before, self.part, self.box, {*self.free, *THIRD}, LONG)
         if min(found, key=cost_of).cost < before.cost:
             found += self.otherwise(found)
             found += self.with_other_gaps(found)
@@ -264,12 +271,12 @@ class Search:
         """The best with a backlash of any size, and with its other choices then, as long as that is better."""
         more: list[Candidate] = []
         gap = {PLACE, OFFSET} & {*self.free}
-        while PLACE in gap:
+        while PLACE in gap and not self.ended([*found, *more]):
             best = min([*found, *more], key=cost_of)
-            if abs(best.cost) < NOISE_ALONE:
-                break
-            scans = [with_best_backlash(best, self.coarse, self.box, gap, afresh) for afresh in (False, True)]
-            better = min(self.polished(scans), key=cost_of)
+            scans = [
+                with_best_backlashes(best, self.coarse, self.box, gap, afresh) for afresh in (False, True)
+            ]
+            better = min(self.polished([scan[0] for scan in scans if scan]), key=cost_of, default=best)
             if alike(best, better, 0.0):
                 break
             more += [better, *self.otherwise([better])]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -14,6 +14,7 @@ from ....errors import InvalidInput
 from ...statistics.white_noise import white_noise
 from ..innovations import Predictor
 from ..warnings import count_step
+from .effort import Effort
 
 Array = NDArray[np.float64]
 
@@ -118,6 +119,8 @@ class ContactFilter:
         that is lost is low and flat. That is no likelihood, but descents come through.
     units : (float, float, float)
         Of torque (Nm), Coulomb (Nm) and viscous friction (Nm s/rad) in θ; the same for all parts of a recording.
+    effort : Effort
+        What all passes over all parts of a recording have taken.
     """
 
     torque: Array
@@ -137,6 +140,7 @@ class ContactFilter:
     inertia: tuple[float, float] = (1.0, np.inf)
     charged: bool = True
     units: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    effort: Effort = field(default_factory=Effort)
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -263,7 +267,7 @@ class ContactFilter:
             twist = 0.5 * q[INDEX["backlash"]] + self.torque_deviation / q[INDEX["stiffness"]]
         torque = self.torque_deviation
         start = np.array([twist, 0.3 * self.speed_deviation, torque, torque * DRIFT]) / self.level
-        innovations(
+        parts = innovations(
             q, np.array(free, dtype=np.int64),
             np.array([KINDS[PARAMETERS[NAMES[i]]] for i in free], dtype=np.int64),
             self._units[list(free)],
@@ -272,6 +276,7 @@ class ContactFilter:
             np.array(self.bounds, dtype=np.int64), self.torque, measured,
             self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip
+        self.effort.add(n, parts, m)
         return residuals, variances, jacobian
 
     def load_speed(self, theta: Array) -> Array:

@@ -16,8 +16,8 @@ from .moves.backlash_scan import with_better_backlash
 from .moves.choices import other_parts
 from .selection import apart, plausible
 
-#: Rows of the last fits at most (numerics: a pass over them takes some 10 ms).
-ROWS = 30_000
+#: Rows of the last fits at most, and steps of the model in one pass over them (numerics: it takes some 5 ms).
+ROWS, STEPS = 30_000, 40_000
 
 
 def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
@@ -25,12 +25,20 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
     others = plausible(found)
     if not np.isfinite(others[0].cost):
         return None
-    finished = _finished(search, others, search.flt.liveliest(ROWS))
+    finished = _finished(search, others, search.flt.liveliest(_rows(others[0])))
     best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
     shifts = disagreement(best, under_laws, search.box)
     room = room_for_further_inertias(best, finished, search.box)
     result = told(best, plausible(finished), shifts, room, search.box, search.fixed)
     return result if np.any(np.isfinite(result.half[CORE])) else None
+
+
+def _rows(best: Candidate) -> int:
+    """As many as one pass may take."""
+    effort = best.flt.effort
+    before = effort.steps
+    best.flt.run(best.theta)
+    return int(min(ROWS, STEPS * best.flt.rows / (effort.steps - before)))
 
 
 def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:

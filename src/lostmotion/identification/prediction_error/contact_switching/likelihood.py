@@ -201,6 +201,12 @@ def cost_of(one: Candidate) -> float:
     return one.cost
 
 
+def first_level(flt: ContactFilter, theta: Array, first: float) -> float:
+    """Noise level of ``first`` times the motion's own size, the sensor's at least."""
+    own = flt.speed_deviation / (2.0 * np.pi * pole_of(theta) if flt.counted else 1.0)
+    return max(first * own, flt.floor)
+
+
 def descend(
     start: str,
     flt: ContactFilter,
@@ -211,8 +217,7 @@ def descend(
     iterations: int = STEPS,
 ) -> Candidate:
     """The best of the fits with ever lower noise level; ``first`` is in multiples of the motion's own size."""
-    own = flt.speed_deviation / (2.0 * np.pi * pole_of(theta) if flt.counted else 1.0)
-    level, best = max(first * own, flt.floor), None
+    level, best = first_level(flt, theta, first), None
     while True:
         at = replace(flt, level=level)
         theta, cost = minimise(at, theta, free, box, iterations)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, pole_of
-from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, polish
+from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.starts import grid
-from lostmotion.identification.prediction_error.contact_switching.starts.slow_motion import informed
 
 
 @pytest.fixture
@@ -53,14 +49,8 @@ def test_lag_and_delay_are_those_of_two_starts_in_turn(flt: ContactFilter, namep
     assert all(np.all(np.diff(first.astype(int), axis=axis) != 0) for axis in range(3))
 
 
-def test_the_race_finds_the_drive(flt: ContactFilter, plant: lm.Drivetrain, nameplate: lm.Drivetrain):
-    flt = informed(flt, (plant.inertia_total, 0.025), nameplate)
-    part = replace(flt.liveliest(2000), charged=False)
-    like = two_lags(flt)
-    box = Box.around(part, next(grid.points(part, nameplate, (), like)), 1e3)
-    found = grid.race(part, nameplate, (), like, box)
-    assert [one.cost for one in found] == sorted(one.cost for one in found)
-    assert len(found) == grid.NEXT[-1][0]
-    # Its backlash may be any: the scan finds that.
-    best = polish(found[0], part, box)
-    assert pole_of(best.theta) == pytest.approx(plant.pole_frequency, rel=0.01)
+def test_candidates_are_the_points_over_some_rows(flt: ContactFilter, nameplate: lm.Drivetrain):
+    found = grid.candidates(flt, nameplate, ("stiffness",), two_lags(flt))
+    points = list(grid.points(flt, nameplate, ("stiffness",), two_lags(flt)))
+    assert all(np.array_equal(one.theta, theta) for one, theta in zip(found, points, strict=True))
+    assert all(one.flt is flt and INDEX["stiffness"] not in one.free for one in found)

@@ -13,13 +13,14 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
     FOURTH,
+    LAST,
     PLACES,
     THIRD,
     Place,
     has_fourth,
     places,
     with_dropped,
-    with_further_inertia,
+    with_further_inertias,
     without_last_inertia,
 )
 
@@ -35,7 +36,9 @@ def test_a_descent_finds_it_on_its_side(
     free, box = sorted(INDEX[name] for name in FREE), Box.around(flt, theta, 30.0)
     two = polish(Candidate("two masses", theta, flt.run(theta).cost, flt, free), flt, box)
     found = polish(
-        with_further_inertia(two, Place(0.1, 0.3, behind=behind), flt, box), replace(flt, behind=behind), box
+        with_further_inertias([(two, Place(0.1, 0.3, behind=behind))], flt, box)[0],
+        replace(flt, behind=behind),
+        box,
     )
     assert found.cost < 0.2 < 0.4 < two.cost
     place = Place.of(found)
@@ -57,7 +60,7 @@ def test_a_descent_finds_a_fourth_beside_a_third(
     assert Place.of(three) is not None and not has_fourth(three) and not three.flt.fourth_behind
     begun = places(three, flt, [fourth_behind], fourth=True)
     assert all(place.fourth and place.behind is fourth_behind for place in begun)
-    four = min((with_further_inertia(three, place, flt, box) for place in begun), key=lambda one: one.cost)
+    four = with_further_inertias([(three, place) for place in begun], flt, box)[0]
     assert has_fourth(four) and four.flt.fourth_behind is fourth_behind and four.contains(three)
     four = polish(four, four.flt, box)
     assert four.cost < 0.2 < three.cost - 0.2
@@ -67,6 +70,17 @@ def test_a_descent_finds_a_fourth_beside_a_third(
     assert (
         Place.of(none) is None and not has_fourth(none) and none.free == sorted(INDEX[name] for name in FREE)
     )
+
+
+def test_the_better_half_of_the_descents_goes_on_to_each_noise_level():
+    flt, two, box = hub()
+    pairs = [(two, place) for place in places(two, flt)] * 3
+    rows = replace(flt, floor=0.01 * flt.floor)
+    found = with_further_inertias(pairs, rows, box)
+    assert LAST <= len(found) < len(pairs) // 2
+    assert [one.cost for one in found] == sorted(one.cost for one in found)
+    assert all(one.flt.level == rows.floor for one in found)
+    assert with_further_inertias([], rows, box) == []
 
 
 def hub() -> tuple[ContactFilter, Candidate, Box]:
@@ -96,6 +110,6 @@ def test_descents_start_where_the_candidate_predicts_best():
     usual = [one for one in starts if one not in further]
 
     def lowest(begun: list[Place]) -> float:
-        return min(with_further_inertia(two, place, flt, box).cost for place in begun)
+        return with_further_inertias([(two, place) for place in begun], flt, box)[0].cost
 
     assert lowest(further) < 0.05 < 0.15 < min(two.cost, lowest(usual))

@@ -13,7 +13,7 @@ from ..likelihood import Box, Candidate, polish
 from ..likelihood_ratio import alike
 from ..structures.no_gap import PLACE, bare
 from ..structures.rising_friction import FADES, may_rise, with_rising_friction
-from ..structures.shaft_inertias import Place, has_fourth, places, with_further_inertia
+from ..structures.shaft_inertias import Place, has_fourth, places, with_further_inertias
 
 Choice = Callable[[Candidate], Candidate]
 
@@ -56,8 +56,8 @@ def other_parts(
 
     def further(side: list[Place]) -> Choice:
         def add(one: Candidate) -> Candidate:
-            tried = [with_further_inertia(one, place, rows, box) for place in side]
-            return replace(min(tried, key=lambda found: found.cost), start="further inertia")
+            tried = with_further_inertias([(one, place) for place in side], rows, box)
+            return replace(tried[0], start="further inertia")
 
         return add
 

@@ -15,7 +15,7 @@ from ..structures.shaft_inertias import THIRD, Place, placed, with_dropped
 
 #: Moves of a round, of which the best few go on to the end; rounds without a lower cost after which it ends, and rounds
 #: at most (numerics).
-WIDTH, FOLLOWED, PATIENCE, ROUNDS = 8, 2, 4, 12
+WIDTH, FOLLOWED, PATIENCE, ROUNDS = 8, 2, 8, 24
 #: Steps of a descent at each noise level, and of one at the sensor's alone (numerics).
 STEPS, STEPS_ALONE = 4, 6
 #: Chance that one of the groups changes (numerics: two of four on average), that a choice is made otherwise or a third
@@ -30,13 +30,18 @@ GAPS, SHARES, COMPLIANCES = (0.02, 12.0), (0.01, 0.7), (0.03, 0.97)
 LOWER = 1e-3
 
 
-def wandering(best: Candidate, rows: ContactFilter, box: Box, free: Collection[int]) -> list[Candidate]:
-    """Ends over some rows: each round moves what is lowest so far. ``free``: what may be changed."""
+def wandering(
+    best: Candidate, rows: ContactFilter, box: Box, free: Collection[int], effort: float = np.inf
+) -> list[Candidate]:
+    """Ends over some rows: each round moves what is lowest so far. ``free``: what may be changed; ``effort``: no round
+    begins after so many steps of the model in all."""
     found: list[Candidate] = []
     generator, waited = np.random.default_rng(0), 0
     at = replace(best.over(rows), level=rows.floor)
     best = replace(best, flt=at, cost=at.run(best.theta).cost)
     for _ in range(ROUNDS):
+        if rows.effort.steps > effort:
+            break
         moves = [moved(best, each, box, free) for each in generator.spawn(WIDTH)]
         ends = side_by_side(lambda move: _end(move, box), list(enumerate(moves)))
         few = sorted(ends, key=cost_of)[:FOLLOWED]

@@ -1,4 +1,4 @@
-"""A coarse grid of starts in the drive's own dimensionless numbers, and a race of descents from all of them."""
+"""A coarse grid of starts in the drive's own dimensionless numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .....drivetrain import Drivetrain
 from ...innovations import NAMES as TOLD
 from ..filter import INDEX, ContactFilter
-from ..likelihood import Box, Candidate, cost_of, rates_first, side_by_side
+from ..likelihood import Candidate
 from .from_drivetrain import DAMPING_RATIO, free_places, frictions, unknown
 
 Array = NDArray[np.float64]
@@ -22,10 +22,6 @@ RATIOS = tuple(np.geomspace(1.0 / 40.0, 40.0, 8))
 POLES = tuple(np.geomspace(0.25, 4.0, 5))
 #: Backlash over the wind-up at the torque's standard deviation (numerics: none to a wide gap).
 BACKLASHES = (0.02, 0.3, 2.0, 10.0)
-#: Steps of each round, and how many are in it at most (numerics: a start shows after two steps whether it leads on).
-FIRST, NEXT = 2, ((60, 3), (20, 6))
-#: Part of the rows that tell the rates of the grid's points, and rows at least (numerics: they are sought by threes).
-RATES, FEWEST = 4, 500
 
 
 def points(
@@ -49,22 +45,9 @@ def points(
         yield theta
 
 
-def race(
-    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Sequence[Array], box: Box
+def candidates(
+    flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Sequence[Array]
 ) -> list[Candidate]:
-    """Ends of the descents that get furthest, the lowest first.
-
-    All points of the grid get a few steps; the lowest get more of them. A point is not judged where it lies: what is
-    not in the grid (which end has the friction, a load torque) makes more of its cost than what is.
-    """
+    """The grid's points over some rows; their cost is not known."""
     free = free_places(start, fixed)
-    begun = [Candidate("grid", theta, np.inf, flt, free) for theta in points(flt, start, fixed, like)]
-
-    def lowest(found: list[Candidate], steps: int, rows: ContactFilter) -> list[Candidate]:
-        ends = side_by_side(lambda one: rates_first(one, box, steps, rows), found)
-        return sorted(ends, key=cost_of)
-
-    found = lowest(begun, FIRST, flt.liveliest(max(FEWEST, flt.rows // RATES)))
-    for most, steps in NEXT:
-        found = lowest(found[:most], steps, flt)
-    return found
+    return [Candidate("grid", theta, np.inf, flt, free) for theta in points(flt, start, fixed, like)]

@@ -10,7 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..filter import INDEX, ContactFilter
-from ..likelihood import FITTED_LEVEL, Box, Candidate, descend, polish, side_by_side
+from ..likelihood import (
+    FITTED_LEVEL,
+    LEVEL_FACTOR,
+    Box,
+    Candidate,
+    cost_of,
+    first_level,
+    minimise,
+    polish,
+    side_by_side,
+)
 
 Array = NDArray[np.float64]
 
@@ -27,6 +37,8 @@ THIRD, FOURTH = (
 )
 #: With how many of the best on either side descents start as well (numerics).
 FOLLOWED = 2
+#: So many descents at least go on to the next noise level (numerics).
+LAST = 8
 
 
 @dataclass(frozen=True)
@@ -84,11 +96,31 @@ def placed(candidate: Candidate, place: Place, rows: ContactFilter) -> tuple[Con
     return flt, theta
 
 
-def with_further_inertia(candidate: Candidate, place: Place, rows: ContactFilter, box: Box) -> Candidate:
-    """The candidate with a further inertia over some rows; its descent comes down from a higher noise level."""
-    flt, theta = placed(candidate, place, rows)
-    free = sorted({*candidate.free, *place.free})
-    return descend(candidate.start, replace(flt, level=flt.floor), theta, free, box, FITTED_LEVEL, STEPS)
+def with_further_inertias(
+    pairs: Sequence[tuple[Candidate, Place]], rows: ContactFilter, box: Box
+) -> list[Candidate]:
+    """Candidates with a further inertia, each at its place, over some rows, the lowest first.
+
+    They come down from a higher noise level together: the better half of them goes on to the next one.
+    """
+    if not pairs:
+        return []
+    found, level = [], first_level(rows, pairs[0][0].theta, FITTED_LEVEL)
+    for one, place in pairs:
+        flt, theta = placed(one, place, rows)
+        found.append(replace(one, theta=theta, flt=flt, free=sorted({*one.free, *place.free})))
+
+    def lowered(one: Candidate) -> Candidate:
+        flt = replace(one.flt, level=level)
+        theta, cost = minimise(flt, one.theta, one.free, box, STEPS)
+        return replace(one, theta=theta, cost=cost, flt=flt)
+
+    while True:
+        found = sorted(side_by_side(lowered, found), key=cost_of)
+        if level <= rows.floor:
+            return found
+        found = found[: max(len(found) // 2, LAST)]
+        level = max(level / LEVEL_FACTOR, rows.floor)
 
 
 def with_dropped(candidate: Candidate, which: Sequence[int] = (*THIRD, *FOURTH)) -> Candidate:
