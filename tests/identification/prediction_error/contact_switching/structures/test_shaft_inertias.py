@@ -74,7 +74,7 @@ def test_a_descent_finds_a_fourth_beside_a_third(
 
 def test_the_better_half_of_the_descents_goes_on_to_each_noise_level():
     flt, two, box = hub()
-    pairs = [(two, place) for place in places(two, flt)] * 3
+    pairs = [(two, place) for place in places(two, flt)] * 6
     rows = replace(flt, floor=0.01 * flt.floor)
     found = with_further_inertias(pairs, rows, box)
     assert LAST <= len(found) < len(pairs) // 2

@@ -38,7 +38,7 @@ THIRD, FOURTH = (
 #: With how many of the best on either side descents start as well (numerics).
 FOLLOWED = 2
 #: So many descents at least go on to the next noise level (numerics).
-LAST = 8
+LAST = 20
 
 
 @dataclass(frozen=True)
