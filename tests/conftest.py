@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,14 @@ def measured_data() -> Path:
     if not (folder / "aalto").is_dir():
         pytest.skip(f"no measured data in {folder}: set LOSTMOTION_DATA")
     return folder
+
+
+@pytest.fixture
+def fit_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rehearsals of an excitation with the fit alone: limits, files and what is said of them are the same."""
+    import lostmotion as lm
+
+    monkeypatch.setattr("lostmotion.experiment.design.identify", partial(lm.identify, second_estimator=False))
 
 
 @pytest.fixture(scope="session")

@@ -46,6 +46,7 @@ def test_frf_of_the_rig_lies_below_the_linear_zero_and_pole(tmp_path: Path) -> N
     assert "those of the gap as it moved here" in written["note"]
 
 
+@pytest.mark.usefixtures("fit_alone")
 def test_excite_then_simulate_what_it_wrote(tmp_path: Path) -> None:
     result = excitation_file(
         None, tmp_path / "test", kind="noise", duration=2.0, dt=1e-4, torque_limit=10.0, speed_limit=40.0
@@ -297,6 +298,7 @@ def test_a_toml_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert read == [tmp_path / "rig.toml"] * 2
 
 
+@pytest.mark.usefixtures("fit_alone")
 def test_a_drive_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is protected, the drivetrain and its limit are of one version of the file."""
     (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", WELL_KNOWN))
@@ -309,6 +311,7 @@ def test_a_drive_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert read == [tmp_path / "rig.toml"] * 2
 
 
+@pytest.mark.usefixtures("fit_alone")
 def test_the_torque_limit_of_the_toml_holds(tmp_path: Path) -> None:
     (tmp_path / "rig.toml").write_text(TOML.replace("[[recording]]", WELL_KNOWN))
     wanted = {"kind": "levels", "duration": 2.0, "dt": 1e-4, "torque_limit": None, "speed_limit": 50.0}

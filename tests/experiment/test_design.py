@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,12 +23,6 @@ WELL_KNOWN = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash
 @cache
 def levels() -> ExcitationDesign:
     return design_excitation(NAMEPLATE, speed_limit=45.0, plants=2)
-
-
-@pytest.fixture
-def fit_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Limits and what a design says of a rehearsal do not depend on which estimator it had."""
-    monkeypatch.setattr("lostmotion.experiment.design.identify", partial(lm.identify, second_estimator=False))
 
 
 @pytest.mark.usefixtures("fit_alone")

@@ -58,10 +58,9 @@ def test_too_low_a_resolution():
     assert told(found(), "in a speed that varies by") == []
 
 
-@pytest.mark.parametrize("bits", [11, 12])
-def test_values_from_coarse_counts_are_right_or_not_told(bits: int):
+def test_values_from_coarse_counts_are_right_or_not_told():
     """Rows are joined; without that 12 bit gave values that were 50 to 100 % wrong."""
-    result = found(bits=bits)
+    result = found(bits=12)
     for name, (low, high) in result.intervals.items():
         assert low <= getattr(PLANT, name) <= high, name
     assert result.prediction.time.size < 20000

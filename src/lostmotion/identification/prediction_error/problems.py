@@ -138,7 +138,7 @@ def unmodelled_mode(frequency: float) -> Problem:
     """Hz."""
     got = f"prediction errors with a peak at {frequency:.0f} Hz"
     remedy = (
-        "A further inertia or shaft: the intervals are widened for it. If the drive rings there under a default law, "
+        "A further inertia or shaft: the intervals allow for it. If the drive rings there under a default law, "
         "give smaller kp and ki, or slower poles, under [law]."
     )
     return Problem.warning("identification", got, "no resonance beyond that of motor and load", remedy)

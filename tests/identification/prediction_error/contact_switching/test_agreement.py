@@ -113,7 +113,7 @@ SOFT_CLUTCH = chain((0.0182, 0.02, 0.091), (lm.Shaft(6285.896, 0.397, 0.012), lm
 @pytest.mark.parametrize(
     ("plant", "kept", "duration"),
     [(HEAVY_PIECE, CORE, 4.0), (TABLE_I.with_parameters(coulomb_motor=1.0), CORE, 2.0), (ASYMMETRIC, CORE, 2.0),
-     (NO_GAP, (), 2.0), (SOFT_CLUTCH, (), 2.0)],
+     (NO_GAP, (), 1.0), (SOFT_CLUTCH, (), 1.0)],
     ids=["heavy joint piece", "motor friction", "asymmetric friction", "three masses without a gap", "soft clutch"],
 )  # fmt: skip
 def test_what_the_model_lacks_is_not_grossly_wrong(
@@ -167,7 +167,7 @@ def test_a_load_torque_takes_the_friction_alone():
     assert {name for name in CORE if found.sources[name] != "identified"} == set()
 
 
-@pytest.mark.parametrize(("dt", "duration"), [(5e-4, 8.0), (1e-3, 8.0)])
+@pytest.mark.parametrize(("dt", "duration"), [(5e-4, 8.0), (1e-3, 4.0)])
 def test_sample_times_that_drives_log(dt: float, duration: float):
     found = lm.identify(recorded(TABLE_I, dt, duration), start=TABLE_I)
     assert gross(found, TABLE_I.parameters()) == {}
@@ -193,9 +193,9 @@ def test_an_elastic_drive_whose_torsion_does_not_show():
     assert total_is_right(found, stiff.inertia_total)
 
 
-@pytest.mark.parametrize("seed", [1, 27, 1301])
+@pytest.mark.parametrize("seed", [27, 1301])
 def test_drives_of_the_zoo_that_were_wrong(seed: int):
-    """A rigid drive; one whose descent ended far off; one whose fit stood at first sight, with the motor's friction at
+    """One whose descent ended far off; one whose fit stood at first sight, with the motor's friction at
     the load and a backlash 63 % too small. ``benchmarks/zoo.py`` has the many."""
     drive = lm.rig.drive(seed)
     found = lm.identify(drive.recording, start=drive.nameplate)

@@ -28,7 +28,6 @@ from .likelihood_ratio import alike
 from .moves.backlash_scan import with_best_backlashes, with_other_backlash
 from .moves.choices import NOISE_ALONE, Choice, other_choices
 from .moves.random_moves import wandering
-from .race import race
 from .selection import ELSEWHERE, apart
 from .starts import grid
 from .starts.from_drivetrain import (
@@ -40,6 +39,7 @@ from .starts.from_drivetrain import (
     rigid_start,
     starts,
 )
+from .starts.race import race
 from .starts.slow_motion import informed
 from .starts.torque_delay import torque_delay
 from .structures.no_gap import OFFSET, PLACE, bare
@@ -70,8 +70,8 @@ LITTLE = 10.0
 GLIMPSE, LEAST = 4, 2000
 #: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
 COARSE = 4
-#: Steps of the model after which nothing new is begun (chosen: some 10 s on two threads of an Intel Xeon, 2026-11-27).
-LONG = 100_000_000
+#: Steps of the model after which nothing new is begun (chosen: some 8 s on two threads of an Intel Xeon, 2026-11-27).
+LONG = 80_000_000
 #: Ends of the race that get another backlash; descents that go on to the end (numerics).
 SCANNED, POLISHED = 5, 3
 
@@ -134,9 +134,14 @@ class Search:
             self.glimpse().part, halvings=min(self.part.halvings, COARSE), charged=self.part.charged
         )
 
+    @property
+    def long(self) -> bool:
+        """Whether it has taken so long that nothing new is begun."""
+        return self.flt.effort.steps > LONG
+
     def ended(self, found: Sequence[Candidate]) -> bool:
         """Whether nothing new is looked for: only the sensor's noise is left, or it has taken long."""
-        return abs(min(found, key=cost_of).cost) < NOISE_ALONE or self.flt.effort.steps > LONG
+        return abs(min(found, key=cost_of).cost) < NOISE_ALONE or self.long
 
     @cached_property
     def free(self) -> list[int]:
@@ -283,7 +288,10 @@ class Search:
         return more
 
     def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate] = ()) -> list[Candidate]:
-        """The best with one of its choices made otherwise, as long as that is better; then the others likewise."""
+        """The best with one of its choices made otherwise, as long as that is better; then the others likewise.
+
+        One round at least, however long the search has taken.
+        """
         more: list[Candidate] = []
         while True:
             best = min([*found, *more], key=cost_of)
@@ -294,6 +302,8 @@ class Search:
                 return more
             choice = choices[tried.index(better)]
             more += [better, *self._chosen([(choice, one) for one in others])]
+            if self.long:
+                return more
 
     def _chosen(self, pairs: Sequence[tuple[Choice, Candidate]]) -> list[Candidate]:
         return self.polished(side_by_side(lambda pair: pair[0](pair[1]), pairs))

@@ -16,8 +16,8 @@ from .moves.backlash_scan import with_better_backlash
 from .moves.choices import other_parts
 from .selection import apart, plausible
 
-#: Rows of the last fits at most, and steps of the model in one pass over them (numerics: it takes some 5 ms).
-ROWS, STEPS = 30_000, 40_000
+#: Rows of the last fits at most, and steps of the model in one pass over them (numerics: it takes some 4 ms).
+ROWS, STEPS = 30_000, 30_000
 
 
 def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:

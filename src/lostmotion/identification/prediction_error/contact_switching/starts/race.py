@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .filter import ContactFilter
-from .likelihood import Box, Candidate, cost_of, rates_first, side_by_side
+from ..filter import ContactFilter
+from ..likelihood import Box, Candidate, cost_of, rates_first, side_by_side
 
 #: Steps of each round, and how many are in it at most (numerics: a start shows after two steps whether it leads on).
 FIRST, NEXT = 2, ((60, 3), (20, 6))
