@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 #: Signals that may be measured beside the motor speed.
 FURTHER = ("speed_load", "twist", "torque_shaft", "angle_motor")
 
+#: Part of the progress that the fit alone makes (numerics: a search after it may take ten times as long).
+FIT_ALONE = 0.3
 #: Contact laws that the observer can have.
 CONTACTS = ("viscoelastic", "dead_zone")
 
@@ -135,7 +137,7 @@ def identify(
     Friction of the motor stays as in ``start``. The torque is taken as free of scale error, the speed as
     free of bias: both would show as inertia and as asymmetric friction.
     """
-    say = progress or (lambda fraction, text: None)
+    progress = say = progress or (lambda fraction, text: None)
     recordings = [recording] if isinstance(recording, Recording) else list(recording)
     _check(start, fixed, measured, contact)
     for one in recordings:
@@ -153,6 +155,8 @@ def identify(
             pieces = pieces.joined(rows)
             predictor = replace(_predictor(pieces, recordings[0], start, True), joined=True)
     free = [i for i, name in enumerate(NAMES) if name not in fixed]
+    judged = second_estimator and not wide
+    say = _to(FIT_ALONE, say) if judged else say
     say(0.0, "searching the start")
     theta, total = initial_values.complete(start, predictor, fixed)
     box = Box.around(theta, predictor.dt)
@@ -167,7 +171,7 @@ def identify(
         if higher_mode(predictor, better_without(predictor, upper[-1], box)) is not None:
             found = with_joint_piece(predictor, upper, box)
         theta = upper[0].fit.theta
-    predictor, stage = found or (predictor, descent(predictor, theta, free, box, _from(0.5, say))[-1])
+    predictor, stage = found or (predictor, descent(predictor, theta, free, box, _not_before(0.5, say))[-1])
     ambiguous = _second_minimum(predictor, second, stage, box)
     if wide:
         say(0.7, "fitting all channels")
@@ -177,10 +181,10 @@ def identify(
     stage, values = told(predictor, stage, start, box, total)
     doubts: list[Problem] = []
     compared: list[Candidate] = []
-    judged = second_estimator and not wide
     if judged:
-        say(0.9, "comparing with the contact-switching filter")
-        predictor, stage, values, doubts = confirmed(predictor, stage, values, start, fixed, slow, compared)
+        predictor, stage, values, doubts = confirmed(
+            predictor, stage, values, start, fixed, slow, compared, _from(FIT_ALONE, progress)
+        )
     structure = structure_of(predictor, stage, compared, judged, load_torque)
     inertia = total_inertia(slow, stage, values)
     result = _result(pieces, predictor, stage, values, start, fixed, total, structure, inertia)
@@ -189,13 +193,23 @@ def identify(
     if compared:
         ambiguous = []  # all minima were compared by their likelihood: the interval has those that predict as well
     result = replace(result, problems=(*result.problems, *doubts, *ambiguous, *coarse))
-    say(1.0, "identified")
+    progress(1.0, "identified")
     return result
 
 
-def _from(first: float, say: Progress) -> Progress:
+def _not_before(first: float, say: Progress) -> Progress:
     """Progress that never goes back before ``first``."""
     return lambda fraction, text: say(max(first, fraction), text)
+
+
+def _to(last: float, say: Progress) -> Progress:
+    """Progress that ends at ``last``."""
+    return lambda fraction, text: say(last * fraction, text)
+
+
+def _from(first: float, say: Progress) -> Progress:
+    """Progress that begins at ``first``."""
+    return lambda fraction, text: say(first + (1.0 - first) * fraction, text)
 
 
 def _check(start: Drivetrain, fixed: Collection[str], measured: Sequence[str], contact: str) -> None:

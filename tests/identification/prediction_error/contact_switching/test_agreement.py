@@ -206,8 +206,14 @@ def test_drives_of_the_zoo_that_were_wrong(seed: int):
 
 def test_what_stands_out_is_told_though_the_torque_is_noisy():
     """Innovations of 1.3 times the sensor's noise, from a measured torque: nothing was identified; all was right."""
-    drive = lm.rig.drive(390)
-    found = lm.identify(drive.recording, start=drive.nameplate)
+    drive, said = lm.rig.drive(390), list[tuple[float, str]]()
+    found = lm.identify(
+        drive.recording, start=drive.nameplate, progress=lambda fraction, text: said.append((fraction, text))
+    )
+    # It goes forward only, and names the steps of the search.
+    fractions, steps = zip(*said, strict=True)
+    assert [*fractions] == sorted(fractions) and fractions[0] == 0.0 and fractions[-1] == 1.0
+    assert {"a third inertia", "random moves", "intervals"} <= {*steps} and steps[-1] == "identified"
     assert gross(found, dict(drive.truth.parameters)) == {}
     for name in ("inertia_motor", "inertia_load", "stiffness"):
         low, high = found.intervals[name]

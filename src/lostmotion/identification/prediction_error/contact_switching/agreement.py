@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
 from ....drivetrain import Drivetrain
 from ....errors import InvalidInput
 from .. import problems as problem
-from ..gain_schedule import Stage
+from ..gain_schedule import Progress, Stage
 from ..gap.absent_gap import NEEDED
 from ..identifiability import Told
 from ..innovations import NAMES, Predictor
@@ -40,6 +41,7 @@ def confirmed(
     fixed: Collection[str],
     slow: tuple[float, float],
     compared: list[Candidate],
+    say: Progress,
 ) -> Outcome:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
@@ -51,6 +53,7 @@ def confirmed(
 
     ``slow`` is what the slow motion tells of the total inertia, see ``total_inertia.of_slow_motion``. ``compared`` gets
     all candidates that were looked at, first that whose values are told; none where the fit stood at first sight.
+    ``say`` hears how far it is.
     """
     fit = Fit(predictor, stage, told, start)
     try:
@@ -58,6 +61,8 @@ def confirmed(
     except InvalidInput:
         return fit.stays()
     search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece, slow)
+    search = replace(search, say=say)
+    search.reached("comparing with the contact-switching filter")
     if stage.free and _stands(search.glimpse(), fit):
         four = with_a_fourth_inertia(search, fit)
         # What says otherwise began at the fit: it has left its minimum, and is no reason for another search.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
+from ..gain_schedule import Progress
 from .effort import Effort
 from .estimate import EXPLAINED, sharp
 from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
@@ -70,7 +71,7 @@ LITTLE = 10.0
 GLIMPSE, LEAST = 4, 2000
 #: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
 COARSE = 4
-#: Steps of the model after which nothing new is begun (chosen: some 8 s on two threads of an Intel Xeon, 2026-11-27).
+#: Steps of the model after which nothing new is begun (numerics: some 8 s on two threads of an Intel Xeon, 2026-11-27).
 LONG = 80_000_000
 #: Ends of the race that get another backlash; descents that go on to the end (numerics).
 SCANNED, POLISHED = 5, 3
@@ -91,6 +92,8 @@ class Search:
     begun : mapping of name → θ
         From where descents start.
     box : Box
+    say : callable
+        Hears how far the search is.
     """
 
     flt: ContactFilter
@@ -101,6 +104,7 @@ class Search:
     piece: tuple[float, float] | None
     begun: dict[str, Array]
     box: Box
+    say: Progress = field(default=lambda fraction, text: None)
 
     @classmethod
     def of(
@@ -133,6 +137,10 @@ class Search:
         return replace(
             self.glimpse().part, halvings=min(self.part.halvings, COARSE), charged=self.part.charged
         )
+
+    def reached(self, step: str) -> None:
+        """Says which step begins; how far that is, is what has been computed: what is to come depends on the drive."""
+        self.say(float(-np.expm1(-self.flt.effort.steps / LONG)), step)
 
     @property
     def long(self) -> bool:
@@ -251,21 +259,27 @@ class Search:
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; from the fit
         without its intervals; and from where random moves lead."""
+        self.reached("descents from nameplate and fit")
         found = side_by_side(self.descent, [*self.begun, RESPONSE])
         found += self.polished(_best_elsewhere(found))
         if not sharp(min(found, key=cost_of)):
+            self.reached("a race from a grid")
             found += self.from_grid()
         best = min(found, key=cost_of)
         if self.rigid(best).cost < min(best.cost, EXPLAINED):
             return found  # no torsion shows
+        self.reached("other torques, contact laws and frictions")
         found += self.otherwise(found, _best_elsewhere(found))
+        self.reached("a third inertia")
         found += self.thirds(found, [self.raw(name) for name in RAW])
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
         )
+        self.reached("gaps of any size")
         found += self.with_other_gaps(found)
         before = min(found, key=cost_of)
         if not self.ended(found):
+            self.reached("random moves")
             found += wandering(before, self.part, self.box, {*self.free, *THIRD}, LONG)
         if min(found, key=cost_of).cost < before.cost:
             found += self.otherwise(found)

@@ -25,8 +25,10 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
     others = plausible(found)
     if not np.isfinite(others[0].cost):
         return None
+    search.reached("the best over more rows")
     finished = _finished(search, others, search.flt.liveliest(_rows(others[0])))
     best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
+    search.reached("intervals")
     shifts = disagreement(best, under_laws, search.box)
     room = room_for_further_inertias(best, finished, search.box)
     result = told(best, plausible(finished), shifts, room, search.box, search.fixed)
