@@ -156,7 +156,7 @@ def identify(
             predictor = replace(_predictor(pieces, recordings[0], start, True), joined=True)
     free = [i for i, name in enumerate(NAMES) if name not in fixed]
     judged = second_estimator and not wide
-    say = _to(FIT_ALONE, say) if judged else say
+    say = _between(0.0, FIT_ALONE, say) if judged else say
     say(0.0, "searching the start")
     theta, total = initial_values.complete(start, predictor, fixed)
     box = Box.around(theta, predictor.dt)
@@ -183,7 +183,7 @@ def identify(
     compared: list[Candidate] = []
     if judged:
         predictor, stage, values, doubts = confirmed(
-            predictor, stage, values, start, fixed, slow, compared, _from(FIT_ALONE, progress)
+            predictor, stage, values, start, fixed, slow, compared, _between(FIT_ALONE, 1.0, progress)
         )
     structure = structure_of(predictor, stage, compared, judged, load_torque)
     inertia = total_inertia(slow, stage, values)
@@ -202,14 +202,9 @@ def _not_before(first: float, say: Progress) -> Progress:
     return lambda fraction, text: say(max(first, fraction), text)
 
 
-def _to(last: float, say: Progress) -> Progress:
-    """Progress that ends at ``last``."""
-    return lambda fraction, text: say(last * fraction, text)
-
-
-def _from(first: float, say: Progress) -> Progress:
-    """Progress that begins at ``first``."""
-    return lambda fraction, text: say(first + (1.0 - first) * fraction, text)
+def _between(first: float, last: float, say: Progress) -> Progress:
+    """Progress of one part of the work."""
+    return lambda fraction, text: say(first + (last - first) * fraction, text)
 
 
 def _check(start: Drivetrain, fixed: Collection[str], measured: Sequence[str], contact: str) -> None:

@@ -16,8 +16,8 @@ from .moves.backlash_scan import with_better_backlash
 from .moves.choices import other_parts
 from .selection import apart, plausible
 
-#: Rows of the last fits at most, and steps of the model in one pass over them (numerics: it takes some 4 ms).
-ROWS, STEPS = 30_000, 30_000
+#: Steps of the model in one pass of the last fits at most, each row one or more (numerics: it takes some 4 ms).
+STEPS = 30_000
 
 
 def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
@@ -40,7 +40,7 @@ def _rows(best: Candidate) -> int:
     effort = best.flt.effort
     before = effort.steps
     best.flt.run(best.theta)
-    return int(min(ROWS, STEPS * best.flt.rows / (effort.steps - before)))
+    return int(STEPS * best.flt.rows / (effort.steps - before))
 
 
 def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
