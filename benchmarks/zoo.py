@@ -25,7 +25,7 @@ from zoo_tables import Scores, picture, summary, tables
 
 import lostmotion as lm
 from lostmotion.errors import InvalidInput, LostMotionError
-from lostmotion.identification.prediction_error.identifiability import NOT_EXCITED
+from lostmotion.identification.prediction_error.identifiability import WIDEST
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.identification.prediction_error.slow_motion.total_inertia import of_slow_motion
 
@@ -85,7 +85,7 @@ def slow_motion(drive: lm.rig.Drive) -> dict[str, Any]:
         *signals, recording.meta["speed_from_counts"], start, skip=0, bounds=(0, len(recording))
     )
     value, half = of_slow_motion(predictor, start.zero_frequency)
-    if not half < np.log(NOT_EXCITED):
+    if not half < WIDEST:
         return {}
     return {"inertia_total": {"value": value, "interval": [value * np.exp(-half), value * np.exp(half)]}}
 

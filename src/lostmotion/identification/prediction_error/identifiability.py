@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 #: A parameter is not excited if its 95 % interval reaches further than this factor either way (option). A
 #: backlash is so whenever the shaft torque never reverses: then it only shifts the twist, which is not measured.
 NOT_EXCITED = 3.0
+#: Half width, in the logarithm, beyond which the second estimator identifies no friction, damping or lag, and the slow
+#: motion no total inertia (calibrated on development drives 3460 to 3580, 2026-11-27: two of six gross values are none
+#: with it; on 4267 to 4440 the one gross of 94 total inertias is none).
+WIDEST = 0.5
 
 #: Innovations of more than this share of the speed's deviation may hide an eigenmode: one at so many times the
 #: torsional frequency is then allowed for (calibrated on the virtual rigs 1 to 12 with 16 bit, where that at seven

@@ -88,7 +88,7 @@ def identify(
     (``slow_motion.total_inertia``).
 
     Motor torque and motor speed alone are then given to a second estimator, a Kalman filter that follows gap and
-    sticking, with friction at both ends, a delay and an unknown load torque (``contact_switching.descents``). The fit
+    sticking, with friction at both ends, a delay and an unknown load torque (``contact_switching.search``). The fit
     stands if nothing predicts clearly better or knows the same values better. Else what does is reported, if it stands
     out from whatever else predicts as well; if not, the intervals contain both, or nothing is identified
     (``contact_switching.agreement``).

@@ -7,11 +7,12 @@ from dataclasses import replace
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching import descents, final_fits
 from lostmotion.identification.prediction_error.contact_switching.effort import Effort
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate, side_by_side
 from lostmotion.identification.prediction_error.contact_switching.moves.random_moves import wandering
+from lostmotion.identification.prediction_error.contact_switching.search import final_fits, room
+from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
 
 
 @pytest.fixture
@@ -47,12 +48,12 @@ def test_all_parts_of_a_recording_count_together_on_any_thread(best: Candidate):
 def test_nothing_new_begins_after_a_long_search(
     flt: ContactFilter, plant: lm.Drivetrain, best: Candidate, monkeypatch: pytest.MonkeyPatch
 ):
-    search = descents.Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05))
+    search = Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05))
     lost = replace(best, cost=1.0)
     assert not search.ended([lost]) and search.ended([lost, replace(best, cost=0.0)])
-    monkeypatch.setattr(descents, "LONG", search.flt.effort.steps - 1)
+    monkeypatch.setattr(room, "LONG", search.flt.effort.steps - 1)
     assert search.ended([lost]) and search.with_other_gaps([lost]) == []
-    assert wandering(lost, best.flt, search.box, best.free, best.flt.effort.steps - 1) == []
+    assert wandering(lost, best.flt, search.box, best.free, lambda: search.long) == []
 
 
 def test_the_last_fits_are_over_as_many_rows_as_one_pass_may_take(

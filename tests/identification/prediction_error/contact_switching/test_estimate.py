@@ -18,13 +18,13 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
     OTHER_LAWS,
     PLACE_UNSEEN,
     TOLD,
-    WIDEST,
     distance,
     sharp,
     told,
 )
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.identifiability import WIDEST
 
 #: All fits of the model agree.
 NOTHING = np.zeros(len(TOLD))

@@ -9,7 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.gain_schedule import Bandwidth, Stage
-from lostmotion.identification.prediction_error.identifiability import Told
+from lostmotion.identification.prediction_error.identifiability import WIDEST, Told
 from lostmotion.identification.prediction_error.innovations import NAMES, Predictor
 from lostmotion.identification.prediction_error.slow_motion.total_inertia import (
     SURE,
@@ -101,6 +101,11 @@ def test_pieces_are_transformed_each_for_itself():
 def test_a_torque_of_the_wrong_sign_tells_none():
     assert of_slow_motion(predictor(RIGID, sign=-1.0), 30.0)[1] == np.inf
     assert total_inertia((np.nan, np.inf), *told(free=[0])) is None
+
+
+def test_an_inertia_that_is_hardly_known_is_none():
+    assert total_inertia((0.1, 0.9 * WIDEST), *told(free=[0])) is not None
+    assert total_inertia((0.1, 1.1 * WIDEST), *told(free=[0])) is None
 
 
 def told(half: float = 0.05, correlation: float = 0.0, free: list[int] | None = None) -> tuple[Stage, Told]:

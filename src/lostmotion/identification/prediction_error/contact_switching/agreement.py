@@ -14,15 +14,16 @@ from ..gain_schedule import Progress, Stage
 from ..gap.absent_gap import NEEDED
 from ..identifiability import Told
 from ..innovations import NAMES, Predictor
-from .descents import POLES, Search
 from .estimate import APART, EXPLAINED
 from .filter import ContactFilter
-from .final_fits import estimate
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, cost_of
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
 from .moves.choices import NOISE_ALONE, with_other_torque
-from .refinement import with_a_fourth_inertia
+from .search.descents import Search
+from .search.final_fits import estimate
+from .search.refinement import with_a_fourth_inertia
+from .search.room import POLES
 from .verdict import Fit, Outcome
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the

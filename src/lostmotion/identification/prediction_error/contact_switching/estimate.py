@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...statistics.block_covariance import sandwich, student_factor
 from ..gap.absent_gap import NEEDED
-from ..identifiability import NOT_EXCITED
+from ..identifiability import NOT_EXCITED, WIDEST
 from ..innovations import NAMES as TOLD
 from .filter import FRICTIONS, INDEX
 from .likelihood import Box, Candidate, inverse_hessian
@@ -36,9 +36,6 @@ CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffnes
 #: predict better or alike are further away (calibrated on development drives 3940 to 4266, 2026-11-27: of the 29 up to
 #: 0.5 nine are grossly wrong, of the 393 below three).
 APART = 0.2
-#: Nor is friction, damping or lag with a half width above this one (calibrated on development drives 3460 to 3580,
-#: 2026-11-27: two of six gross values are none with it).
-WIDEST = 0.5
 #: Excess of the innovations over the sensor's noise, as a logarithm, up to which the model explains the recording
 #: (calibrated on development drives 0 to 49: below, errors are as large as the intervals say, above they are not).
 EXPLAINED = 0.25

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ...statistics.block_covariance import sandwich, student_factor
 from ...statistics.estimates import Interval
 from ..gain_schedule import Stage
-from ..identifiability import NOT_EXCITED, Told
+from ..identifiability import WIDEST, Told
 from ..innovations import NAMES, Predictor
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ def total_inertia(slow: tuple[float, float], stage: Stage, told: Told) -> tuple[
         value, half = (
             (total, float(np.hypot(own, apart))) if own < half else (value, float(np.hypot(half, apart)))
         )
-    if not half < np.log(NOT_EXCITED):
+    if not half < WIDEST:
         return None
     return value, (float(value * np.exp(-half)), float(value * np.exp(half)))
 

@@ -104,3 +104,18 @@ def test_the_total_inertia_and_the_gap_over_the_wind_up_stay_where_inertias_move
     )
     assert totals[0] == pytest.approx(totals[1]) and windups[0] == pytest.approx(windups[1])
     assert after[INDEX["inertia_motor"]] != pytest.approx(before[INDEX["inertia_motor"]], rel=1e-3)
+
+
+def test_moves_of_friction_make_it_coulombs_or_leave_the_kinds_as_they_are(
+    best: Candidate, box: Box, free: set[int]
+):
+    """A minimum with the friction viscous instead of Coulomb's is left by no descent."""
+    speed = best.flt.speed_deviation
+    viscous = replace(best, theta=best.flt.changed(best.theta, coulomb=0.0, viscous=2.0 / speed))
+    moves = [random_moves._friction(viscous, np.random.default_rng(seed), free).values for seed in range(60)]
+    dry = np.array([one["coulomb"] + one["coulomb_motor"] for one in moves])
+    wet = speed * np.array([one["viscous"] + one["viscous_motor"] for one in moves])
+    share = dry / (dry + wet)
+    assert np.sum(share < 1e-6) > 10 and np.sum(share > 1.0 - 1e-6) > 10
+    assert np.sum((share > 0.1) & (share < 0.9)) > 5
+    assert 0.5 < np.median(dry + wet) < 8.0

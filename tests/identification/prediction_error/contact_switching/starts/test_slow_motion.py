@@ -56,6 +56,18 @@ def test_a_drive_that_turns_one_way_alone_tells_no_coulomb_friction(plant: lm.Dr
     assert slow.coulomb < 0.05 and slow.constant == pytest.approx(2.0, rel=0.1)
 
 
+def test_where_coulomb_friction_comes_out_negative_all_is_coulombs(
+    known: ContactFilter, plant: lm.Drivetrain
+):
+    """Speeds near one size do not tell both kinds apart: with all of it viscous no descent came to the drive."""
+    speed = np.gradient(known.measured, known.dt) if known.counted else known.measured
+    size = float(np.mean(np.abs(speed)))
+    # As much friction in the mean, but steeper over the speed than any line through the origin.
+    steeper = replace(known, torque=known.torque + 3.0 * (speed / size - np.sign(speed)))
+    slow = SlowFriction.of(steeper, plant.pole_frequency)
+    assert 1.5 < slow.coulomb < 4.0 and slow.viscous * size < 0.1
+
+
 def test_a_constant_torque_is_no_friction(known: ContactFilter, plant: lm.Drivetrain):
     pushed = SlowFriction.of(replace(known, torque=known.torque + 1.5), plant.pole_frequency)
     plain = SlowFriction.of(known, plant.pole_frequency)

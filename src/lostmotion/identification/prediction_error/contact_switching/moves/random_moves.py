@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 
@@ -31,16 +31,20 @@ LOWER = 1e-3
 
 
 def wandering(
-    best: Candidate, rows: ContactFilter, box: Box, free: Collection[int], effort: float = np.inf
+    best: Candidate,
+    rows: ContactFilter,
+    box: Box,
+    free: Collection[int],
+    long: Callable[[], bool] = lambda: False,
 ) -> list[Candidate]:
-    """Ends over some rows: each round moves what is lowest so far. ``free``: what may be changed; ``effort``: no round
-    begins after so many steps of the model in all."""
+    """Ends over some rows: each round moves what is lowest so far. ``free``: what may be changed; ``long``: whether no
+    further round begins."""
     found: list[Candidate] = []
     generator, waited = np.random.default_rng(0), 0
     at = replace(best.over(rows), level=rows.floor)
     best = replace(best, flt=at, cost=at.run(best.theta).cost)
     for _ in range(ROUNDS):
-        if rows.effort.steps > effort:
+        if long():
             break
         moves = [moved(best, each, box, free) for each in generator.spawn(WIDTH)]
         ends = side_by_side(lambda move: _end(move, box), list(enumerate(moves)))
@@ -130,13 +134,15 @@ def _gap(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Can
 
 
 def _friction(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Candidate:
-    """More or less friction, at the motor, at the load or at both."""
-    now, size = one.values, float(rng.choice(SIZES))
-    part = float(rng.choice([0.0, 1.0, rng.random()]))
+    """More or less friction, at the motor, at the load or at both; as much of it Coulomb's as now, all or any part."""
+    now, size, speed = one.values, float(rng.choice(SIZES)), one.flt.speed_deviation
+    coulomb, viscous = (now[name] + now[f"{name}_motor"] for name in ("coulomb", "viscous"))
+    whole = max(coulomb + viscous * speed, 1e-300)
+    part, dry = (float(rng.choice([own, 1.0, rng.random()])) for own in (0.0, coulomb / whole))
+    whole *= np.exp(size * rng.standard_normal())
     other: dict[str, float] = {}
-    for name in ("coulomb", "viscous"):
-        whole = (now[name] + now[f"{name}_motor"]) * np.exp(size * rng.standard_normal())
-        other |= {name: whole * (1.0 - part), f"{name}_motor": whole * part}
+    for name, torque in (("coulomb", whole * dry), ("viscous", whole * (1.0 - dry) / speed)):
+        other |= {name: torque * (1.0 - part), f"{name}_motor": torque * part}
     return _changed(one, other, free)
 
 

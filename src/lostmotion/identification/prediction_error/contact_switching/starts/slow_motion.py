@@ -76,15 +76,23 @@ class SlowFriction:
         columns, left = np.column_stack(known)[rows], torque[rows]
         if np.isfinite(flt.inertia[1]):
             left, columns = left - flt.inertia[0] * columns[:, -1], columns[:, :-1]
-        sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-        sizes[:2] *= YIELDING
-        coulomb, viscous, load = (np.linalg.lstsq(columns / sizes, left, rcond=COUNTING)[0] / sizes)[:3]
+        coulomb, viscous, load = _least_squares(columns, left)[:3]
+        if coulomb < 0.0:  # the speeds do not tell both apart: drives have that rather than the other
+            columns[:, 1] = 0.0
+            coulomb, viscous, load = _least_squares(columns, left)[:3]
         low, high = FRICTION
         return cls(
             float(np.clip(coulomb, low * flt.torque_size, high * flt.torque_size)),
             float(np.clip(viscous, low * flt.damper_size, high * flt.damper_size)),
             float(load),
         )
+
+
+def _least_squares(columns: Array, torque: Array) -> Array:
+    """Factors of the columns; the first two are friction's."""
+    sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    sizes[:2] *= YIELDING
+    return np.asarray(np.linalg.lstsq(columns / sizes, torque, rcond=COUNTING)[0] / sizes)
 
 
 def _slow(flt: ContactFilter, rows: slice, pole: float, edge: float) -> Array:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....drivetrain import Drivetrain
-from ..gain_schedule import Progress
-from .effort import Effort
-from .estimate import EXPLAINED, sharp
-from .filter import FRICTIONS, INDEX, LAWS, ContactFilter, pole_of
-from .likelihood import (
+from ..estimate import EXPLAINED, sharp
+from ..filter import FRICTIONS, INDEX, LAWS, ContactFilter
+from ..likelihood import (
     FIRST_LEVEL,
     FITTED_LEVEL,
     Box,
@@ -25,136 +21,43 @@ from .likelihood import (
     polish,
     side_by_side,
 )
-from .likelihood_ratio import alike
-from .moves.backlash_scan import with_best_backlashes, with_other_backlash
-from .moves.choices import NOISE_ALONE, Choice, other_choices
-from .moves.random_moves import wandering
-from .selection import ELSEWHERE, apart
-from .starts import grid
-from .starts.from_drivetrain import (
+from ..likelihood_ratio import alike
+from ..moves.backlash_scan import with_best_backlashes, with_other_backlash
+from ..moves.choices import NOISE_ALONE, Choice, other_choices
+from ..moves.random_moves import wandering
+from ..selection import ELSEWHERE, apart
+from ..starts import grid
+from ..starts.from_drivetrain import (
     LONGEST_LAG,
     RESPONSE,
-    free_places,
     lag_and_delay,
-    response_start,
     rigid_start,
-    starts,
 )
-from .starts.race import race
-from .starts.slow_motion import informed
-from .starts.torque_delay import torque_delay
-from .structures.no_gap import OFFSET, PLACE, bare
-from .structures.shaft_inertias import THIRD, Place, places, with_further_inertias
-from .structures.softest_shaft import split_at_the_softest_shaft
+from ..starts.race import race
+from ..starts.torque_delay import torque_delay
+from ..structures.no_gap import OFFSET, PLACE, bare
+from ..structures.shaft_inertias import THIRD, Place, places, with_further_inertias
+from ..structures.softest_shaft import split_at_the_softest_shaft
+from .room import FAR, Room
 
 Array = NDArray[np.float64]
 
-#: Torsional periods of the rows that the descents run over, and rows at least and at most (numerics: a pass over them
-#: takes some 3 ms).
-PERIODS, FEWEST, MOST = 80, 3000, 10_000
-#: Poles up to this multiple of the nameplate's are stepped over finely enough (numerics: three either way).
-POLES = 3.0
-#: No parameter leaves its start by more than this factor (numerics).
-FAR = 100.0
 #: So many candidates that are elsewhere get a third inertia (numerics: a descent with one comes from about so far).
 FEW = 3
 #: Starts that get a third inertia as they are.
 RAW = ("nameplate", "fitted")
 #: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
 NEAR = 0.05
-
 #: Steps from the fit's likeliest values without its intervals (numerics).
 FREED_STEPS = 10
 #: What a friction that the fit does not have starts with, over its usual start (numerics).
 LITTLE = 10.0
-#: Part of the rows of a descent that show whether the fit stands, and rows at least (numerics: 20 torsional periods).
-GLIMPSE, LEAST = 4, 2000
-#: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
-COARSE = 4
-#: Steps of the model after which nothing new is begun (numerics: some 8 s on two threads of an Intel Xeon, 2026-11-27).
-LONG = 80_000_000
 #: Ends of the race that get another backlash; descents that go on to the end (numerics).
 SCANNED, POLISHED = 5, 3
 
 
-@dataclass(frozen=True, eq=False)
-class Search:
-    """What all descents of a recording have in common.
-
-    Parameters
-    ----------
-    flt, part : ContactFilter
-        Over the whole recording, and over the rows of the descents.
-    start, fitted : Drivetrain
-        Nameplate; what the observer of constant gain has found.
-    fixed : names that keep the nameplate's value
-    piece : share and compliance of a third inertia, if that was found
-    begun : mapping of name → θ
-        From where descents start.
-    box : Box
-    say : callable
-        Hears how far the search is.
-    """
-
-    flt: ContactFilter
-    part: ContactFilter
-    start: Drivetrain
-    fitted: Drivetrain
-    fixed: Collection[str]
-    piece: tuple[float, float] | None
-    begun: dict[str, Array]
-    box: Box
-    say: Progress = field(default=lambda fraction, text: None)
-
-    @classmethod
-    def of(
-        cls,
-        flt: ContactFilter,
-        start: Drivetrain,
-        fitted: Drivetrain,
-        fixed: Collection[str],
-        piece: tuple[float, float] | None,
-        slow: tuple[float, float],
-    ) -> Search:
-        """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
-        flt = replace(informed(flt, slow, start), effort=Effort())
-        begun = starts(flt, start, fitted, fixed)
-        box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
-        rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
-        return cls(flt, flt.liveliest(rows), start, fitted, fixed, piece, begun, box)
-
-    def glimpse(self) -> Search:
-        """The same over a few torsional periods, with innovations that are too large divided out.
-
-        On drives like the virtual rig, with more inertias than the model, the charge makes a right fit look poor there.
-        """
-        part = self.flt.liveliest(max(LEAST, self.part.rows // GLIMPSE))
-        return replace(self, part=replace(part, charged=False))
-
-    @property
-    def coarse(self) -> ContactFilter:
-        """A few torsional periods with impacts that are placed less finely, for first descents."""
-        return replace(
-            self.glimpse().part, halvings=min(self.part.halvings, COARSE), charged=self.part.charged
-        )
-
-    def reached(self, step: str) -> None:
-        """Says which step begins; how far that is, is what has been computed: what is to come depends on the drive."""
-        self.say(float(-np.expm1(-self.flt.effort.steps / LONG)), step)
-
-    @property
-    def long(self) -> bool:
-        """Whether it has taken so long that nothing new is begun."""
-        return self.flt.effort.steps > LONG
-
-    def ended(self, found: Sequence[Candidate]) -> bool:
-        """Whether nothing new is looked for: only the sensor's noise is left, or it has taken long."""
-        return abs(min(found, key=cost_of).cost) < NOISE_ALONE or self.long
-
-    @cached_property
-    def free(self) -> list[int]:
-        """Places of what is fitted."""
-        return free_places(self.start, self.fixed)
+class Search(Room):
+    """Whole descents, their order, and what is made of their ends."""
 
     def descent(self, name: str, gap: bool = True) -> Candidate:
         """From one of the starts, with its gap or without."""
@@ -215,16 +118,6 @@ class Search:
         found = with_further_inertias([(candidate, place)], self.coarse, self.box)[0]
         return polish(found, replace(candidate.flt, behind=place.behind), self.box)
 
-    def raw(self, name: str) -> Candidate:
-        """A start as it is."""
-        theta = self.response if name == RESPONSE else self.begun[name]
-        return Candidate(name, theta, np.inf, self.part, self.free)
-
-    @cached_property
-    def response(self) -> Array:
-        """The start from the frequency response, where a fit does not stand without it."""
-        return response_start(self.flt, self.start, self.fixed)
-
     def thirds(self, found: Sequence[Candidate], raw: Sequence[Candidate] = ()) -> list[Candidate]:
         """With a third inertia: the best few and some raw starts from every place; then others where the best has it.
 
@@ -280,7 +173,7 @@ class Search:
         before = min(found, key=cost_of)
         if not self.ended(found):
             self.reached("random moves")
-            found += wandering(before, self.part, self.box, {*self.free, *THIRD}, LONG)
+            found += wandering(before, self.part, self.box, {*self.free, *THIRD}, lambda: self.long)
         if min(found, key=cost_of).cost < before.cost:
             found += self.otherwise(found)
             found += self.with_other_gaps(found)
@@ -321,10 +214,6 @@ class Search:
 
     def _chosen(self, pairs: Sequence[tuple[Choice, Candidate]]) -> list[Candidate]:
         return self.polished(side_by_side(lambda pair: pair[0](pair[1]), pairs))
-
-    def polished(self, candidates: Sequence[Candidate]) -> list[Candidate]:
-        """Over their own rows."""
-        return side_by_side(lambda one: polish(one, one.flt, self.box), candidates)
 
     def split(self, found: Sequence[Candidate]) -> list[Candidate]:
         """With what is near the best divided at the softest shaft where no gap shows."""

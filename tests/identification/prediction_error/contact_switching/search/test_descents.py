@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching import descents
-from lostmotion.identification.prediction_error.contact_switching.descents import LONG, Search
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
+from lostmotion.identification.prediction_error.contact_switching.search import room
+from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 
@@ -55,7 +56,7 @@ def test_the_race_is_left_out_where_a_start_explains_the_recording(
     found = search.rivals(best)
     assert raced == [] and np.max(distance(min(found, key=lambda one: one.cost), best)[:4]) < 0.01
     monkeypatch.setattr(
-        "lostmotion.identification.prediction_error.contact_switching.descents.sharp", lambda _: False
+        "lostmotion.identification.prediction_error.contact_switching.search.descents.sharp", lambda _: False
     )
     search.rivals(best)
     assert raced == ["grid"]
@@ -67,20 +68,22 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     """They go out from the lowest of what the other descents found, and may change all that is not fixed."""
     given: list[tuple[float, set[int]]] = []
 
-    def wander(one: Candidate, rows: ContactFilter, _: Box, free: set[int], effort: float) -> list[Candidate]:
-        assert rows is search.part and effort == LONG
+    def wander(
+        one: Candidate, rows: ContactFilter, _: Box, free: set[int], long: Callable[[], bool]
+    ) -> list[Candidate]:
+        assert rows is search.part and not long()
         given.append((one.cost, free))
         return [replace(best, start="moved", cost=one.cost - 1.0)]
 
     monkeypatch.setattr(
-        "lostmotion.identification.prediction_error.contact_switching.descents.wandering", wander
+        "lostmotion.identification.prediction_error.contact_switching.search.descents.wandering", wander
     )
     monkeypatch.setattr(Search, "otherwise", lambda *_: [])
     search = replace(search, fixed=("coulomb",))
-    monkeypatch.setattr(descents, "NOISE_ALONE", np.inf)
+    monkeypatch.setattr(room, "NOISE_ALONE", np.inf)
     search.rivals(best)
     assert given == []  # as if only the sensor's noise were left
-    monkeypatch.setattr(descents, "NOISE_ALONE", -np.inf)
+    monkeypatch.setattr(room, "NOISE_ALONE", -np.inf)
     found = search.rivals(best)
     (cost, free), lowest = given[0], min(found, key=lambda one: one.cost)
     assert lowest.start == "moved" and all(one.cost >= cost for one in found if one is not lowest)

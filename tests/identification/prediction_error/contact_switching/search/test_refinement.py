@@ -9,9 +9,11 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching import agreement
-from lostmotion.identification.prediction_error.contact_switching.descents import Search
 from lostmotion.identification.prediction_error.contact_switching.estimate import Estimate
-from lostmotion.identification.prediction_error.contact_switching.refinement import with_a_fourth_inertia
+from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
+from lostmotion.identification.prediction_error.contact_switching.search.refinement import (
+    with_a_fourth_inertia,
+)
 from lostmotion.identification.prediction_error.contact_switching.told import told_vector
 from lostmotion.identification.prediction_error.contact_switching.verdict import Fit
 from lostmotion.identification.prediction_error.innovations import NAMES

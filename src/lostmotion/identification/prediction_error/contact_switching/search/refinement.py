@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from ..estimate import EXPLAINED, Estimate, told
+from ..fitted import intervals, within_intervals
+from ..intervals.further_inertias import room_for_further_inertias
+from ..intervals.refits import disagreement
+from ..likelihood import cost_of
+from ..likelihood_ratio import clearly_better
+from ..selection import plausible
+from ..structures.shaft_inertias import has_fourth, places
+from ..verdict import Fit
 from .descents import Search
-from .estimate import EXPLAINED, Estimate, told
-from .fitted import intervals, within_intervals
-from .intervals.further_inertias import room_for_further_inertias
-from .intervals.refits import disagreement
-from .likelihood import cost_of
-from .likelihood_ratio import clearly_better
-from .selection import plausible
-from .structures.shaft_inertias import has_fourth, places
-from .verdict import Fit
 
 
 def with_a_fourth_inertia(search: Search, fit: Fit) -> Estimate | None:

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..estimate import CORE, Estimate, told
+from ..filter import LAWS, ContactFilter
+from ..intervals.further_inertias import room_for_further_inertias
+from ..intervals.refits import disagreement
+from ..likelihood import Candidate, cost_of, polish, side_by_side
+from ..moves.backlash_scan import with_better_backlash
+from ..moves.choices import other_parts
+from ..selection import apart, plausible
 from .descents import NEAR, POLISHED, Search, judged
-from .estimate import CORE, Estimate, told
-from .filter import LAWS, ContactFilter
-from .intervals.further_inertias import room_for_further_inertias
-from .intervals.refits import disagreement
-from .likelihood import Candidate, cost_of, polish, side_by_side
-from .moves.backlash_scan import with_better_backlash
-from .moves.choices import other_parts
-from .selection import apart, plausible
 
 #: Steps of the model in one pass of the last fits at most, each row one or more (numerics: it takes some 4 ms).
 STEPS = 30_000

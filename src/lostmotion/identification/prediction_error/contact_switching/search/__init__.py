@@ -1,0 +1,1 @@
+"""The search for what predicts a recording best: its descents, their order, and the last fits."""
