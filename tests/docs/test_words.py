@@ -36,7 +36,7 @@ UNREAD = [
     *(PACKAGE / "kernels" / "innovations" / f"{name}.py" for name in ("contact_switching", "transitions")),
     *(
         PACKAGE / "identification" / "prediction_error" / "contact_switching" / f"{name}.py"
-        for name in ("agreement", "descents", "estimate", "filter", "likelihood")
+        for name in ("agreement", "estimate", "filter", "likelihood")
     ),
 ]
 SOURCES = [

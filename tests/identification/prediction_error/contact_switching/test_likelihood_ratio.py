@@ -35,7 +35,7 @@ def test_the_truth_is_clearly_better_than_another_stiffness(flt: ContactFilter, 
 def of_rows(flt: ContactFilter, rows: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> Candidate:
     """A candidate whose rows cost so much, whatever its parameters."""
     known = replace(flt)
-    run = Run(rows, float(np.mean(rows)), np.empty((0, rows.size)), rows, np.ones(rows.size))
+    run = Run(rows, float(np.mean(rows)), np.empty((0, rows.size)), rows, np.ones(rows.size), rows.size)
     monkeypatch.setitem(vars(known), "run", lambda theta, free=(): run)
     return Candidate("here", np.zeros(1), run.cost, known, [])
 

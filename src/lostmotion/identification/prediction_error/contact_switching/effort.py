@@ -20,7 +20,9 @@ class Effort:
 
     steps: int = 0
 
-    def add(self, rows: int, parts: int, free: int) -> None:
-        """One pass: rows, parts of samples in which something changed, sensitivities."""
+    def add(self, rows: int, parts: int, free: int) -> int:
+        """Steps of one pass: rows, parts of samples in which something changed, sensitivities."""
+        steps = (rows + parts) * (SENSITIVITIES + free) // SENSITIVITIES
         with _LOCK:
-            self.steps += (rows + parts) * (SENSITIVITIES + free) // SENSITIVITIES
+            self.steps += steps
+        return steps

@@ -72,6 +72,8 @@ class Run:
         What each row adds to the cost; their mean is the cost.
     deviations : (n,) array
         Standard deviations of the innovations as the filter knows them, over that of its noise.
+    steps : int
+        Steps of the model that it took, see ``effort``.
     """
 
     weighted: Array
@@ -79,6 +81,7 @@ class Run:
     jacobian: Array
     rows: Array
     deviations: Array
+    steps: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,7 +237,7 @@ class ContactFilter:
     def run(self, theta: Array, free: Sequence[int] = ()) -> Run:
         """A pass with the parameters θ, and its sensitivities to the free ones."""
         q, counts = self.values(theta), self._which
-        residuals, variances, jacobian = self._pass(q, free, [SPEED_MOTOR])
+        residuals, variances, jacobian, steps = self._pass(q, free, [SPEED_MOTOR])
         with np.errstate(all="ignore"):
             variance = variances[counts, 0]
             deviations = np.sqrt(variance)
@@ -251,11 +254,11 @@ class ContactFilter:
             weighted = np.append(weighted, weight * beyond)
             last = weight * np.array([slope.get(NAMES[place], 0.0) for place in free])
             jacobian = np.column_stack([jacobian, last])
-        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian, rows, deviations)
+        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian, rows, deviations, steps)
 
-    def _pass(self, q: Array, free: Sequence[int], sensors: Sequence[int]) -> tuple[Array, Array, Array]:
-        """Innovations (n, s), their variances (n, s) and changes (m, n, s) with the values q; the first sensor is the
-        motor's, the others weigh nothing and show zero."""
+    def _pass(self, q: Array, free: Sequence[int], sensors: Sequence[int]) -> tuple[Array, Array, Array, int]:
+        """Innovations (n, s), their variances (n, s) and changes (m, n, s) with the values q, and its steps; the first
+        sensor is the motor's, the others weigh nothing and show zero."""
         from ....kernels.innovations.contact_switching import innovations
 
         m, n, count = len(free), self.rows, len(sensors)
@@ -276,8 +279,7 @@ class ContactFilter:
             np.array(self.bounds, dtype=np.int64), self.torque, measured,
             self.level, tuple(np.maximum(start, 1.0)), residuals, variances, jacobian,
         )  # fmt: skip
-        self.effort.add(n, parts, m)
-        return residuals, variances, jacobian
+        return residuals, variances, jacobian, self.effort.add(n, parts, m)
 
     def load_speed(self, theta: Array) -> Array:
         """(n,) speed of the load that the filter expects with the parameters θ, rad/s."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.moves import backlash_scan
 from lostmotion.identification.prediction_error.contact_switching.moves.backlash_scan import (
     FOLLOWED,
     LAWS,
@@ -60,6 +62,21 @@ def test_the_backlash_beside_is_found_where_a_fit_stands_in_another_minimum(
     assert np.exp(best.theta[INDEX["backlash"]]) == pytest.approx(plant.backlash, rel=0.02)
     free = [place for place in narrow.free if place != INDEX["backlash"]]
     assert with_better_backlash(replace(stuck, free=free), box) == []
+
+
+def test_a_minimum_one_percent_wide_is_seen(narrow: Candidate, monkeypatch: pytest.MonkeyPatch):
+    """A gap of nine wind-ups: 5.4 % beside the drive's the cost has a minimum of its own (development drive 4384)."""
+    own, place = narrow.theta[INDEX["backlash"]], INDEX["backlash"]
+
+    def run(theta: np.ndarray, free: tuple[int, ...] = ()) -> SimpleNamespace:
+        away = theta[place] - own
+        return SimpleNamespace(cost=abs(away) - 0.2 * np.exp(-(((away - 0.054) / 0.005) ** 2)))
+
+    flt = replace(narrow.flt)
+    monkeypatch.setitem(vars(flt), "run", run)
+    best = backlash_scan._minima(narrow, own + backlash_scan.NEARBY, flt)[0]
+    assert best.theta[place] - own == pytest.approx(0.054, abs=0.003)
+    assert backlash_scan.NEARBY[0] == -np.log(4.0) and backlash_scan.NEARBY[-1] == np.log(4.0)
 
 
 def test_a_gap_of_any_size_is_found_under_its_own_law(narrow: Candidate, plant: lm.Drivetrain):

@@ -15,6 +15,7 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
 from lostmotion.identification.prediction_error.contact_switching.search import room
 from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
+from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 
@@ -88,6 +89,27 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     (cost, free), lowest = given[0], min(found, key=lambda one: one.cost)
     assert lowest.start == "moved" and all(one.cost >= cost for one in found if one is not lowest)
     assert INDEX["coulomb"] not in free and {INDEX["backlash"], INDEX["share"]} <= free
+
+
+def test_a_gap_and_a_third_inertia_are_found_together():
+    """From two inertias of which only the motor's is right, without a gap."""
+    dt, count = 2e-4, 2.0 * np.pi / 2**20
+    shafts = lm.Shaft(2e4, 3.0), lm.Shaft(6e3, 1.0, backlash=0.01)
+    chain = lm.Drivetrain((0.03, 0.02, 0.08), shafts, (lm.Friction(), lm.Friction(), lm.Friction(1.0)))
+    torque = lm.signals.excitation(1.0, dt, seed=3, inertia=0.13, coulomb=1.0, viscous=0.0)
+    angle = np.floor(lm.simulate(chain, torque_motor=torque, dt=dt)["angle_motor"] / count) * count
+    speed, ends = np.diff(angle, prepend=0.0) / dt, []
+    for stiffness in (3000.0, 4000.0):
+        start = lm.Drivetrain.two_mass(
+            inertia_motor=0.05, inertia_load=0.08, stiffness=stiffness, damping=1.0, backlash=0.0, coulomb=0.0
+        )
+        flt = ContactFilter.of(Predictor(torque, speed, dt, True, start, skip=0), 300.0)
+        search = Search.of(flt, start, start, (), None, (0.13, 0.05))
+        ends += search.from_grid_of_three([bare(search.raw("nameplate"))])
+    best = min(ends, key=lambda one: one.cost)
+    assert best.cost < 0.2 and best.values["backlash"] == pytest.approx(0.01, rel=0.02)
+    assert best.values["inertia_load"] == pytest.approx(0.08, rel=0.02)
+    assert best.values["share"] == pytest.approx(0.4, rel=0.05) and not best.flt.behind
 
 
 def test_a_third_inertia_from_the_start_on_where_two_lead_astray():

@@ -16,8 +16,11 @@ Array = NDArray[np.float64]
 
 #: Backlash over the wind-up at the torque's standard deviation (numerics: from one that does not show to a wide gap).
 SIZES = np.geomspace(0.01, 30.0, 160)
-#: Logarithms of the sizes of a scan over a fit's own (numerics: over many rows the minima are a few percent wide).
-NEARBY = np.linspace(-np.log(4.0), np.log(4.0), 61)
+#: Step of the finest part of a scan over a fit's own backlash, in the logarithm (numerics: half of the width of the
+#: minima of a gap of many wind-ups).
+FINE = 0.005
+#: Logarithms of the sizes of such a scan (numerics: over many rows the minima of other gaps are a few percent wide).
+NEARBY = np.union1d(np.linspace(-np.log(4.0), np.log(4.0), 61), FINE * np.arange(-24, 25))
 #: How many minima of a scan are followed, of one under each law of the contact, and steps from each (numerics).
 FOLLOWED, UNDER_EACH, STEPS = 4, 2, 3
 #: Of a scan afresh: damping ratio, first noise level over the motion's own, steps at each level (numerics: hardly
@@ -41,7 +44,7 @@ def with_better_backlash(found: Candidate, box: Box) -> list[Candidate]:
     place = INDEX["backlash"]
     if place not in found.free:
         return []
-    own, beside = found.theta[place], 1.5 * (NEARBY[1] - NEARBY[0])
+    own, beside = found.theta[place], 1.5 * FINE
     others = [one for one in _minima(found, own + NEARBY, found.flt) if abs(one.theta[place] - own) > beside]
     moved_on = side_by_side(lambda one: rates_first(one, box, STEPS), others[:FOLLOWED])
     return [one for one in moved_on if one.cost < found.cost]

@@ -35,6 +35,7 @@ from ..starts.from_drivetrain import (
 )
 from ..starts.race import race
 from ..starts.torque_delay import torque_delay
+from ..structures import grid_of_three
 from ..structures.no_gap import OFFSET, PLACE, bare
 from ..structures.shaft_inertias import THIRD, Place, places, with_further_inertias
 from ..structures.softest_shaft import split_at_the_softest_shaft
@@ -76,6 +77,15 @@ class Search(Room):
         numbered = [replace(one, start=f"grid {number}") for number, one in enumerate(few)]
         return side_by_side(lambda one: polish(one, self.part, self.box), numbered)
 
+    def from_grid_of_three(self, found: Sequence[Candidate]) -> list[Candidate]:
+        """The best of a race from a grid with a gap and a third inertia: alone, neither may lead to the drive."""
+        two = min((one for one in found if Place.of(one) is None), key=cost_of)
+        rows = replace(self.coarse, charged=False)
+        few = apart(
+            race(grid_of_three.candidates(two, rows, self.start, self.fixed), rows, self.box), ELSEWHERE
+        )[:FEW]
+        return side_by_side(lambda one: polish(one, one.over(self.part), self.box), few)
+
     def _delays(self) -> list[Array]:
         """θ with each lag and delay that the recording suggests."""
         found = [self.response, self.begun["fitted"]]
@@ -112,7 +122,7 @@ class Search(Room):
         inertia if it has none."""
         gap = bool(np.isfinite(fit.theta[INDEX["backlash"]]))
         found = side_by_side(lambda name: self.descent(name, gap), ["fitted", "nameplate"])
-        return self.polished(found), [] if self.piece else self.thirds([fit])
+        return self.polished(found), [] if self.intermediate else self.thirds([fit])
 
     def _third(self, candidate: Candidate, place: Place) -> Candidate:
         found = with_further_inertias([(candidate, place)], self.coarse, self.box)[0]
@@ -165,6 +175,8 @@ class Search(Room):
         found += self.otherwise(found, _best_elsewhere(found))
         self.reached("a third inertia")
         found += self.thirds(found, [self.raw(name) for name in RAW])
+        if not self.ended(found):
+            found += self.from_grid_of_three(found)
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
         )

@@ -37,10 +37,7 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
 
 def _rows(best: Candidate) -> int:
     """As many as one pass may take."""
-    effort = best.flt.effort
-    before = effort.steps
-    best.flt.run(best.theta)
-    return int(STEPS * best.flt.rows / (effort.steps - before))
+    return int(STEPS * best.flt.rows / best.flt.run(best.theta).steps)
 
 
 def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
@@ -52,6 +49,6 @@ def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -
     found += search.under_other_laws(min(found, key=cost_of))
     found += search.polished(with_better_backlash(min(found, key=cost_of), box))
     best = min(found, key=cost_of)
-    begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.piece))
+    begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
     found += side_by_side(lambda one: polish(one, one.over(flt), box), begun)
     return sorted(search.split(found), key=cost_of)

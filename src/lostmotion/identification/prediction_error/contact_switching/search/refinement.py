@@ -19,7 +19,7 @@ def with_a_fourth_inertia(search: Search, fit: Fit) -> Estimate | None:
 
     The descents begin at the fit, over some torsional periods: nothing is looked for elsewhere.
     """
-    if search.piece is None:
+    if search.intermediate is None:
         return None
     part, box, fixed = search.part, search.box, search.fixed
     own = within_intervals(part, fit.predictor, fit.stage, fit.told, box, fixed)

@@ -47,7 +47,7 @@ class Room:
     start, fitted : Drivetrain
         Nameplate; what the observer of constant gain has found.
     fixed : names that keep the nameplate's value
-    piece : share and compliance of a third inertia, if that was found
+    intermediate : share and compliance of a third inertia, if that was found
     begun : mapping of name → θ
         From where descents start.
     box : Box
@@ -60,7 +60,7 @@ class Room:
     start: Drivetrain
     fitted: Drivetrain
     fixed: Collection[str]
-    piece: tuple[float, float] | None
+    intermediate: tuple[float, float] | None
     begun: dict[str, Array]
     box: Box
     say: Progress = field(default=lambda fraction, text: None)
@@ -72,7 +72,7 @@ class Room:
         start: Drivetrain,
         fitted: Drivetrain,
         fixed: Collection[str],
-        piece: tuple[float, float] | None,
+        intermediate: tuple[float, float] | None,
         slow: tuple[float, float],
     ) -> Self:
         """``slow``: total inertia, kg m2, as the slow motion tells it, and the half width of its logarithm."""
@@ -80,7 +80,7 @@ class Room:
         begun = starts(flt, start, fitted, fixed)
         box = Box.around(flt, begun["nameplate"], FAR).including(begun["fitted"], FAR)
         rows = int(np.clip(PERIODS / (flt.dt * pole_of(begun["nameplate"])), FEWEST, MOST))
-        return cls(flt, flt.liveliest(rows), start, fitted, fixed, piece, begun, box)
+        return cls(flt, flt.liveliest(rows), start, fitted, fixed, intermediate, begun, box)
 
     def glimpse(self) -> Self:
         """The same over a few torsional periods, with innovations that are too large divided out.

@@ -28,21 +28,28 @@ def points(
     flt: ContactFilter, start: Drivetrain, fixed: Collection[str], like: Sequence[Array]
 ) -> Iterator[Array]:
     """The grid; lag and delay are those of each of some starts in turn, what is fixed keeps the nameplate's value."""
-    torque, total, pole = flt.torque_deviation, flt.inertia[0], 2.0 * np.pi * start.pole_frequency
-    known = {name: float(getattr(start, name)) for name in fixed if name in TOLD}
-    known |= frictions(flt, start, fixed)
+    total, pole = flt.inertia[0], 2.0 * np.pi * start.pole_frequency
+    known = fixed_values(start, fixed) | frictions(flt, start, fixed)
     lags = [INDEX["lag"], INDEX["delay"]]
     for (i, ratio), (j, factor), (k, gap) in product(*map(enumerate, (RATIOS, POLES, BACKLASHES))):
-        omega = factor * pole
         motor, load = total / (1.0 + ratio), total * ratio / (1.0 + ratio)
-        stiffness = omega**2 * motor * load / total
-        values = {
-            "inertia_motor": motor, "inertia_load": load, "stiffness": stiffness,
-            "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * torque / stiffness,
-        } | unknown(flt, omega) | known  # fmt: skip
-        theta = flt.theta(values)
+        theta = flt.theta(point(flt, motor, load, factor * pole, gap) | known)
         theta[lags] = like[(i + j + k) % len(like)][lags]
         yield theta
+
+
+def fixed_values(start: Drivetrain, fixed: Collection[str]) -> dict[str, float]:
+    """Nameplate values of what is fixed."""
+    return {name: float(getattr(start, name)) for name in fixed if name in TOLD}
+
+
+def point(flt: ContactFilter, motor: float, load: float, omega: float, gap: float) -> dict[str, float]:
+    """Of inertias (kg m²), torsional frequency (rad/s) and backlash over the wind-up."""
+    stiffness = omega**2 * motor * load / (motor + load)
+    return {
+        "inertia_motor": motor, "inertia_load": load, "stiffness": stiffness,
+        "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * flt.torque_deviation / stiffness,
+    } | unknown(flt, omega)  # fmt: skip
 
 
 def candidates(
