@@ -135,7 +135,7 @@ def _gap(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Can
 
 def _friction(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Candidate:
     """More or less friction, at the motor, at the load or at both; as much of it Coulomb's as now, all or any part."""
-    now, size, speed = one.values, float(rng.choice(SIZES)), one.flt.speed_deviation
+    now, size, speed = one.values, float(rng.choice(SIZES)), max(one.flt.speed_deviation, 1e-300)
     coulomb, viscous = (now[name] + now[f"{name}_motor"] for name in ("coulomb", "viscous"))
     whole = max(coulomb + viscous * speed, 1e-300)
     part, dry = (float(rng.choice([own, 1.0, rng.random()])) for own in (0.0, coulomb / whole))

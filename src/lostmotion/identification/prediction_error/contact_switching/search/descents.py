@@ -81,9 +81,8 @@ class Search(Room):
         """The best of a race from a grid with a gap and a third inertia: alone, neither may lead to the drive."""
         two = min((one for one in found if Place.of(one) is None), key=cost_of)
         rows = replace(self.coarse, charged=False)
-        few = apart(
-            race(grid_of_three.candidates(two, rows, self.start, self.fixed), rows, self.box), ELSEWHERE
-        )[:FEW]
+        begun = grid_of_three.candidates(two, rows, self.start, self.fixed)
+        few = apart(race(begun, rows, self.box), ELSEWHERE)[:FEW]
         return side_by_side(lambda one: polish(one, one.over(self.part), self.box), few)
 
     def _delays(self) -> list[Array]:
