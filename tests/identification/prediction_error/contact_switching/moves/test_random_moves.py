@@ -119,3 +119,10 @@ def test_moves_of_friction_make_it_coulombs_or_leave_the_kinds_as_they_are(
     assert np.sum(share < 1e-6) > 10 and np.sum(share > 1.0 - 1e-6) > 10
     assert np.sum((share > 0.1) & (share < 0.9)) > 5
     assert 0.5 < np.median(dry + wet) < 8.0
+    both = replace(best, theta=best.flt.changed(best.theta, coulomb=1.0, viscous=1.0 / speed))
+    kept = [random_moves._friction(both, np.random.default_rng(seed), free).values for seed in range(60)]
+    ratio = [
+        (v["coulomb"] + v["coulomb_motor"]) / (speed * (v["viscous"] + v["viscous_motor"]) + 1e-9)
+        for v in kept
+    ]
+    assert np.sum(np.abs(np.array(ratio) - 1.0) < 1e-6) > 10

@@ -75,7 +75,7 @@ class Search(Room):
         few = apart(ends, ELSEWHERE)[:SCANNED]
         few = apart(sorted([*few, *with_other_backlash(few, self.box)], key=cost_of), ELSEWHERE)[:SCANNED]
         numbered = [replace(one, start=f"grid {number}") for number, one in enumerate(few)]
-        return side_by_side(lambda one: polish(one, self.part, self.box), numbered)
+        return self.polished(numbered, self.part)
 
     def from_grid_of_three(self, found: Sequence[Candidate]) -> list[Candidate]:
         """The best of a race from a grid with a gap and a third inertia: alone, neither may lead to the drive."""
@@ -83,7 +83,7 @@ class Search(Room):
         rows = replace(self.coarse, charged=False)
         begun = grid_of_three.candidates(two, rows, self.start, self.fixed)
         few = apart(race(begun, rows, self.box), ELSEWHERE)[:FEW]
-        return side_by_side(lambda one: polish(one, one.over(self.part), self.box), few)
+        return self.polished(few, self.part)
 
     def _delays(self) -> list[Array]:
         """θ with each lag and delay that the recording suggests."""
@@ -149,7 +149,7 @@ class Search(Room):
     def with_inertias(self, pairs: Sequence[tuple[Candidate, Place]]) -> list[Candidate]:
         """The best few of descents from candidates with one inertia more, each at its place."""
         few = apart(with_further_inertias(pairs, self.coarse, self.box))[:FEW]
-        return side_by_side(lambda one: polish(one, one.over(self.part), self.box), few)
+        return self.polished(few, self.part)
 
     def under_other_laws(self, best: Candidate) -> list[Candidate]:
         """Over the same rows."""
@@ -175,6 +175,7 @@ class Search(Room):
         self.reached("a third inertia")
         found += self.thirds(found, [self.raw(name) for name in RAW])
         if not self.ended(found):
+            self.reached("a race of three inertias")
             found += self.from_grid_of_three(found)
         found.append(
             self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))

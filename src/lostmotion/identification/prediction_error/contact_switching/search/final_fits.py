@@ -10,7 +10,7 @@ from ..estimate import CORE, Estimate, told
 from ..filter import LAWS, ContactFilter
 from ..intervals.further_inertias import room_for_further_inertias
 from ..intervals.refits import disagreement
-from ..likelihood import Candidate, cost_of, polish, side_by_side
+from ..likelihood import Candidate, cost_of, side_by_side
 from ..moves.backlash_scan import with_better_backlash
 from ..moves.choices import other_parts
 from ..selection import apart, plausible
@@ -50,5 +50,5 @@ def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -
     found += search.polished(with_better_backlash(min(found, key=cost_of), box))
     best = min(found, key=cost_of)
     begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
-    found += side_by_side(lambda one: polish(one, one.over(flt), box), begun)
+    found += search.polished(begun, flt)
     return sorted(search.split(found), key=cost_of)

@@ -125,6 +125,8 @@ class Room:
         """The start from the frequency response, where a fit does not stand without it."""
         return response_start(self.flt, self.start, self.fixed)
 
-    def polished(self, candidates: Sequence[Candidate]) -> list[Candidate]:
-        """Over their own rows."""
-        return side_by_side(lambda one: polish(one, one.flt, self.box), candidates)
+    def polished(self, candidates: Sequence[Candidate], rows: ContactFilter | None = None) -> list[Candidate]:
+        """Over their own rows, or over others."""
+        return side_by_side(
+            lambda one: polish(one, one.over(rows) if rows else one.flt, self.box), candidates
+        )

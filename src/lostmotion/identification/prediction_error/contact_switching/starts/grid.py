@@ -44,7 +44,7 @@ def fixed_values(start: Drivetrain, fixed: Collection[str]) -> dict[str, float]:
 
 
 def point(flt: ContactFilter, motor: float, load: float, omega: float, gap: float) -> dict[str, float]:
-    """Of inertias (kg m²), torsional frequency (rad/s) and backlash over the wind-up."""
+    """Values of a start with these inertias (kg m²), torsional frequency (rad/s) and backlash over the wind-up."""
     stiffness = omega**2 * motor * load / (motor + load)
     return {
         "inertia_motor": motor, "inertia_load": load, "stiffness": stiffness,

@@ -77,7 +77,7 @@ class SlowFriction:
         if np.isfinite(flt.inertia[1]):
             left, columns = left - flt.inertia[0] * columns[:, -1], columns[:, :-1]
         coulomb, viscous, load = _least_squares(columns, left)[:3]
-        if coulomb < 0.0:  # the speeds do not tell both apart: drives have that rather than the other
+        if coulomb < 0.0:  # the speeds do not tell both apart; hardly a drive has viscous friction alone
             columns[:, 1] = 0.0
             coulomb, viscous, load = _least_squares(columns, left)[:3]
         low, high = FRICTION

@@ -35,9 +35,9 @@ def candidates(
     free = sorted({*two.free, *free_places(start, fixed), *THIRD})
     motor, pole = two.values["inertia_motor"], 2.0 * np.pi * start.pole_frequency
     load = max(rows.inertia[0] - motor, LEAST_LOAD * motor)
-    flt, begun = two.over(rows), []
+    flt, known, begun = two.over(rows), fixed_values(start, fixed), []
     for factor, gap, third in product(POLES, BACKLASHES, THIRDS):
-        values = point(flt, motor, load, factor * pole, gap) | fixed_values(start, fixed)
+        values = point(flt, motor, load, factor * pole, gap) | known
         one = replace(two, theta=flt.changed(two.theta, **values))
         at, theta = placed(one, third, rows)
         begun.append(Candidate("grid of three", theta, np.inf, at, free))
