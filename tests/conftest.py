@@ -41,6 +41,14 @@ def fit_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lostmotion.experiment.design.identify", partial(lm.identify, second_estimator=False))
 
 
+@pytest.fixture
+def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search of the second estimator that ends early: for tests of what is made of its result."""
+    search = "lostmotion.identification.prediction_error.contact_switching.search"
+    monkeypatch.setattr(f"{search}.room.LONG", 5_000_000)
+    monkeypatch.setattr(f"{search}.final_fits.STEPS", 8_000)
+
+
 @pytest.fixture(scope="session")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     """Output folder and results of the main job on the virtual rig, seed 1."""

@@ -149,6 +149,7 @@ def test_what_is_told_has_the_common_form(case: str) -> None:
     assert "identified" in found.sources.values()
 
 
+@pytest.mark.usefixtures("short_search")
 @pytest.mark.parametrize("case", [case for case in CASES if case not in REFUSED])
 def test_what_is_not_told_has_the_same_names_and_a_problem(case: str) -> None:
     found = untold(case)

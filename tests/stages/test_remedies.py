@@ -21,6 +21,9 @@ from lostmotion.stages.material import Material, Settings
 from lostmotion.stages.parameters import Found, find_parameters
 from lostmotion.stages.validation import control_step, judged_step, validate_controllers
 
+# What a remedy changes shows after a short search as well.
+pytestmark = pytest.mark.usefixtures("short_search")
+
 DT = 2e-4
 KNOWN = {
     "inertia_motor": 0.018, "inertia_load": 0.11, "stiffness": 6000.0, "damping": 0.4, "backlash": 0.012,

@@ -75,7 +75,9 @@ def test_quantised_speeds():
     speed = 10.0 + np.cumsum(rng.standard_normal(20000)) * 0.02
     assert count_step(speed) is None
     assert count_step(np.round(speed / 0.06) * 0.06) == pytest.approx(0.06)
-    assert count_step(np.round(speed / 0.7) * 0.7) == pytest.approx(0.7)
+    counted = np.round(speed / 0.7) * 0.7
+    assert count_step(counted) == pytest.approx(0.7)
+    assert count_step(np.concatenate([np.zeros(50_000), counted])) == pytest.approx(0.7)  # at rest at first
 
 
 def test_rigid_body_start():

@@ -76,6 +76,7 @@ def test_only_the_total_inertia_is_told_where_no_rows_can_be_joined():
     assert result.drivetrain.stiffness == pytest.approx(PLANT.stiffness)
 
 
+@pytest.mark.usefixtures("short_search")
 def test_the_second_estimator_tells_from_coarse_counts():
     """It takes the counts as angles: their rounding does not add up."""
     result = found(bits=10)

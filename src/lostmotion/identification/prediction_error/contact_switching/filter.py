@@ -124,6 +124,8 @@ class ContactFilter:
         Of torque (Nm), Coulomb (Nm) and viscous friction (Nm s/rad) in θ; the same for all parts of a recording.
     effort : Effort
         What all passes over all parts of a recording have taken.
+    whole : ContactFilter, optional
+        That of the whole recording, if this one is of a part of it.
     """
 
     torque: Array
@@ -144,6 +146,7 @@ class ContactFilter:
     charged: bool = True
     units: tuple[float, float, float] = (1.0, 1.0, 1.0)
     effort: Effort = field(default_factory=Effort)
+    whole: ContactFilter | None = None
 
     @classmethod
     def of(cls, predictor: Predictor, pole: float) -> ContactFilter:
@@ -222,6 +225,7 @@ class ContactFilter:
             torque=np.ascontiguousarray(self.torque[rows]),
             measured=np.ascontiguousarray(self.measured[rows]),
             bounds=(0, *inner, rows.stop - rows.start),
+            whole=self.whole or self,
         )
 
     def liveliest(self, rows: int) -> ContactFilter:

@@ -139,15 +139,17 @@ class Candidate:
 
     @cached_property
     def speeds(self) -> tuple[Array, Array]:
-        """Sizes of the speeds, rad/s, at which load and motor move; some thousand rows of each."""
+        """Sizes of the speeds, rad/s, at which load and motor move in the whole recording; of some thousand rows."""
         return self.speeds_above(MOVES)
 
     def speeds_above(self, least: float) -> tuple[Array, Array]:
         """The same above this part of the speed's standard deviation."""
-        flt = self.flt
+        flt = replace(self.over(self.flt.whole or self.flt), level=self.flt.level)
+        load = np.abs(flt.load_speed(self.theta))
+        if not np.all(np.isfinite(load)):  # beyond its own rows it has lost the motion
+            load = np.abs(self.flt.load_speed(self.theta))
         least *= flt.speed_deviation
-        load = _some(np.abs(flt.load_speed(self.theta)), least)
-        return load, _some(np.abs(flt.motor_speed), max(least, MOVED * flt.motor_speed_noise))
+        return _some(load, least), _some(np.abs(flt.motor_speed), max(least, MOVED * flt.motor_speed_noise))
 
     @property
     def values(self) -> dict[str, float]:

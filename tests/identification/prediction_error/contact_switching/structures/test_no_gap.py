@@ -66,6 +66,16 @@ def test_a_gap_that_shows_is_not_left_out(plant: lm.Drivetrain):
     assert without_gap(best, box) is None
 
 
+def test_a_constant_torque_that_held_the_gap_on_one_side_goes_with_it(plant: lm.Drivetrain):
+    best, box = candidate(plant, 0.0)
+    theta = best.flt.changed(best.theta, torque_offset=3.0, torque_rate=1e-3, backlash=1e-9)
+    held = replace(
+        best, theta=theta, cost=best.flt.run(best.theta).cost, free=[*best.free, INDEX["torque_offset"]]
+    )
+    gapless = without_gap(held, box)
+    assert gapless is not None and gapless.values["torque_offset"] == 0.0
+
+
 def test_the_bound_is_above_the_gaps_of_what_predicts_as_well(plant: lm.Drivetrain):
     best, box = candidate(plant, 0.0)
     wide = replace(best, theta=best.flt.changed(best.theta, backlash=0.005))

@@ -103,6 +103,11 @@ def test_the_line_is_over_the_speeds_of_the_load_not_of_the_motor(
     load, motor = (friction_line(friction, motion[name])[0] for name in ("speed_load", "speed_motor"))
     assert load is not None and motor is not None and motor < 0.98 * load
     assert friction_lines(true)["coulomb"] == pytest.approx(load, rel=0.002)
+    # A part of the recording has other speeds; the line stays that of all.
+    part = replace(true, flt=flt.part(slice(0, flt.rows // 4)))
+    alone = replace(part, flt=replace(part.flt, whole=None))
+    assert friction_lines(part) == pytest.approx(friction_lines(true))
+    assert friction_lines(alone)["coulomb"] != pytest.approx(load, rel=0.01)
     # Which of the slowest rows are no rest belongs to the interval.
     assert 0.0 < room_for_rest(true)[5] < 0.02
     assert not np.any(room_for_rest(replace(true, free=[INDEX["coulomb"]])))

@@ -46,8 +46,13 @@ def without_gap(best: Candidate, box: Box) -> Candidate | None:
     if best.flt.run(found.theta).cost > best.cost + SHOWN:
         return None
     # With its rates: each contact of the smallest gap makes the filter less sure of the motion. Rates that are high
-    # once stay so: the other values are those with them.
-    found = min((polish(one, one.flt, box, STEPS) for one in (found, _less_unknown(found))), key=cost_of)
+    # once stay so: the other values are those with them. So does a constant torque that held the gap on one side.
+    begun = [
+        found,
+        _less_unknown(found),
+        replace(found, theta=found.flt.changed(found.theta, torque_offset=0.0)),
+    ]
+    found = min((polish(one, one.flt, box, STEPS) for one in begun), key=cost_of)
     return found if alike(found, best) else None
 
 
