@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.filter import NAMES, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.parameters import NAMES
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 DT = 2e-4

@@ -193,6 +193,7 @@ def test_an_elastic_drive_whose_torsion_does_not_show():
     assert total_is_right(found, stiff.inertia_total)
 
 
+@pytest.mark.usefixtures("short_search")
 @pytest.mark.parametrize("seed", [27, 1301])
 def test_drives_of_the_zoo_that_were_wrong(seed: int):
     """One whose descent ended far off; one whose fit stood at first sight, with the motor's friction at

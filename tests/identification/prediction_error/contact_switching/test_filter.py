@@ -9,14 +9,9 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.filter import (
-    INDEX,
-    LAWS,
-    PARAMETERS,
-    ContactFilter,
-    Run,
-)
+from lostmotion.identification.prediction_error.contact_switching.filter import LAWS, ContactFilter, Run
 from lostmotion.identification.prediction_error.contact_switching.likelihood import fitted_rates
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX, PARAMETERS
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 
@@ -253,11 +248,6 @@ def test_friction_that_differs_by_direction_is_a_constant_torque_beside_one_that
     )
     offset = lm.simulate(even, torque_motor=torque - 0.6, dt=2e-4)
     assert np.max(np.abs(motor["speed_motor"] - offset["speed_motor"])) < 1e-5
-
-
-def test_values_survive_the_parameter_vector(flt: ContactFilter):
-    some = {name: 0.1 * (i + 1.0) for i, name in enumerate(PARAMETERS)}
-    assert flt.values(flt.theta(some)) == pytest.approx(list(some.values()))
 
 
 #: Plant steps in a row of the coarse recordings below, which have 15 rows per torsional period.

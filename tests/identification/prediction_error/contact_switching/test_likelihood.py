@@ -10,11 +10,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.filter import (
-    FRICTIONS,
-    INDEX,
-    ContactFilter,
-)
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.fitted import intervals
 from lostmotion.identification.prediction_error.contact_switching.likelihood import (
     Box,
@@ -23,6 +19,7 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
     minimise,
     polish,
 )
+from lostmotion.identification.prediction_error.contact_switching.parameters import FRICTIONS, INDEX
 from lostmotion.identification.prediction_error.innovations import NAMES, to_theta
 
 CORE = [INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]

@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter, Run
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter, Run
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
 from lostmotion.identification.prediction_error.contact_switching.likelihood_ratio import (
     CHANCE_RIGID,
     alike,
     clearly_better,
 )
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 
 
 def at(flt: ContactFilter, values: dict[str, float], **changes: float) -> Candidate:

@@ -15,30 +15,12 @@ from ...statistics.white_noise import white_noise
 from ..innovations import Predictor
 from ..warnings import count_step
 from .effort import Effort
+from .parameters import INDEX, KINDS, NAMES, PARAMETERS, units_of, values_of, vector_of
 
 Array = NDArray[np.float64]
 
-#: The kernel's parameters in its order, SI units, and how each enters the parameter vector θ: as a logarithm, as that
-#: of lag + sample time, or plainly in a unit of its own. Friction of either end may be none: what one takes over from
-#: the other keeps the sum, and along the logarithms of both the way to none is a curve that no descent follows.
-PARAMETERS = {
-    "inertia_motor": "log", "inertia_load": "log", "stiffness": "log", "damping": "log", "backlash": "log",
-    "coulomb": "friction", "viscous": "damper", "coulomb_motor": "friction", "viscous_motor": "damper", "lag": "lag",
-    "delay": "samples", "torque_offset": "torque", "share": "log", "compliance": "log", "loss": "log",
-    "motor_rate": "log", "load_rate": "log", "torque_rate": "log", "rise": "plain", "fade": "log",
-    "rise_motor": "plain", "fade_motor": "log", "impact": "log", "share_fourth": "log", "compliance_fourth": "log",
-    "loss_fourth": "log",
-}  # fmt: skip
-NAMES = tuple(PARAMETERS)
-INDEX = {name: i for i, name in enumerate(NAMES)}
-#: Which of them enter as a logarithm, and which as that of lag + sample time.
-LOGARITHM, LAG = (np.array([kind == wanted for kind in PARAMETERS.values()]) for wanted in ("log", "lag"))
-#: Friction of the load's end and of the motor's.
-FRICTIONS = ("coulomb", "viscous", "coulomb_motor", "viscous_motor")
-#: Numbers of the contact laws and of the kinds of parameters in the kernel (layout).
+#: Numbers of the contact laws in the kernel (layout).
 LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2, "limited": 3}
-#: Likewise (layout).
-KINDS = {"log": 0, "lag": 1, "samples": 2, "plain": 2, "torque": 2, "friction": 2, "damper": 2}
 
 #: Noise over the motion below which a speed has none (numerics: so exactly the filter finds an impact).
 EXACT = 3e-6
@@ -344,18 +326,11 @@ class ContactFilter:
 
     def theta(self, values: Mapping[str, float]) -> Array:
         """Parameter vector of values, SI, zero where there is none; −inf for the logarithm of zero."""
-        given = np.array([values.get(name, 0.0) for name in NAMES])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(
-                LOGARITHM, np.log(given), np.where(LAG, np.log(given + self.dt), given / self._units)
-            )
+        return vector_of(values, self.dt, self._units)
 
     def values(self, theta: Array) -> Array:
         """Values of a parameter vector, SI."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            grown = np.exp(theta)
-            lag = np.maximum(grown - self.dt, 0.0)
-            return np.where(LOGARITHM, grown, np.where(LAG, lag, theta * self._units))
+        return values_of(theta, self.dt, self._units)
 
     def changed(self, theta: Array, **values: float) -> Array:
         """The parameter vector with other values, SI."""
@@ -365,13 +340,4 @@ class ContactFilter:
 
     @cached_property
     def _units(self) -> Array:
-        """(23,) units of the parameters that enter plainly; one for the others."""
-        torque, friction, damper = self.units
-        units = {"samples": self.dt, "torque": torque, "friction": friction, "damper": damper}
-        return np.array([units.get(kind, 1.0) for kind in PARAMETERS.values()])
-
-
-def pole_of(theta: Array) -> float:
-    """Torsional frequency of a parameter vector, Hz."""
-    motor, load, stiffness = np.exp(theta[:3])
-    return float(np.sqrt(stiffness * (1.0 / motor + 1.0 / load)) / (2.0 * np.pi))
+        return units_of(self.dt, *self.units)

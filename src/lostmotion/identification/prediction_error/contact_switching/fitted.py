@@ -11,8 +11,9 @@ from ..gain_schedule import Stage
 from ..identifiability import Told
 from ..innovations import NAMES as TOLD
 from ..innovations import Predictor, from_theta
-from .filter import INDEX, ContactFilter
+from .filter import ContactFilter
 from .likelihood import Box, Candidate, fitted_rates, minimise
+from .parameters import INDEX
 from .starts.from_drivetrain import unknown
 
 Array = NDArray[np.float64]

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..innovations import THREADS
-from .filter import FRICTIONS, INDEX, MOVED, NAMES, PARAMETERS, ContactFilter, Run, pole_of
+from .filter import MOVED, ContactFilter, Run
 from .gauss_newton import minimise_within
+from .parameters import FRICTIONS, INDEX, NAMES, PARAMETERS, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")

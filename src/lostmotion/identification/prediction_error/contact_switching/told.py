@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..innovations import NAMES as TOLD
-from .filter import INDEX
 from .likelihood import Candidate
+from .parameters import INDEX
 from .structures.rising_friction import friction_lines
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.estimate import CORE, TOLD, distance
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.intervals import further_inertias
 from lostmotion.identification.prediction_error.contact_switching.intervals.further_inertias import (
     HIDDEN_MODES,
@@ -21,6 +21,7 @@ from lostmotion.identification.prediction_error.contact_switching.intervals.furt
     stiff_place,
 )
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
     Place,
     has_fourth,

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from lostmotion.identification.prediction_error.contact_switching.estimate import CORE, TOLD
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.intervals import refits
 from lostmotion.identification.prediction_error.contact_switching.intervals.refits import disagreement
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 
 
 def fitted(flt: ContactFilter, values: dict[str, float]) -> tuple[Candidate, Box]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.moves import backlash_scan
 from lostmotion.identification.prediction_error.contact_switching.moves.backlash_scan import (
@@ -20,6 +20,7 @@ from lostmotion.identification.prediction_error.contact_switching.moves.backlash
     with_better_backlash,
     with_other_backlash,
 )
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, LAWS, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import LAWS, ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import (
     other_choices,
     other_parts,
 )
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import Place
 

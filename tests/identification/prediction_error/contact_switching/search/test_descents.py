@@ -10,9 +10,10 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 from lostmotion.identification.prediction_error.contact_switching.search import room
 from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare

@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 from lostmotion.identification.prediction_error.contact_switching.starts import grid
 
 

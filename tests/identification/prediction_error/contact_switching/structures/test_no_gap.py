@@ -9,8 +9,9 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.estimate import told
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, NAMES, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX, NAMES
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import (
     bare,
     gap_bound,

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.identification.prediction_error.contact_switching.filter import INDEX, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
     FOURTH,

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ....statistics.block_covariance import student_factor
 from ...innovations import NAMES as TOLD
 from ..estimate import beyond_chance, distance, shown
-from ..filter import pole_of
 from ..likelihood import Box, Candidate, side_by_side
+from ..parameters import pole_of
 from ..structures.shaft_inertias import Place, has_fourth, placed, without_last_inertia
 from ..told import told_slopes
 

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..filter import INDEX, LAWS, ContactFilter, pole_of
+from ..filter import LAWS, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, rates_first, side_by_side
+from ..parameters import INDEX, pole_of
 from ..starts.from_drivetrain import unknown
 
 Array = NDArray[np.float64]

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..filter import INDEX, LAWS, ContactFilter, pole_of
+from ..filter import LAWS, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish, rates_first, side_by_side
+from ..parameters import INDEX, pole_of
 from ..starts.from_drivetrain import unknown
 from ..structures.shaft_inertias import THIRD, Place, placed, with_dropped
 

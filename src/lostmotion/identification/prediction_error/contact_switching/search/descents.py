@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimate import EXPLAINED, sharp
-from ..filter import FRICTIONS, INDEX, LAWS, ContactFilter
+from ..filter import LAWS, ContactFilter
 from ..likelihood import (
     FIRST_LEVEL,
     FITTED_LEVEL,
@@ -25,6 +25,7 @@ from ..likelihood_ratio import alike
 from ..moves.backlash_scan import with_best_backlashes, with_other_backlash
 from ..moves.choices import NOISE_ALONE, Choice, other_choices
 from ..moves.random_moves import wandering
+from ..parameters import FRICTIONS, INDEX
 from ..selection import ELSEWHERE, apart
 from ..starts import grid
 from ..starts.from_drivetrain import (

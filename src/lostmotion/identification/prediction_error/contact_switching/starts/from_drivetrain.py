@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from .....drivetrain import Drivetrain
 from ...initial_values import DAMPING_RATIO
 from ...innovations import NAMES as TOLD
-from ..filter import INDEX, ContactFilter
+from ..filter import ContactFilter
+from ..parameters import INDEX
 from .frequency_response import linear_drive
 
 Array = NDArray[np.float64]
@@ -93,7 +94,7 @@ def start_values(
     pole = 2.0 * np.pi * values.pole_frequency
     given = {name: getattr(values, name) for name in TOLD}
     guesses = {
-        "damping": 2.0 * DAMPING_RATIO * values.stiffness / pole,
+        "damping": usual_damping(values.stiffness, pole),
         "backlash": GAP * flt.torque_deviation / values.stiffness,
         "lag": LAG * flt.dt,
     }
@@ -101,6 +102,11 @@ def start_values(
         n: max(guess, 0.0) for n, guess in guesses.items() if n not in fixed and not given[n] > 1e-3 * guess
     }
     return given | frictions(flt, start, fixed) | unknown(flt, pole)
+
+
+def usual_damping(stiffness: float, omega: float) -> float:
+    """Damping (Nm s/rad) of a usual ratio at this torsional frequency (rad/s)."""
+    return 2.0 * DAMPING_RATIO * stiffness / omega
 
 
 def frictions(flt: ContactFilter, start: Drivetrain, fixed: Collection[str]) -> dict[str, float]:

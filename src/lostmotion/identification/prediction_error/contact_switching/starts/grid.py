@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from .....drivetrain import Drivetrain
 from ...innovations import NAMES as TOLD
-from ..filter import INDEX, ContactFilter
+from ..filter import ContactFilter
 from ..likelihood import Candidate
-from .from_drivetrain import DAMPING_RATIO, free_places, frictions, unknown
+from ..parameters import INDEX
+from .from_drivetrain import free_places, frictions, unknown, usual_damping
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ def point(flt: ContactFilter, motor: float, load: float, omega: float, gap: floa
     stiffness = omega**2 * motor * load / (motor + load)
     return {
         "inertia_motor": motor, "inertia_load": load, "stiffness": stiffness,
-        "damping": 2.0 * DAMPING_RATIO * stiffness / omega, "backlash": gap * flt.torque_deviation / stiffness,
+        "damping": usual_damping(stiffness, omega), "backlash": gap * flt.torque_deviation / stiffness,
     } | unknown(flt, omega)  # fmt: skip
 
 

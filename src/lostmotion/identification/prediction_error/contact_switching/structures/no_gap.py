@@ -8,9 +8,9 @@ import numpy as np
 
 from ....statistics.block_covariance import student_factor
 from ...gap.absent_gap import FIRST, shown
-from ..filter import INDEX
 from ..likelihood import Box, Candidate, cost_of, inverse_hessian, minimise, polish
 from ..likelihood_ratio import alike
+from ..parameters import INDEX
 
 PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
 #: A drive costs so much more without its gap if that shows at all (numerics: without one, up to 0.2 more until the

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..filter import INDEX
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
+from ..parameters import INDEX
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ..filter import INDEX, ContactFilter
+from ..filter import ContactFilter
 from ..likelihood import (
     FITTED_LEVEL,
     LEVEL_FACTOR,
@@ -21,6 +21,7 @@ from ..likelihood import (
     polish,
     side_by_side,
 )
+from ..parameters import INDEX
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..filter import INDEX
 from ..likelihood import Box, Candidate, polish
 from ..likelihood_ratio import alike
+from ..parameters import INDEX
 from .no_gap import SHOWN, bare
 from .shaft_inertias import Place, has_fourth
 
