@@ -62,8 +62,8 @@ NO_INFORMATION = 1e-9
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """Parameters of ``innovations.NAMES``: vector (8,), half widths (8,; infinite: not identified), best candidate;
-    the bound of a gap (rad), if it does without one; and the part (8,) of the half widths that is room for what any
-    model of two or three inertias lacks."""
+    the bound of a gap (rad), if it does without one; and the part (8,) of the half widths that is room for
+    inertias that the model lacks."""
 
     theta: Array
     half: Array

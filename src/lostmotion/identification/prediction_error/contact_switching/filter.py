@@ -26,10 +26,10 @@ LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2, "limited": 3}
 EXACT = 3e-6
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
-#: Torsional periods, at the highest pole, from the first motion of a piece to the rows that count (numerics: a gap ten
-#: times the wind-up, before a load thirty times the motor, is crossed within four periods of the drive, and the
-#: nameplate's pole may be three times too high); the noise of the sensor that is no motion, in standard deviations
-#: (numerics: one row in millions), and the part of a piece that may be lost so at most (numerics).
+#: Torsional periods, at three times the nameplate's pole, from the first motion of a piece to the rows that count
+#: (numerics: five of the nameplate's; a gap ten times the wind-up, before a load thirty times the motor, is crossed
+#: within four periods of the drive); the noise of the sensor that is no motion, in standard deviations (numerics: less
+#: than one row in millions), and the part of a piece that may be lost so at most (numerics).
 SETTLED, MOVED, LOST = 15.0, 6.0, 0.25
 #: Slope of a load torque at the start, in standard deviations of the torque in a second (numerics: a period of 2 s).
 DRIFT = 3.0
@@ -44,12 +44,14 @@ class Run:
     Parameters
     ----------
     weighted : (n,) array
-        Innovations over their standard deviations and over the sensor's.
+        Innovations over their standard deviations as the filter knows them. One entry more where the total inertia is
+        beyond what the slow motion tells.
     cost : float
-        Minus the logarithm of the likelihood per sample, concentrated over the size of the noise: 0 where the
-        innovations are as large as the sensor's noise alone makes them, 0.1 where they are 10 % larger.
+        Minus the logarithm of the likelihood per sample, concentrated over the size of the noise (charged: up to the
+        level): 0 where the innovations are as large as the sensor's noise alone makes them, 0.1 where they are 10 %
+        larger.
     jacobian : (m, n) array
-        Change of the weighted innovations with θ, the gains as they are.
+        Change of the weighted innovations with θ, the gains as they are; as many columns as they are.
     rows : (n,) array
         What each row adds to the cost; their mean is the cost.
     deviations : (n,) array
@@ -287,7 +289,7 @@ class ContactFilter:
 
     @cached_property
     def motor_speed(self) -> Array:
-        """(n,) speed of the motor as recorded, rad/s; of counts over some rows, which takes a few."""
+        """(n,) speed of the motor as recorded, rad/s; of counts a mean over some rows, and as many fewer."""
         if not self.counted:
             return self.measured
         return np.asarray(

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 #: The kernel's parameters in its order, SI units, and how each enters the parameter vector θ: as a logarithm, as that
-#: of lag + sample time, or plainly in a unit of its own. Friction of either end may be none: what one takes over from
-#: the other keeps the sum, and along the logarithms of both the way to none is a curve that no descent follows.
+#: of lag + sample time, or plainly in a unit of its own. Friction is plain, as either end may have none: a descent can
+#: then move it from one end to the other and keep the sum. In logarithms the way to none is a curve that none follows.
 PARAMETERS = {
     "inertia_motor": "log", "inertia_load": "log", "stiffness": "log", "damping": "log", "backlash": "log",
     "coulomb": "friction", "viscous": "damper", "coulomb_motor": "friction", "viscous_motor": "damper", "lag": "lag",

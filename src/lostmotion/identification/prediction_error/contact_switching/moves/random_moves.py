@@ -19,8 +19,8 @@ from ..structures.shaft_inertias import THIRD, Place, placed, with_dropped
 WIDTH, FOLLOWED, PATIENCE, ROUNDS = 8, 2, 8, 24
 #: Steps of a descent at each noise level, and of one at the sensor's alone (numerics).
 STEPS, STEPS_ALONE = 4, 6
-#: Chance that one of the groups changes (numerics: two of four on average), that a choice is made otherwise or a third
-#: inertia dropped, and that a backlash stays near its own.
+#: Chance that one of the groups changes (numerics: two to three of four on average), that a choice is made otherwise or
+#: a third inertia dropped, and that a backlash stays near its own.
 GROUP, CHOICE, NEAR = 0.5, 0.2, 0.5
 #: Standard deviations of logarithms, one of them at random (numerics: within a minimum, and far from it).
 SIZES = (0.1, 0.3, 0.6)

@@ -48,7 +48,8 @@ Array = NDArray[np.float64]
 FEW = 3
 #: Starts that get a third inertia as they are.
 RAW = ("nameplate", "fitted")
-#: Candidates that differ by less than this come to the same over more rows (numerics: a quarter of what counts).
+#: Candidates that differ by less than this, in all logarithms or in the cost, come to the same over more rows
+#: (numerics: a quarter of what counts).
 NEAR = 0.05
 #: Steps from the fit's likeliest values without its intervals (numerics).
 FREED_STEPS = 10

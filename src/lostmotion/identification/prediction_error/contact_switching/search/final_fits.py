@@ -16,12 +16,13 @@ from ..moves.choices import other_parts
 from ..selection import apart, plausible
 from .descents import NEAR, POLISHED, Search, judged
 
-#: Steps of the model in one pass of the last fits at most, each row one or more (numerics: it takes some 4 ms).
+#: Steps of the model in one pass of the last fits at most; a row takes one, or more where a contact or a friction
+#: changes (numerics: some 4 ms).
 STEPS = 30_000
 
 
 def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
-    """What the best of the candidates tell; None where no inertia, stiffness or backlash is."""
+    """What the best candidate tells; None where that is no inertia, stiffness or backlash, or no cost is finite."""
     others = plausible(found)
     if not np.isfinite(others[0].cost):
         return None
@@ -41,8 +42,8 @@ def _rows(best: Candidate) -> int:
 
 
 def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
-    """Over more rows, which tell more of them apart: those that predict these best, then the best under other laws,
-    with backlashes beside its own and with parts that it does not have; the lowest first."""
+    """The candidates that predict more rows best, fitted to these; then the best under other laws, with other
+    backlashes and with parts that it lacks. The lowest comes first."""
     box = search.box
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
     found = search.polished(sorted(few, key=cost_of)[:POLISHED])

@@ -25,7 +25,7 @@ SHOWN = 0.02
 
 
 def torque_delay(flt: ContactFilter, pole: float, longest: float) -> float | None:
-    """Lag and delay together, s, at most ``longest``; None where another delay predicts about as well.
+    """Lag and delay together, s, at most ``longest``; None where no delay predicts about as well.
 
     ``pole``: the nameplate's torsional frequency, Hz.
     """

@@ -13,8 +13,8 @@ from ..likelihood_ratio import alike
 from ..parameters import INDEX
 
 PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
-#: A drive costs so much more without its gap if that shows at all (numerics: without one, up to 0.2 more until the
-#: rates of the unknown torques are fitted).
+#: A gap shows where its drive costs so much more without it, the rates of the unknown torques as they are (numerics: a
+#: drive that has none costs up to 0.2 more then); likewise for another name of the same chain.
 SHOWN = 0.5
 #: Gauss–Newton steps without the gap, or with one of a given size (numerics: what a small gap changes).
 STEPS = 4
@@ -33,7 +33,8 @@ def gap_of(candidate: Candidate) -> float:
 def bare(candidate: Candidate) -> Candidate:
     """The candidate with a backlash of zero; its cost is still that with the gap.
 
-    Without a gap a constant torque on the motor is one on the load, which the filter follows anyway: it stays.
+    Without a gap a constant torque on the motor is one on the load, which the filter follows anyway: it keeps its value
+    and is no longer fitted.
     """
     theta = candidate.theta.copy()
     theta[PLACE] = -np.inf
@@ -45,8 +46,8 @@ def without_gap(best: Candidate, box: Box) -> Candidate | None:
     found = bare(best)
     if best.flt.run(found.theta).cost > best.cost + SHOWN:
         return None
-    # With its rates: each contact of the smallest gap makes the filter less sure of the motion. Rates that are high
-    # once stay so: the other values are those with them. So does a constant torque that held the gap on one side.
+    # With its rates: each contact of the smallest gap makes the filter less sure of the motion. No descent brings high
+    # rates down, nor a constant torque that held the gap on one side: one begins with less of each as well.
     begun = [
         found,
         _less_unknown(found),
@@ -68,14 +69,14 @@ def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:
 
     With a gap of each size the other parameters are fitted anew; beyond the bound the recording is predicted worse than
     the noise makes it. ``wider``: by how much intervals are wider than those of noise alone. None where a gap as large
-    as the wind-up would not show either.
+    as the wind-up at the largest torque would not show either, or no gap changes the innovations.
     """
     flt, stiffness = gapless.flt, float(np.exp(gapless.theta[INDEX["stiffness"]]))
     first, widest = FIRST * flt.torque_deviation / stiffness, float(np.max(np.abs(flt.torque))) / stiffness
     colour = _colour(gapless, first)
     if colour is None:
         return None
-    # Two costs differ by half the square of the deviation, over the rows.
+    # A gap that is d standard errors away raises the mean cost by d²/(2·rows).
     rise = 0.5 * (student_factor(1) * wider * colour) ** 2 / flt.counting.size
 
     def cost(gap: float) -> float:
