@@ -51,7 +51,7 @@ class Run:
         level): 0 where the innovations are as large as the sensor's noise alone makes them, 0.1 where they are 10 %
         larger.
     jacobian : (m, n) array
-        Change of the weighted innovations with θ, the gains as they are; as many columns as they are.
+        Change of the weighted innovations with θ, one column for each of these, the gains as they are.
     rows : (n,) array
         What each row adds to the cost; their mean is the cost.
     deviations : (n,) array
