@@ -10,7 +10,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.parameters import NAMES
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import NAMES
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 DT = 2e-4

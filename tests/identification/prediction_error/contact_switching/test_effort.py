@@ -11,7 +11,7 @@ from lostmotion.identification.prediction_error.contact_switching.effort import 
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate, side_by_side
 from lostmotion.identification.prediction_error.contact_switching.moves.random_moves import wandering
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.search import final_fits, room
 from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
 

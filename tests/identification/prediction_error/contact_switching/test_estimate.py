@@ -24,7 +24,7 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
 )
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.identifiability import WIDEST
 
 #: All fits of the model agree.

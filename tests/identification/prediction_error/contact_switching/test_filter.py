@@ -11,7 +11,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import LAWS, ContactFilter, Run
 from lostmotion.identification.prediction_error.contact_switching.likelihood import fitted_rates
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX, PARAMETERS
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX, PARAMETERS
 from lostmotion.identification.prediction_error.innovations import Predictor
 from lostmotion.kernels.innovations.intermediate_inertia import two_springs
 

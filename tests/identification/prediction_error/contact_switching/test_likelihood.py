@@ -19,7 +19,7 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
     minimise,
     polish,
 )
-from lostmotion.identification.prediction_error.contact_switching.parameters import FRICTIONS, INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import FRICTIONS, INDEX
 from lostmotion.identification.prediction_error.innovations import NAMES, to_theta
 
 CORE = [INDEX[name] for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]

@@ -14,7 +14,7 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood_rat
     alike,
     clearly_better,
 )
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 
 
 def at(flt: ContactFilter, values: dict[str, float], **changes: float) -> Candidate:

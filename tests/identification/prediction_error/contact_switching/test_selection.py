@@ -9,7 +9,7 @@ import pytest
 from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.selection import (
     apart,
     plausible,

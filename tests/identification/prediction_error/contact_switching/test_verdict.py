@@ -11,7 +11,7 @@ from table_i import PAPER
 from lostmotion.identification.prediction_error.contact_switching.estimate import Estimate
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
-from lostmotion.identification.prediction_error.contact_switching.parameters import NAMES
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import NAMES
 from lostmotion.identification.prediction_error.contact_switching.told import told_vector
 from lostmotion.identification.prediction_error.contact_switching.verdict import APART, Fit
 from lostmotion.identification.prediction_error.gain_schedule import LADDER, Stage, bandwidth_for

@@ -14,7 +14,7 @@ from ..identifiability import NOT_EXCITED, WIDEST
 from ..innovations import NAMES as TOLD
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
-from .parameters import FRICTIONS, INDEX
+from .parameter_vector import FRICTIONS, INDEX
 from .structures.no_gap import gap_bound, gap_of, without_gap
 from .told import lag, room_for_rest, told_slopes, told_vector
 

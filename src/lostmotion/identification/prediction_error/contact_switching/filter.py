@@ -15,7 +15,7 @@ from ...statistics.white_noise import white_noise
 from ..innovations import Predictor
 from ..warnings import count_step
 from .effort import Effort
-from .parameters import INDEX, KINDS, NAMES, PARAMETERS, units_of, values_of, vector_of
+from .parameter_vector import INDEX, KINDS, NAMES, PARAMETERS, units_of, values_of, vector_of
 
 Array = NDArray[np.float64]
 

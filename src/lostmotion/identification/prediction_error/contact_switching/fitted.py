@@ -13,7 +13,7 @@ from ..innovations import NAMES as TOLD
 from ..innovations import Predictor, from_theta
 from .filter import ContactFilter
 from .likelihood import Box, Candidate, fitted_rates, minimise
-from .parameters import INDEX
+from .parameter_vector import INDEX
 from .starts.from_drivetrain import unknown
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..innovations import THREADS
 from .filter import MOVED, ContactFilter, Run
 from .gauss_newton import minimise_within
-from .parameters import FRICTIONS, INDEX, NAMES, PARAMETERS, pole_of
+from .parameter_vector import FRICTIONS, INDEX, NAMES, PARAMETERS, pole_of
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..innovations import NAMES as TOLD
 from .likelihood import Candidate
-from .parameters import INDEX
+from .parameter_vector import INDEX
 from .structures.rising_friction import friction_lines
 
 Array = NDArray[np.float64]

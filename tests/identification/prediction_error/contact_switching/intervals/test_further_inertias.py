@@ -21,7 +21,7 @@ from lostmotion.identification.prediction_error.contact_switching.intervals.furt
     stiff_place,
 )
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
     Place,
     has_fourth,

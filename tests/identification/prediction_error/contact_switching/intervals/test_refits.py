@@ -12,7 +12,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.intervals import refits
 from lostmotion.identification.prediction_error.contact_switching.intervals.refits import disagreement
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 
 
 def fitted(flt: ContactFilter, values: dict[str, float]) -> tuple[Candidate, Box]:

@@ -20,7 +20,7 @@ from lostmotion.identification.prediction_error.contact_switching.moves.backlash
     with_better_backlash,
     with_other_backlash,
 )
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 

@@ -13,7 +13,7 @@ from lostmotion.identification.prediction_error.contact_switching.moves.choices 
     other_choices,
     other_parts,
 )
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import Place
 

@@ -13,7 +13,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
 from lostmotion.identification.prediction_error.contact_switching.moves import random_moves
 from lostmotion.identification.prediction_error.contact_switching.moves.random_moves import moved, wandering
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
 from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import THIRD

@@ -13,7 +13,7 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.search import room
 from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare

@@ -9,7 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import (
     frictions,
     lag_and_delay,

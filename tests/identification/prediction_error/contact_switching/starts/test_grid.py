@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.starts import grid
 
 

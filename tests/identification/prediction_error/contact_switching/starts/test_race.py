@@ -9,7 +9,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, polish
-from lostmotion.identification.prediction_error.contact_switching.parameters import pole_of
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import pole_of
 from lostmotion.identification.prediction_error.contact_switching.starts import grid
 from lostmotion.identification.prediction_error.contact_switching.starts.race import NEXT, race
 from lostmotion.identification.prediction_error.contact_switching.starts.slow_motion import informed

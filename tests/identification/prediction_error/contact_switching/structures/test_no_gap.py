@@ -11,7 +11,7 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.estimate import told
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
-from lostmotion.identification.prediction_error.contact_switching.parameters import INDEX, NAMES
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX, NAMES
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import (
     bare,
     gap_bound,

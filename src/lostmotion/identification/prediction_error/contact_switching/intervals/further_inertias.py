@@ -12,7 +12,7 @@ from ....statistics.block_covariance import student_factor
 from ...innovations import NAMES as TOLD
 from ..estimate import beyond_chance, distance, shown
 from ..likelihood import Box, Candidate, side_by_side
-from ..parameters import pole_of
+from ..parameter_vector import pole_of
 from ..structures.shaft_inertias import Place, has_fourth, placed, without_last_inertia
 from ..told import told_slopes
 

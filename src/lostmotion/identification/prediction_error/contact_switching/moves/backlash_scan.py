@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..filter import LAWS, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, rates_first, side_by_side
-from ..parameters import INDEX, pole_of
+from ..parameter_vector import INDEX, pole_of
 from ..starts.from_drivetrain import unknown
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..filter import LAWS, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish, rates_first, side_by_side
-from ..parameters import INDEX, pole_of
+from ..parameter_vector import INDEX, pole_of
 from ..starts.from_drivetrain import unknown
 from ..structures.shaft_inertias import THIRD, Place, placed, with_dropped
 

@@ -25,7 +25,7 @@ from ..likelihood_ratio import alike
 from ..moves.backlash_scan import with_best_backlashes, with_other_backlash
 from ..moves.choices import NOISE_ALONE, Choice, other_choices
 from ..moves.random_moves import wandering
-from ..parameters import FRICTIONS, INDEX
+from ..parameter_vector import FRICTIONS, INDEX
 from ..selection import ELSEWHERE, apart
 from ..starts import grid
 from ..starts.from_drivetrain import (

@@ -16,7 +16,7 @@ from ..effort import Effort
 from ..filter import ContactFilter
 from ..likelihood import Box, Candidate, cost_of, polish, side_by_side
 from ..moves.choices import NOISE_ALONE
-from ..parameters import pole_of
+from ..parameter_vector import pole_of
 from ..starts.from_drivetrain import RESPONSE, free_places, response_start, starts
 from ..starts.slow_motion import informed
 

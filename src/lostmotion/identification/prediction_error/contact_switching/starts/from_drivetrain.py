@@ -11,7 +11,7 @@ from .....drivetrain import Drivetrain
 from ...initial_values import DAMPING_RATIO
 from ...innovations import NAMES as TOLD
 from ..filter import ContactFilter
-from ..parameters import INDEX
+from ..parameter_vector import INDEX
 from .frequency_response import linear_drive
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from .....drivetrain import Drivetrain
 from ...innovations import NAMES as TOLD
 from ..filter import ContactFilter
 from ..likelihood import Candidate
-from ..parameters import INDEX
+from ..parameter_vector import INDEX
 from .from_drivetrain import free_places, frictions, unknown, usual_damping
 
 Array = NDArray[np.float64]

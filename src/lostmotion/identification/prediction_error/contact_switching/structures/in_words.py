@@ -10,7 +10,7 @@ from ...innovations import Predictor
 from ...result import Structure
 from ..likelihood import Candidate
 from ..likelihood_ratio import alike
-from ..parameters import pole_of
+from ..parameter_vector import pole_of
 from ..starts.slow_motion import SlowFriction
 
 #: Shares of all Coulomb friction below which one end has none, and it does not rise towards rest; of the wind-up at

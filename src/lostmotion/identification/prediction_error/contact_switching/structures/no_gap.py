@@ -10,7 +10,7 @@ from ....statistics.block_covariance import student_factor
 from ...gap.absent_gap import FIRST, shown
 from ..likelihood import Box, Candidate, cost_of, inverse_hessian, minimise, polish
 from ..likelihood_ratio import alike
-from ..parameters import INDEX
+from ..parameter_vector import INDEX
 
 PLACE, OFFSET = INDEX["backlash"], INDEX["torque_offset"]
 #: A gap shows where its drive costs so much more without it, the rates of the unknown torques as they are (numerics: a

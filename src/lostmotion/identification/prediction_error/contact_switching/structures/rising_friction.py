@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..likelihood import FITTED_LEVEL, Box, Candidate, descend
-from ..parameters import INDEX
+from ..parameter_vector import INDEX
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from ..likelihood import (
     polish,
     side_by_side,
 )
-from ..parameters import INDEX
+from ..parameter_vector import INDEX
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..likelihood import Box, Candidate, polish
 from ..likelihood_ratio import alike
-from ..parameters import INDEX
+from ..parameter_vector import INDEX
 from .no_gap import SHOWN, bare
 from .shaft_inertias import Place, has_fourth
 

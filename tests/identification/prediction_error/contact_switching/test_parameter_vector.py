@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
-from lostmotion.identification.prediction_error.contact_switching.parameters import (
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import (
     INDEX,
     PARAMETERS,
     pole_of,
