@@ -145,12 +145,18 @@ class Candidate:
 
     def speeds_above(self, least: float) -> tuple[Array, Array]:
         """The same above this part of the speed's standard deviation."""
+        flt, load = self._over_the_whole
+        least *= flt.speed_deviation
+        return _some(load, least), _some(np.abs(flt.motor_speed), max(least, MOVED * flt.motor_speed_noise))
+
+    @cached_property
+    def _over_the_whole(self) -> tuple[ContactFilter, Array]:
+        """The filter over the whole recording, and sizes of the load's speed (n,), rad/s, there."""
         flt = replace(self.over(self.flt.whole or self.flt), level=self.flt.level)
         load = np.abs(flt.load_speed(self.theta))
         if not np.all(np.isfinite(load)):  # beyond its own rows it has lost the motion
             load = np.abs(self.flt.load_speed(self.theta))
-        least *= flt.speed_deviation
-        return _some(load, least), _some(np.abs(flt.motor_speed), max(least, MOVED * flt.motor_speed_noise))
+        return flt, load
 
     @property
     def values(self) -> dict[str, float]:
