@@ -99,7 +99,6 @@ def check_against_extended_precision(plant: Plant) -> None:
     rows = Rows(plant.layout, plant.elements, mode.digits)
     full = np.zeros((s.size, s.size), dtype=np.longdouble)
     full[:states] = rows.rates()
-    np.testing.assert_allclose(mode.rate, full[:states].astype(float), rtol=2e-15)
     guards = [rows.guard(e) for e in plant.elements]
     guard = np.array([g[0] for g in guards]).reshape(-1, s.size)
     np.testing.assert_allclose(got["guard"], guard.astype(float), rtol=2e-15)
@@ -115,6 +114,8 @@ def check_against_extended_precision(plant: Plant) -> None:
     def close(a: np.ndarray, exact: np.ndarray, size: np.ndarray, rounding: float) -> None:
         assert np.all(np.abs(a - exact.astype(float)) @ s <= rounding * (size @ s))
 
+    # Dampers and a friction that falls with the speed may cancel each other in an entry.
+    close(mode.rate, full[:states], np.abs(full[:states]).astype(float), 2e-15)
     change = sizes - np.eye(s.size)
     close(mode.state_series.sum(axis=0), piece[:states], change[:states], 2e-15)
     close(got["series"].sum(axis=1), guard + guard @ piece, np.abs(guard).astype(float) @ sizes, 2e-15)
