@@ -68,6 +68,18 @@ def test_frequencies_with_a_slow_load_torque_count_less():
     assert off(found, RIGID) < found[1] < 0.03
 
 
+def test_at_a_standstill_the_torque_says_nothing():
+    """Friction holds it at any level. With these rows the half width was 0.056."""
+    whole = lm.signals.excitation(6.0, DT, seed=1, inertia=0.13, coulomb=2.0, viscous=0.02)
+    time = DT * np.arange(whole.size)
+    torque = np.where(time % 1.5 < 0.75, whole, 1.4 * np.sin(2.0 * np.pi * 2.1 * time))
+    run = lm.simulate(RIGID, torque_motor=torque, dt=DT)
+    assert np.mean(run["speed_motor"] == 0.0) > 0.1
+    speed = run["speed_motor"] + 0.02 * np.random.default_rng(1).standard_normal(torque.size)
+    found = of_slow_motion(Predictor(torque, speed, DT, False, SOFT, skip=0), zero=30.0)
+    assert off(found, RIGID) < found[1] < 0.01
+
+
 @pytest.mark.parametrize("factor", [0.4, 1.0, 2.5])
 def test_of_an_elastic_drive_with_a_gap_whatever_the_nameplate_says(factor: float):
     """The true zero is at 10 Hz: far above it, the motor turns alone, with a seventh of the inertia."""
@@ -96,6 +108,12 @@ def test_pieces_are_transformed_each_for_itself():
     two = replace(one, bounds=(0, 2500, kept.size))
     assert off(of_slow_motion(two, 30.0), RIGID) < of_slow_motion(two, 30.0)[1] < 0.02
     assert of_slow_motion(one, 30.0)[1] > 0.02
+
+
+def test_a_drive_that_does_not_move_tells_none():
+    torque = np.random.default_rng(1).standard_normal(6000)
+    still = Predictor(torque, np.zeros(6000), DT, False, SOFT, skip=0)
+    assert of_slow_motion(still, 30.0)[1] == np.inf
 
 
 def test_a_torque_of_the_wrong_sign_tells_none():

@@ -5,10 +5,11 @@ Far below the zero, whatever shaft, gap and further inertias are like::
     u + τ·du/dt = J·a + c·d²a/dt² + M_c·sgn(ω) + d_v·ω + M_L        a = dω/dt
 
 (u motor torque, ω motor speed; τ lag and delay, c the shaft's compliance at first order, M_L a constant load torque).
-A window over the recording leaves that true, so its Fourier transform is linear in the parameters at each frequency.
-What is left is coloured: at low frequencies a slow load torque, at high ones the torsion. Each frequency therefore
-counts by the power that is left there, in the manner of Whittle's likelihood (Whittle 1953, Estimation and information
-in stationary time series, Arkiv för Matematik 2, 423–434).
+At a standstill friction holds whatever torque there is: torque, sign and M_L are left out there. A window over the
+recording leaves the equation true, so its Fourier transform is linear in the parameters at each frequency. What is
+left is coloured: at low frequencies a slow load torque, at high ones the torsion. Each frequency therefore counts by
+the power that is left there, in the manner of Whittle's likelihood (Whittle 1953, Estimation and information in
+stationary time series, Arkiv för Matematik 2, 423–434).
 """
 
 from __future__ import annotations
@@ -32,13 +33,17 @@ Spectrum = NDArray[np.complex128]
 BANDS, BAND_DT = (0.1, 0.2, 0.4, 0.8), 0.2
 #: Cut-off of the speed whose sign the friction takes, over the band's edge (numerics).
 SIGN_CUTOFF = 4.0
+#: Speed over its deviation below which a drive stands still, if for so many periods of the band's edge (numerics: one
+#: that turns back is as slow, but soon moves again; on 456 development drives 0.003 to 0.01 and 0.2 to 2 do as well).
+STANDS, STANDS_LONG = 3e-3, 0.5
 #: Frequencies that a band needs, and that the power of what is left is averaged over: so many, or this share of all
 #: below (numerics).
 FEWEST, AVERAGED, AVERAGED_SHARE = 8, 12, 0.25
 #: Rounds of fit and weights; least power that is left over the torque's, and least half width (numerics).
 ROUNDS, LEAST_LEFT, EXACT = 8, 1e-12, 1e-9
 #: Half width of the 95 % interval over what standard errors and bands say (calibrated on calibration drives 10200 to
-#: 10320 and development drives 1000 to 1399, 2026-11-24, see docs/benchmarks/zoo.md).
+#: 10320 and development drives 1000 to 1399, 2026-11-24, see docs/benchmarks/zoo.md; with standstills left out 96 % of
+#: 407 development drives of 4267 to 4960 hold).
 SURE = 2.9
 
 
@@ -109,22 +114,32 @@ def _spectra(predictor: Predictor, rows: slice, edge: float) -> tuple[Spectrum, 
 
     torque, speed, dt = predictor.torque[rows], predictor.speed[rows], predictor.dt
     smooth = butter(2, min(SIGN_CUTOFF * edge, BAND_DT / dt), fs=1.0 / dt, output="sos")
-    direction = np.sign(sosfiltfilt(smooth, speed, padlen=min(int(3.0 / (edge * dt)), speed.size - 1)))
+    slow = sosfiltfilt(smooth, speed, padlen=min(int(3.0 / (edge * dt)), speed.size - 1))
+    moves = ~_standstill(np.abs(slow) <= STANDS * np.std(predictor.speed), int(STANDS_LONG / (edge * dt)))
     frequency = np.asarray(np.fft.rfftfreq(speed.size, dt), dtype=np.float64)
     inside = frequency <= edge
     window = np.hanning(speed.size) / np.sqrt(speed.size)
-    signals = np.array([np.gradient(speed, dt), direction, speed, np.ones(speed.size), torque])
+    signals = np.array([np.gradient(speed, dt), moves * np.sign(slow), speed, moves, moves * torque])
     acceleration, *others, seen = np.fft.rfft(signals * window)[:, inside]
     slope = 2j * np.pi * frequency[inside]
     columns: Spectrum = np.array([acceleration, *others, slope * acceleration, slope**2 * acceleration])
     return columns, np.asarray(seen), frequency[inside]
 
 
+def _standstill(slow: NDArray[np.bool_], shortest: int) -> NDArray[np.bool_]:
+    """Which of the slow rows are in a stretch of so many at least."""
+    stands, ends = slow.copy(), np.flatnonzero(np.diff(slow, prepend=False, append=False))
+    for first, end in ends.reshape(-1, 2):
+        stands[first:end] = end - first >= shortest
+    return stands
+
+
 def _weighted_fit(columns: Spectrum, torque: Spectrum) -> tuple[float, float]:
     """The first coefficient, and its half width over its size, with each frequency by the power that is left there."""
     from scipy.stats import t
 
-    bands, least = _averaged(torque.size), LEAST_LEFT * np.mean(np.abs(torque) ** 2)
+    bands = _averaged(torque.size)
+    least = max(LEAST_LEFT * float(np.mean(np.abs(torque) ** 2)), 1e-300)  # none where all is a standstill
     weight = np.ones(torque.size)
     for _ in range(ROUNDS):
         jacobian, seen, scale = _real(columns * weight, torque * weight)
