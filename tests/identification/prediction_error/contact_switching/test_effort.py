@@ -57,6 +57,17 @@ def test_nothing_new_begins_after_a_long_search(
     assert wandering(lost, best.flt, search.box, best.free, lambda: search.long) == []
 
 
+def test_nothing_new_begins_where_the_drive_is_known(
+    flt: ContactFilter, plant: lm.Drivetrain, best: Candidate, monkeypatch: pytest.MonkeyPatch
+):
+    """Some innovations are left, but few."""
+    search = Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05))
+    near, far = (replace(best, cost=factor * room.KNOWN) for factor in (0.9, 1.1))
+    assert search.ended([near]) and not search.ended([far])
+    monkeypatch.setattr(room, "sharp", lambda _: False)
+    assert not search.ended([near])
+
+
 def test_the_last_fits_are_over_as_many_rows_as_one_pass_may_take(
     best: Candidate, monkeypatch: pytest.MonkeyPatch
 ):

@@ -86,6 +86,7 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     search.rivals(best)
     assert given == []  # as if only the sensor's noise were left
     monkeypatch.setattr(room, "NOISE_ALONE", -np.inf)
+    monkeypatch.setattr(room, "KNOWN", -np.inf)
     found = search.rivals(best)
     (cost, free), lowest = given[0], min(found, key=lambda one: one.cost)
     assert lowest.start == "moved" and all(one.cost >= cost for one in found if one is not lowest)
