@@ -44,9 +44,12 @@ def fit_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
     """A search of the second estimator that ends early: for tests of what is made of its result."""
-    search = "lostmotion.identification.prediction_error.contact_switching.search"
-    monkeypatch.setattr(f"{search}.room.LONG", 5_000_000)
-    monkeypatch.setattr(f"{search}.final_fits.STEPS", 8_000)
+    room = "lostmotion.identification.prediction_error.contact_switching"
+    monkeypatch.setattr(f"{room}.search.room.LONG", 5_000_000)
+    monkeypatch.setattr(f"{room}.search.final_fits.STEPS", 8_000)
+    monkeypatch.setattr(f"{room}.starts.grid.RATIOS", (0.1, 0.5, 2.0, 10.0))
+    monkeypatch.setattr(f"{room}.starts.grid.POLES", (0.5, 1.0, 2.0))
+    monkeypatch.setattr(f"{room}.starts.grid.BACKLASHES", (0.1, 3.0))
 
 
 @pytest.fixture(scope="session")

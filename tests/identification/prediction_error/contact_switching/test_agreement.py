@@ -92,7 +92,7 @@ def test_a_fit_that_leaves_the_truth_gives_way_to_the_likelihood(
 def test_inertia_ratios_from_the_truth_on():
     """Ratio 2.5 had 7 of 8 intervals wrong, 5:1 some; here no more miss than chance allows, and none is gross."""
     missed = told = 0
-    for ratio, duration in ((2.5, 2.0), (5.0, 1.0), (0.2, 1.0)):
+    for ratio, duration in ((2.5, 1.0), (5.0, 1.0), (0.2, 1.0)):
         plant = TABLE_I.with_parameters(inertia_load=ratio * TABLE_I.inertia_motor)
         found = lm.identify(recorded(plant, duration=duration), start=plant)
         truth = plant.parameters() | {"inertia_total": plant.inertia_total}
@@ -113,7 +113,7 @@ SOFT_CLUTCH = chain((0.0182, 0.02, 0.091), (lm.Shaft(6285.896, 0.397, 0.012), lm
 @pytest.mark.parametrize(
     ("plant", "kept", "duration"),
     [(HEAVY_PIECE, CORE, 4.0), (TABLE_I.with_parameters(coulomb_motor=1.0), CORE, 2.0), (ASYMMETRIC, CORE, 2.0),
-     (NO_GAP, (), 1.0), (SOFT_CLUTCH, (), 1.0)],
+     (NO_GAP, (), 0.6), (SOFT_CLUTCH, (), 0.6)],
     ids=["heavy joint piece", "motor friction", "asymmetric friction", "three masses without a gap", "soft clutch"],
 )  # fmt: skip
 def test_what_the_model_lacks_is_not_grossly_wrong(
@@ -214,7 +214,9 @@ def test_what_stands_out_is_told_though_the_torque_is_noisy():
     # It goes forward only, and names the steps of the search.
     fractions, steps = zip(*said, strict=True)
     assert [*fractions] == sorted(fractions) and fractions[0] == 0.0 and fractions[-1] == 1.0
-    assert {"a third inertia", "random moves", "intervals"} <= {*steps} and steps[-1] == "identified"
+    assert {"a third inertia", "the best over more rows", "intervals"} <= {*steps} and steps[
+        -1
+    ] == "identified"
     assert gross(found, dict(drive.truth.parameters)) == {}
     for name in ("inertia_motor", "inertia_load", "stiffness"):
         low, high = found.intervals[name]
