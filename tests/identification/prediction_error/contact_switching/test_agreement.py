@@ -89,6 +89,22 @@ def test_a_fit_that_leaves_the_truth_gives_way_to_the_likelihood(
         assert value is not None and value == pytest.approx(getattr(plant, name), rel=0.02), name
 
 
+@pytest.mark.parametrize(
+    "plant",
+    [
+        TABLE_I.with_parameters(inertia_load=0.0182),
+        TABLE_I.with_parameters(stiffness=62_858.96, damping=3.97),
+    ],
+    ids=["ratio 1:1", "stiffness times ten"],
+)
+def test_an_exact_simulation_is_judged_as_well(plant: lm.Drivetrain):
+    """Its speed has no noise, and nothing judged the fit: inertia, stiffness and backlash were 50 to 100 % off."""
+    found = lm.identify(recorded(plant, duration=1.0, bits=None), start=plant)
+    assert gross(found, plant.parameters()) == {}
+    for name in CORE:
+        assert found.values[name] == pytest.approx(getattr(plant, name), rel=0.005), name
+
+
 def test_inertia_ratios_from_the_truth_on():
     """Ratio 2.5 had 7 of 8 intervals wrong, 5:1 some; here no more miss than chance allows, and none is gross."""
     missed = told = 0

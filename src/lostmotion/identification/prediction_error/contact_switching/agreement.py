@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from ....drivetrain import Drivetrain
-from ....errors import InvalidInput
 from .. import problems as problem
 from ..gain_schedule import Progress, Stage
 from ..gap.absent_gap import NEEDED
@@ -57,10 +56,7 @@ def confirmed(
     ``say`` hears how far it is.
     """
     fit = Fit(predictor, stage, told, start)
-    try:
-        flt = ContactFilter.of(predictor, POLES * start.pole_frequency)
-    except InvalidInput:
-        return fit.stays()
+    flt = ContactFilter.of(predictor, POLES * start.pole_frequency)
     search = Search.of(flt, start, predictor.drivetrain(told.theta), fixed, predictor.joint_piece, slow)
     search = replace(search, say=say)
     search.reached("comparing with the contact-switching filter")
