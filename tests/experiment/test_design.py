@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.experiment.design import ExcitationDesign, design_excitation
+from lostmotion.experiment.design import design_excitation
 from lostmotion.experiment.rehearsal import HALVINGS, played, rehearsal_rigs
 from lostmotion.rig.excitation import KINDS, Limits
 
@@ -18,11 +17,6 @@ NAMEPLATE = lm.Drivetrain.two_mass(
     viscous=0.0175, lag=3e-4, torque_limit=40.0,
 )  # fmt: skip
 WELL_KNOWN = ("inertia_motor", "inertia_load", "stiffness", "damping", "backlash")
-
-
-@cache
-def levels() -> ExcitationDesign:
-    return design_excitation(NAMEPLATE, speed_limit=45.0, plants=2)
 
 
 @pytest.mark.usefixtures("fit_alone")
@@ -40,7 +34,7 @@ def test_predicted_intervals_come_true_on_a_rig() -> None:
 
 def test_with_a_fourth_inertia_predicted_and_found_intervals_are_narrow() -> None:
     """Below 1 %; how far below is up to which mode a further inertia might hide in, and differs from rig to rig."""
-    design = levels()
+    design = design_excitation(NAMEPLATE, speed_limit=45.0, plants=2)
     recording, truth = lm.rig.record(1, torque_motor=design.recording["torque_motor"])
     found = lm.identify(recording, start=NAMEPLATE)
     for name in ("inertia_motor", "inertia_load", "stiffness", "backlash"):
@@ -91,17 +85,21 @@ def test_what_will_not_be_told_is_said() -> None:
 @pytest.mark.usefixtures("fit_alone")
 def test_fewer_bits_widen_the_intervals() -> None:
     """Those of one estimator: where the second replaces the fit, it may know some values better from fewer bits."""
-    coarse = design_excitation(NAMEPLATE, speed_limit=45.0, plants=2, encoder_bits=14)
-    fine = design_excitation(NAMEPLATE, speed_limit=45.0, plants=2).half_widths
-    assert coarse.half_widths["coulomb"] > 1.1 * fine["coulomb"]
-    assert coarse.half_widths["stiffness"] > 1.1 * fine["stiffness"]
+    coarse, fine = (
+        design_excitation(NAMEPLATE, duration=5.0, speed_limit=45.0, plants=2, encoder_bits=bits).half_widths
+        for bits in (14, 20)
+    )
+    assert coarse["coulomb"] > 1.1 * fine["coulomb"]
+    assert coarse["stiffness"] > 1.1 * fine["stiffness"]
 
 
+@pytest.mark.usefixtures("fit_alone")
 def test_saved_for_a_drive(tmp_path: Path) -> None:
-    levels().save_csv(tmp_path / "test.csv")
+    design = design_excitation(NAMEPLATE, duration=1.0, dt=2e-4, speed_limit=45.0, plants=2)
+    design.save_csv(tmp_path / "test.csv")
     header, first, *rest = (tmp_path / "test.csv").read_text().splitlines()
     assert header == "time [s],torque_motor [Nm]" and first.startswith("0.0,")
-    assert len(rest) == len(levels().recording) - 1
+    assert len(rest) == len(design.recording) - 1
 
 
 def test_misuse_is_told() -> None:

@@ -20,6 +20,7 @@ def material() -> Material:
     return from_rig(1)[0]
 
 
+@pytest.mark.usefixtures("short_search")
 def test_swapped_sign_of_the_torque_designs_nothing(material: Material) -> None:
     """A recording that contradicts the model must not lead to a law made of start values."""
     plant = lm.Drivetrain.two_mass(
