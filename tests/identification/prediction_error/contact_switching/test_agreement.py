@@ -230,9 +230,8 @@ def test_what_stands_out_is_told_though_the_torque_is_noisy():
     # It goes forward only, and names the steps of the search.
     fractions, steps = zip(*said, strict=True)
     assert [*fractions] == sorted(fractions) and fractions[0] == 0.0 and fractions[-1] == 1.0
-    assert {"a third inertia", "the best over more rows", "intervals"} <= {*steps} and steps[
-        -1
-    ] == "identified"
+    assert {"a third inertia", "the best over more rows", "intervals"} <= {*steps}
+    assert steps[-1] == "identified"
     assert gross(found, dict(drive.truth.parameters)) == {}
     for name in ("inertia_motor", "inertia_load", "stiffness"):
         low, high = found.intervals[name]
