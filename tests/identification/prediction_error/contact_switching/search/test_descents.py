@@ -80,7 +80,8 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     monkeypatch.setattr(
         "lostmotion.identification.prediction_error.contact_switching.search.descents.wandering", wander
     )
-    monkeypatch.setattr(Search, "otherwise", lambda *_: [])
+    for others in ("otherwise", "from_grid", "from_grid_of_three"):
+        monkeypatch.setattr(Search, others, lambda *_: [])
     search = replace(search, fixed=("coulomb",))
     monkeypatch.setattr(room, "NOISE_ALONE", np.inf)
     search.rivals(best)
