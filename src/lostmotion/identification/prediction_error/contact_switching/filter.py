@@ -10,22 +10,16 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ....errors import InvalidInput
-from ...statistics.white_noise import white_noise
 from ..innovations import Predictor
-from ..warnings import count_step
 from .effort import Effort
 from .parameter_vector import INDEX, KINDS, NAMES, PARAMETERS, units_of, values_of, vector_of
+from .sensor_noise import measured_with_noise
 
 Array = NDArray[np.float64]
 
 #: Numbers of the contact laws in the kernel (layout).
 LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2, "limited": 3}
 
-#: Noise over the motion below which a speed has none, as from an exact simulation (numerics: so exactly the filter
-#: finds an impact), and the noise that such a speed gets: without any there is no likelihood (numerics: with 1e-5 and
-#: with 1e-4 six exact drives come out right).
-EXACT, ADDED = 3e-6, 1e-4
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
 #: Torsional periods, at three times the nameplate's pole, from the first motion of a piece to the rows that count
@@ -143,25 +137,14 @@ class ContactFilter:
         InvalidInput
             If the speed never changes.
         """
-        dt, counted = predictor.dt, predictor.speed_from_counts
-        measured = np.cumsum(predictor.speed) * dt if counted else predictor.speed
-        step = count_step(predictor.speed) if counted else None
-        if step is not None:
-            floor = step * dt / np.sqrt(12.0)
-        else:  # recordings of several sensors are judged by the noisiest
-            floor = max(white_noise(measured[piece]) for piece in predictor.pieces)
-        motion = float(np.std(predictor.speed)) * (dt if counted else 1.0)
-        if not motion > 0.0:
-            raise InvalidInput("speed_motor", "a constant", "a speed that changes", "Check the channel.")
-        if not floor > (0.0 if counted else EXACT * motion):
-            floor = ADDED * motion
-            measured = measured + floor * np.random.default_rng(0).standard_normal(measured.size)
+        dt = predictor.dt
+        measured, floor = measured_with_noise(predictor)
         halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
         flt = cls(
             predictor.torque,
             np.ascontiguousarray(measured),
             dt,
-            counted,
+            predictor.speed_from_counts,
             floor,
             floor,
             halvings,
