@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from lostmotion.child_process import use_one_blas_thread
+
 ROOT = Path(__file__).resolve().parent.parent
 
 # A shell that runs the tests in the background lets them ignore Ctrl-C or the end of
@@ -18,6 +20,9 @@ ROOT = Path(__file__).resolve().parent.parent
 signal.signal(signal.SIGINT, signal.default_int_handler)
 if hasattr(signal, "SIGHUP"):
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+# As the command does: two workers with two threads each on two cores take a fifth longer.
+use_one_blas_thread()
 
 # How long an example takes to make says something about a busy machine, nothing about the code.
 settings.register_profile("any machine", suppress_health_check=[HealthCheck.too_slow])

@@ -23,10 +23,10 @@ LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2, "limited": 3}
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
 #: Torsional periods, at three times the nameplate's pole, from the first motion of a piece to the rows that count
-#: (numerics: five of the nameplate's; a gap ten times the wind-up, before a load thirty times the motor, is crossed
-#: within four periods of the drive); the noise of the sensor that is no motion, in standard deviations (numerics: less
-#: than one row in millions), and the part of a piece that may be lost so at most (numerics).
-SETTLED, MOVED, LOST = 15.0, 6.0, 0.25
+#: (numerics: fifteen of the nameplate's; behind a wide gap the filter needs some contacts until it has found the load
+#: and its torque); the noise of the sensor that is no motion, in standard deviations (numerics: less than one row in
+#: millions), and the part of a piece that may be lost so at most (numerics).
+SETTLED, MOVED, LOST = 45.0, 6.0, 0.25
 #: Slope of a load torque at the start, in standard deviations of the torque in a second (numerics: a period of 2 s).
 DRIFT = 3.0
 #: Sensors of the kernel (layout), and the variance over that of the first of one that weighs nothing (numerics).
@@ -84,8 +84,9 @@ class ContactFilter:
     bounds : tuple of int
         First row of each piece, and the number of rows.
     settling : int
-        Rows after the first motion of a piece that do not count: where in the gap it starts is not known, and the
-        way from there to the first contact would be taken for half of the gap.
+        Rows after the first motion of a piece that do not count: neither where in the gap it starts is known nor the
+        torque of the load. The way to the first contact would be taken for half of the gap, and until then a wide gap
+        predicts worse than none.
     law : str
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.

@@ -40,8 +40,8 @@ def free(plant: lm.Drivetrain) -> set[int]:
 def test_the_truth_is_found_from_a_wrong_minimum(
     best: Candidate, box: Box, free: set[int], plant: lm.Drivetrain, wrong: str
 ):
-    """No descent leads from 30 times the backlash to it, nor from none."""
-    theta = best.flt.changed(best.theta, backlash=30.0 * plant.backlash)
+    """No descent leads from 60 times the backlash to it, nor from none."""
+    theta = best.flt.changed(best.theta, backlash=60.0 * plant.backlash)
     begun = replace(best, theta=theta) if wrong == "wide gap" else bare(best)
     stuck = polish(begun, best.flt, box)
     assert not distance(stuck, best)[TOLD.index("backlash")] < 1.0
