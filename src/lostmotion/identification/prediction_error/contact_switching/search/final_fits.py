@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..estimate import CORE, Estimate, told
-from ..filter import LAWS, ContactFilter
+from ..filter import ContactFilter
 from ..intervals.further_inertias import room_for_further_inertias
 from ..intervals.refits import disagreement
 from ..likelihood import Candidate, cost_of, side_by_side
@@ -27,8 +27,8 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
     if not np.isfinite(others[0].cost):
         return None
     search.reached("the best over more rows")
-    finished = _finished(search, others, search.flt.liveliest(_rows(others[0])))
-    best, under_laws = finished[0], [one for one in finished if one.start in LAWS]
+    finished, under_laws = _finished(search, others, search.flt.liveliest(_rows(others[0])))
+    best = finished[0]
     search.reached("intervals")
     shifts = disagreement(best, under_laws, search.box)
     room = room_for_further_inertias(best, finished, search.box)
@@ -41,15 +41,29 @@ def _rows(best: Candidate) -> int:
     return int(STEPS * best.flt.rows / best.flt.run(best.theta).steps)
 
 
-def _finished(search: Search, others: Sequence[Candidate], flt: ContactFilter) -> list[Candidate]:
+def _finished(
+    search: Search, others: Sequence[Candidate], flt: ContactFilter
+) -> tuple[list[Candidate], list[Candidate]]:
     """The candidates that predict more rows best, fitted to these; then the best under other laws, with other
-    backlashes and with parts that it lacks. The lowest comes first."""
+    backlashes and with parts that it lacks. The lowest comes first. And the fits of that one under the other laws."""
     box = search.box
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
     found = search.polished(sorted(few, key=cost_of)[:POLISHED])
-    found += search.under_other_laws(min(found, key=cost_of))
+    laws = _of_each_law(search, min(found, key=cost_of))
+    found += laws
     found += search.polished(with_better_backlash(min(found, key=cost_of), box))
     best = min(found, key=cost_of)
     begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
-    found += search.polished(begun, flt)
-    return sorted(search.split(found), key=cost_of)
+    found = search.split([*found, *search.polished(begun, flt)])
+    best = min(found, key=cost_of)
+    if all(one is not best for one in laws):
+        # Fits under other laws that lack what the best has found since differ from it by that as well.
+        laws = _of_each_law(search, best)
+        found += laws
+        best = min(laws, key=cost_of)
+    return sorted(found, key=cost_of), [one for one in laws if one is not best]
+
+
+def _of_each_law(search: Search, best: Candidate) -> list[Candidate]:
+    """The candidate, and the fits under the other laws that begin at it."""
+    return [best, *search.under_other_laws(best)]

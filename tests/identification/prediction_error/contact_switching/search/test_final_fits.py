@@ -1,0 +1,58 @@
+"""The last fits: what is compared with the best of them, and where that begins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD
+from lostmotion.identification.prediction_error.contact_switching.filter import LAWS, ContactFilter
+from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, cost_of
+from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
+from lostmotion.identification.prediction_error.contact_switching.search import final_fits
+from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
+
+
+def test_fits_under_other_laws_differ_from_the_best_in_the_law_alone(
+    flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
+):
+    """Even where the best has a part that the first fits lack, and where these are of a poorer law."""
+    search = Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05))
+    rows = flt.liveliest(3000)
+    search = replace(search, flt=rows, part=rows)
+    friction = INDEX["coulomb"]
+    free = sorted({INDEX[name] for name in TOLD} - {friction})
+    begun = rows.theta(values | {"coulomb": 0.5 * plant.coulomb})
+    poor = Candidate("start", begun, 0.0, replace(rows, law="dead_zone"), free)
+    poor = replace(poor, cost=poor.flt.run(begun).cost)
+
+    def with_friction(one: Candidate) -> Candidate:
+        """Right, and under the right law."""
+        right = replace(one.flt, law="viscoelastic")
+        return replace(
+            one,
+            start="part",
+            theta=right.changed(one.theta, **values),
+            free=sorted({*free, friction}),
+            flt=right,
+        )
+
+    seen: list[tuple[Candidate, Sequence[Candidate]]] = []
+
+    def noted(best: Candidate, under_laws: Sequence[Candidate], box: Box) -> np.ndarray:
+        seen.append((best, under_laws))
+        return np.zeros(len(TOLD))
+
+    monkeypatch.setattr(final_fits, "with_better_backlash", lambda best, box: [])
+    monkeypatch.setattr(final_fits, "other_parts", lambda *_: [with_friction])
+    monkeypatch.setattr(final_fits, "disagreement", noted)
+    found = final_fits.estimate(search, [poor])
+    [(best, under_laws)] = seen
+    assert found is not None and friction in best.free
+    assert sorted([best.flt.law, *(one.flt.law for one in under_laws)]) == sorted(LAWS)
+    assert all(one.free == best.free and one.structure[1:] == best.structure[1:] for one in under_laws)
+    assert best.cost <= min(map(cost_of, under_laws))
