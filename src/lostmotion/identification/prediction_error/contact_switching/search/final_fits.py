@@ -50,7 +50,7 @@ def _finished(
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
     found = search.polished(sorted(few, key=cost_of)[:POLISHED])
     laws = _of_each_law(search, min(found, key=cost_of))
-    found += laws
+    found += laws[1:]
     found += search.polished(with_better_backlash(min(found, key=cost_of), box))
     best = min(found, key=cost_of)
     begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
@@ -59,7 +59,7 @@ def _finished(
     if all(one is not best for one in laws):
         # Fits under other laws that lack what the best has found since differ from it by that as well.
         laws = _of_each_law(search, best)
-        found += laws
+        found += laws[1:]
         best = min(laws, key=cost_of)
     return sorted(found, key=cost_of), [one for one in laws if one is not best]
 
