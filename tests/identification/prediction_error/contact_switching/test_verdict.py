@@ -109,8 +109,21 @@ def test_another_estimate_may_tell_the_drive_alone(fit: Fit):
         assert told.covariance[i, i] == pytest.approx(1e-7 if its else 1e-4)
     assert stage.fit.theta == pytest.approx(told.theta)
     assert fit.told.half == pytest.approx(np.full(8, HALF))  # the fit itself is as it was
-    assert not fit.contradicts(away(fit, stiffness=1.01, coulomb=2.0))
-    assert fit.contradicts(away(fit, stiffness=1.1))
+
+
+def test_another_estimate_contradicts_by_what_it_tells(fit: Fit):
+    """A backlash that it does not tell may be anywhere, as on rigs 4, 9, 10 and 20 in closed loop."""
+
+    def found(lost: str | None, **factors: float) -> Estimate:
+        best = away(fit, **factors)
+        half = np.where(np.isin(TOLD, [lost]), np.inf, HALF)
+        return Estimate(told_vector(best), half, np.eye(8), best)
+
+    assert not fit.contradicts(found(None, stiffness=1.01, coulomb=2.0))
+    assert fit.contradicts(found(None, stiffness=1.1))
+    assert fit.contradicts(found(None, backlash=1.1))
+    assert not fit.contradicts(found("backlash", backlash=1.1))
+    assert fit.contradicts(found("backlash", backlash=1.1, stiffness=1.1))
 
 
 def test_the_other_estimate_brings_its_likeliest_friction_along(fit: Fit):

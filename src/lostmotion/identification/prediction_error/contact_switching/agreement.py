@@ -63,7 +63,7 @@ def confirmed(
     if stage.free and _stands(search.glimpse(), fit):
         four = with_a_fourth_inertia(search, fit)
         # What says otherwise began at the fit: it has left its minimum, and is no reason for another search.
-        if four is None or fit.contradicts(four.best):
+        if four is None or fit.contradicts(four):
             return fit.stays()
         compared.append(four.best)
         return fit.with_the_drive_of(four)

@@ -82,9 +82,10 @@ class Fit:
         shift = self.shift(found)
         return bool(np.any(np.hypot(self.told.half, shift)[(shift > 0.0) & self.core] > APART))
 
-    def contradicts(self, found: Candidate) -> bool:
-        """Whether an inertia, stiffness or backlash of a candidate is outside of the fit's intervals."""
-        return bool(np.any(self.shift([found])[self.core]))
+    def contradicts(self, found: Estimate) -> bool:
+        """Whether an inertia, stiffness or backlash that another estimate tells is outside of the fit's intervals."""
+        told = np.isfinite(found.half[self.stage.free])
+        return bool(np.any(self.shift([found.best])[self.core & told]))
 
     def knows_less_than(self, found: Estimate) -> bool:
         """Whether another estimate of the same inertias, stiffness and backlash has narrower intervals of all of them.
@@ -93,7 +94,7 @@ class Fit:
         delay.
         """
         core = np.array(self.stage.free)[self.core]
-        return not self.contradicts(found.best) and bool(
+        return not self.contradicts(found) and bool(
             np.all(found.apart_from_room[core] <= self.told.half[self.core])
         )
 
