@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identification.prediction_error.contact_switching.estimate import TOLD, distance
+from lostmotion.identification.prediction_error.contact_switching.estimate import EXPLAINED, TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
@@ -128,6 +128,16 @@ def test_a_third_inertia_from_the_start_on_where_two_lead_astray():
         min(one.cost for one in search.thirds([two], raw)) for raw in ([], [search.raw("nameplate")])
     )
     assert right < 0.0 < 0.5 < astray
+
+
+def test_a_fit_with_a_third_inertia_is_freed_of_its_intervals(search: Search, best: Candidate):
+    """Descents from elsewhere have none, and none of them led away from a backlash that was 8 % too small (5106). One
+    that lacks a fourth, as on virtual rigs, is led away from right values."""
+    search = replace(search, intermediate=(0.1, 0.1))
+    wrong = replace(best, theta=best.flt.changed(best.theta, backlash=0.92 * best.values["backlash"]))
+    [freed] = search.near(replace(wrong, cost=EXPLAINED - 0.01))[1]
+    assert freed.values["backlash"] == pytest.approx(best.values["backlash"], rel=0.003)
+    assert search.near(replace(wrong, cost=EXPLAINED + 0.01))[1] == []
 
 
 def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(search: Search, best: Candidate):

@@ -118,12 +118,18 @@ class Search(Room):
         theta, cost = minimise(self.part, theta, free, box, FREED_STEPS)
         return polish(replace(fit, theta=theta, cost=cost, free=free), self.part, box)
 
+    def freed(self, fit: Candidate) -> Candidate:
+        """From the fit's likeliest values, without its intervals."""
+        return self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
+
     def near(self, fit: Candidate) -> tuple[list[Candidate], list[Candidate]]:
         """Descents from the fit and from the nameplate, both with a gap if the fit has one; and the fit with a third
-        inertia if it has none."""
+        inertia if it has none, else freed if it explains the recording: one that lacks a fourth is led astray."""
         gap = bool(np.isfinite(fit.theta[INDEX["backlash"]]))
-        found = side_by_side(lambda name: self.descent(name, gap), ["fitted", "nameplate"])
-        return self.polished(found), [] if self.intermediate else self.thirds([fit])
+        found = self.polished(side_by_side(lambda name: self.descent(name, gap), ["fitted", "nameplate"]))
+        if not self.intermediate:
+            return found, self.thirds([fit])
+        return found, [self.freed(fit)] if abs(fit.cost) < EXPLAINED else []
 
     def _third(self, candidate: Candidate, place: Place) -> Candidate:
         found = with_further_inertias([(candidate, place)], self.coarse, self.box)[0]
@@ -179,9 +185,7 @@ class Search(Room):
         if not self.ended(found):
             self.reached("a race of three inertias")
             found += self.from_grid_of_three(found)
-        found.append(
-            self.with_all_structures(replace(fit, start="freed"), self.box.including(fit.theta, FAR))
-        )
+        found.append(self.freed(fit))
         self.reached("gaps of any size")
         found += self.with_other_gaps(found)
         before = min(found, key=cost_of)
