@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..innovations import Predictor
+from .counting_rows import SETTLED, counting_rows, moves
 from .effort import Effort
 from .parameter_vector import INDEX, KINDS, NAMES, PARAMETERS, units_of, values_of, vector_of
 from .sensor_noise import measured_with_noise
@@ -22,11 +23,6 @@ LAWS = {"viscoelastic": 0, "dead_zone": 1, "clipped": 2, "limited": 3}
 
 #: Finest pieces per torsional period, and halvings of a sample at most (numerics: an impact is placed to 0.2° of it).
 FINEST, HALVINGS = 2000.0, 9
-#: Torsional periods, at three times the nameplate's pole, from the first motion of a piece to the rows that count
-#: (numerics: fifteen of the nameplate's; behind a wide gap the filter needs some contacts until it has found the load
-#: and its torque); the noise of the sensor that is no motion, in standard deviations (numerics: less than one row in
-#: millions), and the part of a piece that may be lost so at most (numerics).
-SETTLED, MOVED, LOST = 45.0, 6.0, 0.25
 #: Slope of a load torque at the start, in standard deviations of the torque in a second (numerics: a period of 2 s).
 DRIFT = 3.0
 #: Sensors of the kernel (layout), and the variance over that of the first of one that weighs nothing (numerics).
@@ -86,7 +82,7 @@ class ContactFilter:
     settling : int
         Rows after the first motion of a piece that do not count: neither where in the gap it starts is known nor the
         torque of the load. The way to the first contact would be taken for half of the gap, and until then a wide gap
-        predicts worse than none.
+        predicts worse than none. Nor do those of a standstill, see ``counting_rows``; with 0 all rows count.
     law : str
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
@@ -166,14 +162,7 @@ class ContactFilter:
     @cached_property
     def counting(self) -> NDArray[np.intp]:
         """Rows that count."""
-        if not self.settling:
-            return np.arange(self.rows)
-        rows = []
-        for first, end in pairwise(self.bounds):
-            moves = self._moves(first, end)
-            begin = int(np.argmax(moves)) + self.settling if np.any(moves) else end
-            rows.append(np.arange(first + min(begin, int(LOST * (end - first))), end))
-        return np.concatenate(rows)
+        return counting_rows(self.measured, self.counted, self.floor, self.bounds, self.settling)
 
     @cached_property
     def _which(self) -> slice | NDArray[np.intp]:
@@ -184,12 +173,10 @@ class ContactFilter:
     @property
     def moves(self) -> bool:
         """Whether the motor moves at all."""
-        return any(np.any(self._moves(first, end)) for first, end in pairwise(self.bounds))
-
-    def _moves(self, first: int, end: int) -> NDArray[np.bool_]:
-        """Which rows of a segment are no standstill."""
-        measured = self.measured[first:end]
-        return np.abs(measured - measured[0] if self.counted else measured) > MOVED * self.floor
+        return any(
+            np.any(moves(self.measured[first:end], self.counted, self.floor))
+            for first, end in pairwise(self.bounds)
+        )
 
     def part(self, rows: slice) -> ContactFilter:
         """The same over some rows."""

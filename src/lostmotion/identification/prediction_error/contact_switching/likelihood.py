@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..innovations import THREADS
-from .filter import MOVED, ContactFilter, Run
+from .counting_rows import MOVED
+from .filter import ContactFilter, Run
 from .gauss_newton import minimise_within
 from .parameter_vector import FRICTIONS, INDEX, NAMES, PARAMETERS, pole_of
 

@@ -24,6 +24,7 @@ from ...statistics.estimates import Interval
 from ..gain_schedule import Stage
 from ..identifiability import WIDEST, Told
 from ..innovations import NAMES, Predictor
+from .standstill import standstill
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
@@ -115,7 +116,7 @@ def _spectra(predictor: Predictor, rows: slice, edge: float) -> tuple[Spectrum, 
     torque, speed, dt = predictor.torque[rows], predictor.speed[rows], predictor.dt
     smooth = butter(2, min(SIGN_CUTOFF * edge, BAND_DT / dt), fs=1.0 / dt, output="sos")
     slow = sosfiltfilt(smooth, speed, padlen=min(int(3.0 / (edge * dt)), speed.size - 1))
-    moves = ~_standstill(np.abs(slow) <= STANDS * np.std(predictor.speed), int(STANDS_LONG / (edge * dt)))
+    moves = ~standstill(np.abs(slow) <= STANDS * np.std(predictor.speed), int(STANDS_LONG / (edge * dt)))
     frequency = np.asarray(np.fft.rfftfreq(speed.size, dt), dtype=np.float64)
     inside = frequency <= edge
     window = np.hanning(speed.size) / np.sqrt(speed.size)
@@ -124,14 +125,6 @@ def _spectra(predictor: Predictor, rows: slice, edge: float) -> tuple[Spectrum, 
     slope = 2j * np.pi * frequency[inside]
     columns: Spectrum = np.array([acceleration, *others, slope * acceleration, slope**2 * acceleration])
     return columns, np.asarray(seen), frequency[inside]
-
-
-def _standstill(slow: NDArray[np.bool_], shortest: int) -> NDArray[np.bool_]:
-    """Which of the slow rows are in a stretch of so many at least."""
-    stands, ends = slow.copy(), np.flatnonzero(np.diff(slow, prepend=False, append=False))
-    for first, end in ends.reshape(-1, 2):
-        stands[first:end] = end - first >= shortest
-    return stands
 
 
 def _weighted_fit(columns: Spectrum, torque: Spectrum) -> tuple[float, float]:
