@@ -35,13 +35,23 @@ def values() -> dict[str, float]:
 @pytest.fixture(scope="session", params=[False, True], ids=["noise", "counts"])
 def flt(request: pytest.FixtureRequest) -> ContactFilter:
     torque = lm.signals.excitation(2.0, DT, seed=3, inertia=0.1292, coulomb=2.0, viscous=0.0175)
-    run = lm.simulate(PLANT, torque_motor=torque, dt=DT)
-    if request.param:
-        count = 2.0 * np.pi / 2**18
-        speed = np.diff(np.floor(run["angle_motor"] / count), prepend=0.0) * count / DT
-    else:
+    return _seen(PLANT, torque, 18 if request.param else None, 300.0)
+
+
+@pytest.fixture(scope="session")
+def seen() -> Callable[[lm.Drivetrain, np.ndarray, int | None, float], ContactFilter]:
+    """Filter, for poles up to some Hz, of what a sensor of so many bits or with noise shows of a drive."""
+    return _seen
+
+
+def _seen(plant: lm.Drivetrain, torque: np.ndarray, bits: int | None, pole: float) -> ContactFilter:
+    run = lm.simulate(plant, torque_motor=torque, dt=DT)
+    if bits is None:
         speed = run["speed_motor"] + 0.01 * np.random.default_rng(1).standard_normal(torque.size)
-    return ContactFilter.of(Predictor(torque, speed, DT, request.param, PLANT, skip=0), 300.0)
+    else:
+        count = 2.0 * np.pi / 2**bits
+        speed = np.diff(np.floor(run["angle_motor"] / count), prepend=0.0) * count / DT
+    return ContactFilter.of(Predictor(torque, speed, DT, bits is not None, plant, skip=0), pole)
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,33 +11,24 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.counting_rows import counting_rows
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
-from lostmotion.identification.prediction_error.innovations import Predictor
 
 DT = 2e-4
 
 
-@pytest.fixture(params=[False, True], ids=["noise", "counts"])
-def pausing(request: pytest.FixtureRequest, plant: lm.Drivetrain) -> tuple[ContactFilter, np.ndarray]:
-    """A filter over a second that moves and one at a standstill, twice; and where the torque is zero."""
+@pytest.mark.parametrize("bits", [None, 16], ids=["noise", "counts"])
+def test_a_standstill_does_not_count(
+    bits: int | None,
+    plant: lm.Drivetrain,
+    values: dict[str, float],
+    seen: Callable[[lm.Drivetrain, np.ndarray, int | None, float], ContactFilter],
+):
+    """A second that moves and one at a standstill, twice; friction at the motor, else it drifts in the gap."""
     noise = lm.signals.noise(4.0, 100.0, 4.0, 4.0, DT, seed=3)
     time = np.arange(noise.size) * DT
     pause = time % 2.0 >= 1.0
     torque = np.where(pause, 0.0, 10.0 * np.sin(6.0 * np.pi * time) + noise)
-    plant = replace(
-        plant, frictions=(lm.Friction(0.5), plant.frictions[1])
-    )  # else the motor drifts in the gap
-    run = lm.simulate(plant, torque_motor=torque, dt=DT)
-    if request.param:
-        count = 2.0 * np.pi / 2**16
-        speed = np.diff(np.floor(run["angle_motor"] / count), prepend=0.0) * count / DT
-    else:
-        speed = run["speed_motor"] + 0.01 * np.random.default_rng(1).standard_normal(torque.size)
-    predictor = Predictor(torque, speed, DT, request.param, plant, skip=0)
-    return ContactFilter.of(predictor, 3.0 * plant.pole_frequency), pause
-
-
-def test_a_standstill_does_not_count(pausing: tuple[ContactFilter, np.ndarray], values: dict[str, float]):
-    flt, pause = pausing
+    rubbing = replace(plant, frictions=(lm.Friction(0.5), plant.frictions[1]))
+    flt = seen(rubbing, torque, bits, 3.0 * plant.pole_frequency)
     rests = np.ones(flt.rows, dtype=bool)
     rests[flt.counting] = False
     assert np.mean(rests[pause]) > 0.3  # until it has come to rest, the rows count
