@@ -25,9 +25,8 @@ from zoo_tables import Scores, picture, summary, tables
 
 import lostmotion as lm
 from lostmotion.errors import InvalidInput, LostMotionError
-from lostmotion.identification.prediction_error.identifiability import WIDEST
 from lostmotion.identification.prediction_error.innovations import Predictor
-from lostmotion.identification.prediction_error.slow_motion.total_inertia import of_slow_motion
+from lostmotion.identification.prediction_error.slow_motion.total_inertia import known, of_slow_motion
 
 
 def identified(seed: int, longest: int, second: bool, total: bool) -> dict[str, Any] | None:
@@ -84,10 +83,8 @@ def slow_motion(drive: lm.rig.Drive) -> dict[str, Any]:
     predictor = Predictor(
         *signals, recording.meta["speed_from_counts"], start, skip=0, bounds=(0, len(recording))
     )
-    value, half = of_slow_motion(predictor, start.zero_frequency)
-    if not half < WIDEST:
-        return {}
-    return {"inertia_total": {"value": value, "interval": [value * np.exp(-half), value * np.exp(half)]}}
+    found = known(*of_slow_motion(predictor, start.zero_frequency))
+    return {} if found is None else {"inertia_total": {"value": found[0], "interval": list(found[1])}}
 
 
 def run(seeds: Iterable[int], results: Path, processes: int, longest: int, second: bool, total: bool) -> None:

@@ -62,6 +62,11 @@ def total_inertia(slow: tuple[float, float], stage: Stage, told: Told) -> tuple[
         value, half = (
             (total, float(np.hypot(own, apart))) if own < half else (value, float(np.hypot(half, apart)))
         )
+    return known(value, half)
+
+
+def known(value: float, half: float) -> tuple[float, Interval] | None:
+    """Value and interval, kg m2, of a half width in the logarithm; None where that is too wide."""
     if not half < WIDEST:
         return None
     return value, (float(value * np.exp(-half)), float(value * np.exp(half)))
