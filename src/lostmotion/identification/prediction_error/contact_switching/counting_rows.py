@@ -31,8 +31,8 @@ def counting_rows(
 ) -> NDArray[np.intp]:
     """Rows that count, of signals and with ``settling`` as in ``ContactFilter``; with none of these rows, all count.
 
-    At a standstill friction holds whatever torque there is, and the rounding of counts is no noise: each such row is
-    predicted exactly, and hides what is not explained of the others.
+    Counts do not change at a standstill, and their rounding is no noise: each such row is predicted exactly, and hides
+    what is not explained of the others.
     """
     if not settling:
         return np.arange(measured.size)
@@ -42,6 +42,8 @@ def counting_rows(
         begin = int(np.argmax(moving)) + settling if np.any(moving) else end
         rows.append(np.arange(first + min(begin, int(LOST * (end - first))), end))
     late = np.concatenate(rows)
-    speed = np.diff(measured, prepend=measured[0]) if counted else measured / MOVED
-    stands = standstill(np.abs(speed) < floor, int(settling * STANDS / SETTLED))
+    if not counted:
+        return late
+    rests = np.abs(np.diff(measured, prepend=measured[0])) < floor
+    stands = standstill(rests, max(1, int(settling * STANDS / SETTLED)))
     return late if np.all(stands[late]) else late[~stands[late]]

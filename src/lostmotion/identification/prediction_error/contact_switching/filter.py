@@ -82,7 +82,7 @@ class ContactFilter:
     settling : int
         Rows after the first motion of a piece that do not count: neither where in the gap it starts is known nor the
         torque of the load. The way to the first contact would be taken for half of the gap, and until then a wide gap
-        predicts worse than none. Nor do those of a standstill, see ``counting_rows``; with 0 all rows count.
+        predicts worse than none. Nor do counts at a standstill, see ``counting_rows``; with 0 all rows count.
     law : str
     ramp : bool
         Whether the torque goes straight from row to row, as a measured one does; else it is held.
