@@ -1,4 +1,4 @@
-"""Which rows of a recording count: those after the filter has found the load, in which the drive moves."""
+"""Which rows of a recording count: those after the filter has found the load, but for counts at a standstill."""
 
 from __future__ import annotations
 
