@@ -39,6 +39,6 @@ def test_counts_at_a_standstill_do_not_count(
     assert every.run(right).cost < -0.1 < abs(flt.run(right).cost) < 0.1
 
 
-def test_where_all_stands_still_all_counts():
+def test_where_all_stands_still_the_rows_count():
     assert counting_rows(np.zeros(500), True, 1e-3, (0, 500), 90).size == 375
     assert counting_rows(np.zeros(500), True, 1e-3, (0, 500), 0).size == 500

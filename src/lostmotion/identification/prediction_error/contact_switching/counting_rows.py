@@ -29,7 +29,7 @@ def moves(measured: Array, counted: bool, floor: float) -> NDArray[np.bool_]:
 def counting_rows(
     measured: Array, counted: bool, floor: float, bounds: tuple[int, ...], settling: int
 ) -> NDArray[np.intp]:
-    """Rows that count, of signals and with ``settling`` as in ``ContactFilter``; with none of these rows, all count.
+    """Rows that count, of signals and with ``settling`` as in ``ContactFilter``; all after it if none of these moves.
 
     Counts do not change at a standstill, and their rounding is no noise: each such row is predicted exactly, and hides
     what is not explained of the others.
