@@ -15,6 +15,7 @@ from ..innovations import NAMES as TOLD
 from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .parameter_vector import FRICTIONS, INDEX
+from .structures.division import room_for_division
 from .structures.no_gap import gap_bound, gap_of, without_gap
 from .told import lag, room_for_rest, told_slopes, told_vector
 
@@ -27,9 +28,6 @@ COHERENT = 0.02
 #: Half width over the disagreement of other fits of the same recording (calibrated on development drives 1850 to 2049,
 #: 2026-11-26: with 2 instead of 3 213 instead of 210 of 270 values are identified, 93.4 instead of 93.8 % hold).
 DISAGREEMENT = 2.0
-#: Least half width, in the logarithm, for the filter's own errors (calibrated on development drives 3460 to 3580,
-#: 2026-11-27: of 19 values whose other half widths are up to ten times that, one is outside of these, by 1e-7).
-EXACT = 2e-5
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 #: An inertia, stiffness or backlash with a larger half width is not identified, nor is one where candidates that
@@ -47,12 +45,6 @@ SHOWS_NO_GAP = 0.1
 #: descents were off by 1.3 % at most, two backlashes by 7 and 52 %, which came out right; of 6 with up to 0.2 three
 #: were off by 10 to 39 %).
 SHARP = 0.05
-#: What may be wrong with motor inertia and stiffness where no gap is seen, so that its place is not either (calibrated
-#: on development drives 2050 to 2890, 2026-11-26; on 3460 to 3580 two of 235 values more are outside with a third).
-PLACE_UNSEEN = 0.01
-#: What a law of contact or friction that the model does not have may change, as far as innovations are left (calibrated
-#: on development drives 2975 to 3290, 2026-11-26: two of 13 gross values of 493 are none with it).
-OTHER_LAWS = {"damping": 0.1, "coulomb": 0.003}
 #: A count over the standard deviation of its rounding (physics: uniform within it).
 COUNT = np.sqrt(12.0)
 #: A parameter whose change shows less than this part of what the one shown best does is not shown (numerics: rounding).
@@ -142,22 +134,14 @@ def told(
     apart = np.max([distance(one, best) for one in others], axis=0)
     half = _by_chance(best, error)
     half = np.sqrt(
-        half**2
-        + apart**2
-        + (DISAGREEMENT * disagreement) ** 2
-        + room**2
-        + _under_other_laws(best) ** 2
-        + room_for_rest(best) ** 2
-        + EXACT**2
+        half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + room**2 + room_for_rest(best) ** 2
     )
     # A smooth torque that is held acts as one that goes straight from row to row, half a row later: the lag is one or
     # the other, each by chance.
     if best.flt.ramp:
         half[-1] += np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt))
-    # What noise and rows scatter far is no interval, and neither are places that predict as well and lie far apart.
+    half = _narrow(half, fixed)
     # Friction, damping and lag make up for what the model lacks.
-    half[half > WIDEST] = np.inf
-    half[CORE] = np.where(half[CORE] > APART, np.inf, half[CORE])
     if abs(best.cost) >= EXPLAINED:
         half[[i for i in range(len(TOLD)) if i not in CORE]] = np.inf
     for i, name in enumerate(TOLD):
@@ -166,46 +150,48 @@ def told(
         absent = not np.isfinite(theta[i])
         if name in fixed or held or absent or np.isinf(half[i]) or _other_does_as_well(best, name):
             half[i] = np.inf
+    half = _narrow(half, fixed)
+    found = Estimate(theta, half, covariance, best, room=room)
+    if "backlash" in fixed or not np.any(np.isfinite(half)):
+        return found
+    gapless = without_gap(best, box)
+    return found if gapless is None else _where_no_gap_shows(found, gapless, others, box, fixed)
+
+
+def _narrow(half: Array, fixed: Collection[str]) -> Array:
+    """Half widths; infinite where noise, rows and places that predict as well scatter so far that it is no interval.
+
+    Of load, spring and gap one alone may lack: the rest fits many a drive. (A spring before a load that does not answer
+    is like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
+    """
+    half = np.where(half > WIDEST, np.inf, half)
+    half[CORE] = np.where(half[CORE] > APART, np.inf, half[CORE])
     lost = {name for name, width in zip(TOLD, half, strict=True) if np.isinf(width)} - set(fixed)
-    # Of load, spring and gap one alone: the rest fits many a drive. (A spring before a load that does not answer is
-    # like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
     if len(lost & {"inertia_load", "stiffness", "backlash"}) > 1:
         half[:] = np.inf
-    found = Estimate(theta, half, covariance, best, room=room)
-    return found if "backlash" in fixed else _with_room_for_its_place(_without_gap(found, others, box))
+    return half
 
 
-def _without_gap(found: Estimate, others: Sequence[Candidate], box: Box) -> Estimate:
-    """Without its backlash where the recording is explained as well without a gap, and with the bound of one.
+def _where_no_gap_shows(
+    found: Estimate, gapless: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]
+) -> Estimate:
+    """Without a backlash and with the bound of one where the recording is explained; where there is none, with room
+    for a gap elsewhere.
 
-    The gaps of others that predict as well are below it.
+    The gaps of others that predict as well are below the bound.
     """
+    half, backlash = found.half.copy(), TOLD.index("backlash")
     # What is not explained may hide a gap.
-    if abs(found.best.cost) >= EXPLAINED or found.best.cost >= SHOWS_NO_GAP:
+    explained = abs(found.best.cost) < EXPLAINED and found.best.cost < SHOWS_NO_GAP
+    if explained and np.all(np.isfinite(half[[TOLD.index(name) for name in NEEDED]])):
+        half[backlash] = np.inf
+        bound = gap_bound(gapless, beyond_chance(gapless), box)
+        if bound is not None:
+            return replace(found, half=half, best=gapless, gap_bound=max(bound, *map(gap_of, others)))
+    if np.isfinite(half[backlash]):
         return found
-    if not np.all(np.isfinite(found.half[[TOLD.index(name) for name in NEEDED]])):
-        return found
-    gapless = without_gap(found.best, box)
-    if gapless is None:
-        return found
-    half = found.half.copy()
-    half[TOLD.index("backlash")] = np.inf
-    bound = gap_bound(gapless, beyond_chance(gapless), box)
-    if bound is None:
-        return replace(found, half=half)
-    return replace(found, half=half, best=gapless, gap_bound=max(bound, *map(gap_of, others)))
-
-
-def _with_room_for_its_place(found: Estimate) -> Estimate:
-    """Where neither a gap is seen nor that there is none, its place is not either: it may divide motor and load at
-    another shaft."""
-    motor, load, stiffness, backlash = CORE
-    if np.isfinite(found.half[backlash]) or found.gap_bound is not None:
-        return found
-    room = np.zeros(len(TOLD))
-    room[[motor, load, stiffness]] = PLACE_UNSEEN
-    room[load] *= np.exp(found.theta[motor] - found.theta[load])
-    return replace(found, half=np.hypot(found.half, room), room=np.hypot(found.room, room))
+    room = room_for_division(found.best, APART)
+    return replace(found, half=_narrow(np.hypot(half, room), fixed), room=np.hypot(found.room, room))
 
 
 def beyond_chance(best: Candidate) -> float:
@@ -213,15 +199,6 @@ def beyond_chance(best: Candidate) -> float:
     # Innovations of e^cost times the noise: their rest has √(e^(2·cost) − 1) of it, and in all n rows √n times that.
     unexplained = np.sqrt(best.flt.counting.size * np.expm1(2.0 * abs(best.cost)))
     return float(np.hypot(1.0, COHERENT * unexplained))
-
-
-def _under_other_laws(best: Candidate) -> Array:
-    """(8,) what laws of contact and friction that the model does not have may change.
-
-    Innovations below the sensor's noise count as much: nothing says then how well a model can predict.
-    """
-    left = np.sqrt(-np.expm1(-2.0 * abs(best.cost)))
-    return np.array([left * OTHER_LAWS.get(name, 0.0) for name in TOLD])
 
 
 def _other_does_as_well(candidate: Candidate, name: str) -> bool:
