@@ -144,11 +144,12 @@ def test_of_load_spring_and_gap_one_alone_is_not_told(best: Candidate):
 
 
 def test_what_is_not_explained_may_hide_a_gap(best: Candidate, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(estimate, "without_gap", lambda one, _: one)
     monkeypatch.setattr(estimate, "gap_bound", lambda *_: 0.5)
     found = replace(told(best, [best], NOTHING, NOTHING, box(best), ()), gap_bound=None)
     for cost, bound in ((-0.1, 0.5), (0.09, 0.5), (0.11, None), (-0.3, None)):
         unexplained = replace(found, best=replace(best, cost=cost))
-        one = estimate._where_no_gap_shows(unexplained, best, [best], box(best), ())
+        one = estimate._where_no_gap_shows(unexplained, [best], box(best), ())
         assert one.gap_bound == bound, cost
 
 

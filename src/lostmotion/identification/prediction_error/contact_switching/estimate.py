@@ -154,14 +154,13 @@ def told(
     found = Estimate(theta, half, covariance, best, room=room)
     if "backlash" in fixed or not np.any(np.isfinite(half)):
         return found
-    gapless = without_gap(best, box)
-    return found if gapless is None else _where_no_gap_shows(found, gapless, others, box, fixed)
+    return _where_no_gap_shows(found, others, box, fixed)
 
 
 def _narrow(half: Array, fixed: Collection[str]) -> Array:
     """Half widths; infinite where noise, rows and places that predict as well scatter so far that it is no interval.
 
-    Of load, spring and gap one alone may lack: the rest fits many a drive. (A spring before a load that does not answer
+    Of load, spring and gap one alone may be missing: the rest fits many a drive. (A spring before a load that does not answer
     is like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
     """
     half = np.where(half > WIDEST, np.inf, half)
@@ -173,7 +172,7 @@ def _narrow(half: Array, fixed: Collection[str]) -> Array:
 
 
 def _where_no_gap_shows(
-    found: Estimate, gapless: Candidate, others: Sequence[Candidate], box: Box, fixed: Collection[str]
+    found: Estimate, others: Sequence[Candidate], box: Box, fixed: Collection[str]
 ) -> Estimate:
     """Without a backlash and with the bound of one where the recording is explained; where there is none, with room
     for a gap elsewhere.
@@ -182,14 +181,18 @@ def _where_no_gap_shows(
     """
     half, backlash = found.half.copy(), TOLD.index("backlash")
     # What is not explained may hide a gap.
-    explained = abs(found.best.cost) < EXPLAINED and found.best.cost < SHOWS_NO_GAP
-    if explained and np.all(np.isfinite(half[[TOLD.index(name) for name in NEEDED]])):
+    explained = -EXPLAINED < found.best.cost < SHOWS_NO_GAP
+    bounded = explained and np.all(np.isfinite(half[[TOLD.index(name) for name in NEEDED]]))
+    if np.isfinite(half[backlash]) and not bounded:
+        return found
+    gapless = without_gap(found.best, box)
+    if gapless is None:
+        return found
+    if bounded:
         half[backlash] = np.inf
         bound = gap_bound(gapless, beyond_chance(gapless), box)
         if bound is not None:
             return replace(found, half=half, best=gapless, gap_bound=max(bound, *map(gap_of, others)))
-    if np.isfinite(half[backlash]):
-        return found
     room = room_for_division(found.best, APART)
     return replace(found, half=_narrow(np.hypot(half, room), fixed), room=np.hypot(found.room, room))
 
