@@ -160,8 +160,8 @@ def told(
 def _narrow(half: Array, fixed: Collection[str]) -> Array:
     """Half widths; infinite where noise, rows and places that predict as well scatter so far that it is no interval.
 
-    Of load, spring and gap one alone may be missing: the rest fits many a drive. (A spring before a load that does not answer
-    is like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
+    Of load, spring and gap one alone may be missing: the rest fits many a drive. (A spring before a load that does not
+    answer is like a gap; of the six values beside a motor inertia alone on calibration drives one was grossly wrong.)
     """
     half = np.where(half > WIDEST, np.inf, half)
     half[CORE] = np.where(half[CORE] > APART, np.inf, half[CORE])
