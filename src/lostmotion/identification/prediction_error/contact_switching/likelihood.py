@@ -152,12 +152,14 @@ class Candidate:
 
     @cached_property
     def _over_the_whole(self) -> tuple[ContactFilter, Array]:
-        """The filter over the whole recording, and sizes of the load's speed (n,), rad/s, there."""
+        """The filter over the whole recording, and sizes of the load's speed (n,), rad/s, there; where it loses the
+        motion, of those in its own rows, and where it does there as well, of the motor's."""
         flt = replace(self.over(self.flt.whole or self.flt), level=self.flt.level)
-        load = np.abs(flt.load_speed(self.theta))
-        if not np.all(np.isfinite(load)):  # beyond its own rows it has lost the motion
-            load = np.abs(self.flt.load_speed(self.theta))
-        return flt, load
+        for rows in (flt, self.flt):
+            load = np.abs(rows.load_speed(self.theta))
+            if np.all(np.isfinite(load)):
+                return flt, load
+        return flt, np.abs(flt.motor_speed)
 
     @property
     def values(self) -> dict[str, float]:

@@ -112,3 +112,14 @@ def test_the_line_is_over_the_speeds_of_the_load_not_of_the_motor(
     # Which of the slowest rows are no rest belongs to the interval.
     assert 0.0 < room_for_rest(true)[5] < 0.02
     assert not np.any(room_for_rest(replace(true, free=[INDEX["coulomb"]])))
+
+
+def test_where_the_filter_loses_the_motion_the_motors_speeds_stand_for_the_loads(constant: Candidate):
+    """A descent may end far off any drive: its line is as good as any, but there is one."""
+    flt = constant.flt
+    theta = flt.changed(constant.theta, rise=RISE, fade=FADE, stiffness=1e300)
+    lost = replace(constant, theta=theta, cost=np.inf)
+    assert not np.all(np.isfinite(flt.load_speed(theta)))
+    assert np.all(np.isfinite(lost.speeds[0]))
+    assert np.max(lost.speeds[0]) == pytest.approx(np.max(np.abs(flt.motor_speed)), rel=0.1)
+    assert np.all(np.isfinite(list(friction_lines(lost).values())))

@@ -95,7 +95,7 @@ class Room:
         part = self.flt.liveliest(max(LEAST, self.part.rows // GLIMPSE))
         return replace(self, part=replace(part, charged=False))
 
-    @property
+    @cached_property
     def coarse(self) -> ContactFilter:
         """A few torsional periods with impacts that are placed less finely, for first descents."""
         return replace(

@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 SPEEDS, TORQUES = 8, 3
 #: Samples of a torsional period of the nameplate at most, and delays that are tried (numerics).
 FINEST, MOST = 24, 60
+#: Rows that are taken into the triangle at once (numerics: some 5 MB).
+CHUNK = 8192
 #: How much worse no delay must predict, in the logarithm of the innovations (calibrated on 45 development drives in
 #: closed loop of 3460 to 4266, 2026-11-27: 13 of 14 delays above are right within a quarter of a torsional period).
 SHOWN = 0.02
@@ -33,10 +35,9 @@ def torque_delay(flt: ContactFilter, pole: float, longest: float) -> float | Non
     mean = max(1, int(1.0 / (pole * flt.dt * FINEST)))
     delays = int(min(longest / (mean * flt.dt), MOST)) + 1
     y, u = (_means(signal, mean) for signal in (speed, torque))
-    past = delays + SPEEDS + TORQUES
-    if y.size < 4 * past:
+    if y.size < 4 * (delays + SPEEDS + TORQUES):
         return None
-    costs = np.array([_innovations(y, u, past, delay) for delay in range(delays)])
+    costs = _innovations(y, u, delays)
     best = int(np.argmin(costs))
     if not 0.5 * np.log(costs[0] / costs[best]) > SHOWN:
         return None
@@ -48,18 +49,28 @@ def _means(signal: Array, rows: int) -> Array:
     return np.asarray(signal[:whole].reshape(-1, rows).mean(axis=1))
 
 
-def _innovations(speed: Array, torque: Array, past: int, delay: int) -> float:
-    """Mean square of what the past does not predict."""
-    n = speed.size
+def _innovations(speed: Array, torque: Array, delays: int) -> Array:
+    """(delays,) what the past does not predict with the torque of each delay: sums of squares, over that of the speed.
 
-    def before(signal: Array, rows: int) -> Array:
-        return signal[past - rows : n - rows]
-
-    columns = [before(speed, rows) for rows in range(1, SPEEDS + 1)]
-    columns += [before(torque, 1 + delay + rows) for rows in range(TORQUES)]
-    # Friction and a constant torque.
-    columns += [np.sign(columns[0]), np.ones(n - past)]
-    matrix = np.stack(columns, axis=1)
-    matrix /= np.linalg.norm(matrix, axis=0) + np.finfo(np.float64).tiny
-    rest = speed[past:] - matrix @ np.linalg.lstsq(matrix, speed[past:])[0]
-    return float(np.mean(rest**2))
+    The regressions share most of their columns: all are made of one triangle, which has their products.
+    """
+    past = delays + SPEEDS + TORQUES
+    # Friction and a constant torque stand beside the past speeds.
+    always, torques = SPEEDS + 2, delays + TORQUES - 1
+    triangle = np.empty((0, always + torques + 1))
+    for first in range(past, speed.size, CHUNK):
+        rows = slice(first, min(first + CHUNK, speed.size))
+        before = [speed[rows.start - ago : rows.stop - ago] for ago in range(1, SPEEDS + 1)]
+        before += [np.sign(before[0]), np.ones(before[0].size)]
+        before += [torque[rows.start - ago : rows.stop - ago] for ago in range(1, torques + 1)]
+        part = np.column_stack([*before, speed[rows]])
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, part]), mode="r"))
+    triangle /= np.linalg.norm(triangle, axis=0) + np.finfo(np.float64).tiny
+    past_speeds, measured = triangle[:, :always], triangle[:, -1]
+    costs = []
+    for delay in range(delays):
+        acting = triangle[:, always + delay : always + delay + TORQUES]
+        known = np.hstack([past_speeds, acting])
+        rest = measured - known @ np.linalg.lstsq(known, measured)[0]
+        costs.append(float(rest @ rest))
+    return np.array(costs)
