@@ -241,7 +241,7 @@ def picture(scores: Scores, path: Path) -> None:
 def _coverage(axis: Any, values: NDArray[np.float64], holds: NDArray[np.bool_]) -> None:
     """Share that holds in groups of equal size, each with its own 95 % interval (Clopper and Pearson)."""
     order = np.argsort(values, kind="stable")
-    labels = {"label": f"share in groups of equal size, with 95 % interval; {values.size} values"}
+    labels = {"label": "share in groups of equal size, with 95 % interval"}
     for part in np.array_split(order, min(GROUPS, max(values.size, 1))):
         if not part.size:
             continue

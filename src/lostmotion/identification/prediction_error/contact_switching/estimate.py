@@ -16,7 +16,7 @@ from .likelihood import Box, Candidate, inverse_hessian
 from .likelihood_ratio import alike
 from .parameter_vector import FRICTIONS, INDEX
 from .structures.division import room_for_division
-from .structures.no_gap import gap_bound, gap_of, without_gap
+from .structures.no_gap import gap_bound, without_gap
 from .told import lag, room_for_rest, told_slopes, told_vector
 
 Array = NDArray[np.float64]
@@ -176,8 +176,6 @@ def _where_no_gap_shows(
 ) -> Estimate:
     """Without a backlash and with the bound of one where the recording is explained; where there is none, with room
     for a gap elsewhere.
-
-    The gaps of others that predict as well are below the bound.
     """
     half, backlash = found.half.copy(), TOLD.index("backlash")
     # What is not explained may hide a gap.
@@ -190,9 +188,9 @@ def _where_no_gap_shows(
         return found
     if bounded:
         half[backlash] = np.inf
-        bound = gap_bound(gapless, beyond_chance(gapless), box)
+        bound = gap_bound(gapless, beyond_chance(gapless), box, others)
         if bound is not None:
-            return replace(found, half=half, best=gapless, gap_bound=max(bound, *map(gap_of, others)))
+            return replace(found, half=half, best=gapless, gap_bound=bound)
     room = room_for_division(found.best, APART)
     return replace(found, half=_narrow(np.hypot(half, room), fixed), room=np.hypot(found.room, room))
 

@@ -79,9 +79,15 @@ def test_a_constant_torque_that_held_the_gap_on_one_side_goes_with_it(plant: lm.
 
 def test_the_bound_is_above_the_gaps_of_what_predicts_as_well(plant: lm.Drivetrain):
     best, box = candidate(plant, 0.0)
-    wide = replace(best, theta=best.flt.changed(best.theta, backlash=0.005))
-    alone, beside = (
-        told(best, others, np.zeros(8), np.zeros(8), box, ()) for others in ([best], [best, wide])
+    gapless = without_gap(best, box)
+    assert gapless is not None
+    wide = replace(best, theta=best.flt.changed(best.theta, backlash=0.005), cost=gapless.cost)
+    # A likelihood e^20 times lower is outside of any interval.
+    worse = replace(wide, cost=gapless.cost + 20.0 / best.flt.rows)
+    alone, beside, apart = (
+        told(best, others, np.zeros(8), np.zeros(8), box, ())
+        for others in ([best], [best, wide], [best, worse])
     )
     assert alone.gap_bound is not None and alone.gap_bound < 0.001
     assert beside.gap_bound == pytest.approx(0.005)
+    assert apart.gap_bound == alone.gap_bound

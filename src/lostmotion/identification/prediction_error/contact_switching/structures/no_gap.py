@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -64,12 +65,13 @@ def _less_unknown(candidate: Candidate) -> Candidate:
     return replace(candidate, theta=theta)
 
 
-def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:
+def gap_bound(gapless: Candidate, wider: float, box: Box, others: Sequence[Candidate] = ()) -> float | None:
     """Upper end of the 95 % interval (rad) of the gap of a candidate without one, from its profile likelihood.
 
     With a gap of each size the other parameters are fitted anew; beyond the bound the recording is predicted worse than
-    the noise makes it. ``wider``: by how much intervals are wider than those of noise alone. None where a gap as large
-    as the wind-up at the largest torque would not show either, or no gap changes the innovations.
+    the noise makes it. The gap of any of the others that does not predict it worse is below the bound as well.
+    ``wider``: by how much intervals are wider than those of noise alone. None where a gap as large as the wind-up at
+    the largest torque would not show either, or no gap changes the innovations.
     """
     flt, stiffness = gapless.flt, float(np.exp(gapless.theta[INDEX["stiffness"]]))
     first, widest = FIRST * flt.torque_deviation / stiffness, float(np.max(np.abs(flt.torque))) / stiffness
@@ -92,7 +94,7 @@ def gap_bound(gapless: Candidate, wider: float, box: Box) -> float | None:
         inside = max(each for each in costs if costs[each] <= likely)
         outside = min((each for each in costs if each > inside), default=np.inf)
         if outside < NARROW * inside or outside < first / FAR:
-            return float(outside)
+            return float(max([outside, *(gap_of(one) for one in others if one.cost <= likely)]))
         if np.isinf(outside):
             gap = STRIDE * inside
         else:
