@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,16 @@ import numpy as np
 from ..filter import LAWS, ContactFilter
 from ..likelihood import Box, Candidate, polish
 from ..likelihood_ratio import alike
+from ..parameter_vector import INDEX, pole_of
 from ..structures.no_gap import PLACE, bare
 from ..structures.rising_friction import FADES, may_rise, with_rising_friction
 from ..structures.shaft_inertias import Place, has_fourth, places, with_further_inertias
 
 Choice = Callable[[Candidate], Candidate]
 
+#: Parts of lag and delay together that are the lag, and their sum in torsional periods from which on it matters
+#: (numerics: from one of these a descent leads to the drive's, from far off it does not).
+SPLITS, LATE = (0.1, 0.3, 0.5, 0.7, 0.9), 0.05
 #: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
 NOISE_ALONE = 0.02
 
@@ -28,8 +33,9 @@ def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
 
 
 def other_choices(best: Candidate, box: Box) -> list[Choice]:
-    """Each makes one choice otherwise than the best: how the torque goes between rows, how the load torque changes, the
-    law of the contact, whether there is a gap, and whether friction rises towards rest."""
+    """Each makes one choice otherwise than the best: how the torque goes between rows, how much of its lateness is a
+    lag, how the load torque changes, the law of the contact, whether there is a gap, and whether friction rises towards
+    rest."""
 
     def with_filter(change: dict[str, Any]) -> Choice:
         return lambda one: replace(one, flt=replace(one.flt, **change))
@@ -41,7 +47,25 @@ def other_choices(best: Candidate, box: Box) -> list[Choice]:
     if np.isfinite(best.theta[PLACE]):
         changes += [{"law": law} for law in LAWS if law != best.flt.law]
     gapless = [bare] if PLACE in best.free else []
-    return [*map(with_filter, changes), *gapless, *(rising(fade) for fade in FADES if may_rise(best))]
+    splits = [partial(with_split, part=part) for part in SPLITS if is_late(best)]
+    rises = [rising(fade) for fade in FADES if may_rise(best)]
+    return [*map(with_filter, changes), *gapless, *splits, *rises]
+
+
+def is_late(candidate: Candidate) -> bool:
+    """Whether the torque acts so late that it matters how much of that is a lag, the rest a delay."""
+    values = candidate.values
+    return INDEX["delay"] in candidate.free and values["lag"] + values["delay"] > LATE / pole_of(
+        candidate.theta
+    )
+
+
+def with_split(candidate: Candidate, part: float) -> Candidate:
+    """The candidate with this part of lag and delay together as its lag: they smear the torque and shift it."""
+    values = candidate.values
+    both = values["lag"] + values["delay"]
+    theta = candidate.flt.changed(candidate.theta, lag=part * both, delay=(1.0 - part) * both)
+    return replace(candidate, theta=theta)
 
 
 def other_parts(

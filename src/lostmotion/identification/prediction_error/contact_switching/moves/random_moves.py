@@ -13,6 +13,7 @@ from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish,
 from ..parameter_vector import INDEX, pole_of
 from ..starts.from_drivetrain import unknown
 from ..structures.shaft_inertias import THIRD, Place, placed, with_dropped
+from .choices import is_late, with_split
 
 #: Moves of a round, of which the best few go on to the end; rounds without a lower cost after which it ends, and rounds
 #: at most (numerics).
@@ -97,6 +98,8 @@ def _with_other_choices(one: Candidate, rng: np.random.Generator) -> Candidate:
         change["ramp"] = not one.flt.ramp
     if law:
         change["law"] = list(LAWS)[int(rng.integers(len(LAWS)))]
+    if is_late(one) and rng.random() < CHOICE:
+        one = with_split(one, rng.random())
     theta = one.theta.copy()
     if delayed and INDEX["delay"] in one.free:
         theta[INDEX["delay"]] += rng.uniform(-1.0, 1.0)
