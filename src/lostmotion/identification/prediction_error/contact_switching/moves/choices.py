@@ -16,6 +16,7 @@ from ..parameter_vector import INDEX, pole_of
 from ..structures.no_gap import PLACE, bare
 from ..structures.rising_friction import FADES, may_rise, with_rising_friction
 from ..structures.shaft_inertias import Place, has_fourth, places, with_further_inertias
+from ..told import lag
 
 Choice = Callable[[Candidate], Candidate]
 
@@ -54,16 +55,12 @@ def other_choices(best: Candidate, box: Box) -> list[Choice]:
 
 def is_late(candidate: Candidate) -> bool:
     """Whether the torque acts so late that it matters how much of that is a lag, the rest a delay."""
-    values = candidate.values
-    return INDEX["delay"] in candidate.free and values["lag"] + values["delay"] > LATE / pole_of(
-        candidate.theta
-    )
+    return INDEX["delay"] in candidate.free and lag(candidate) > LATE / pole_of(candidate.theta)
 
 
 def with_split(candidate: Candidate, part: float) -> Candidate:
     """The candidate with this part of lag and delay together as its lag: they smear the torque and shift it."""
-    values = candidate.values
-    both = values["lag"] + values["delay"]
+    both = lag(candidate)
     theta = candidate.flt.changed(candidate.theta, lag=part * both, delay=(1.0 - part) * both)
     return replace(candidate, theta=theta)
 
