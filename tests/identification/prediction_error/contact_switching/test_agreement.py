@@ -10,6 +10,8 @@ from scipy.stats import binom
 
 import lostmotion as lm
 from lostmotion.identification import Identification
+from lostmotion.identification.prediction_error.contact_switching import agreement
+from lostmotion.identification.prediction_error.innovations import NAMES
 from lostmotion.recording import Recording
 from lostmotion.rig.equivalent import two_mass_equivalent
 
@@ -243,3 +245,18 @@ def test_the_fit_alone_can_be_had():
     plant = TABLE_I.with_parameters(inertia_load=0.0182)
     found = lm.identify(recorded(plant), start=plant, second_estimator=False)
     assert "stiffness" in gross(found, plant.parameters())
+
+
+def test_a_fit_beside_the_likeliest_values_does_not_stand(monkeypatch: pytest.MonkeyPatch):
+    """Twenty torsional periods do not show 3 % of a motor inertia beside 0.5 rad/s of noise, all rows do."""
+    seen = []
+    with monkeypatch.context() as patched:
+        patched.setattr(agreement, "_stands", lambda search, fit: not seen.append((search, fit)))
+        lm.identify(recorded(TABLE_I, bits=None, noise=0.5), start=TABLE_I)
+    [(search, fit)] = seen
+    assert agreement._stands(search, fit)
+    moved, told = np.array(NAMES) == "inertia_motor", fit.told
+    beside = replace(fit, told=replace(told, theta=told.theta + 0.03 * moved, half=0.2 * told.half))
+    assert not agreement._stands(search, beside)
+    monkeypatch.setattr(agreement, "_likelier_beyond", lambda search, fit: False)
+    assert agreement._stands(search, beside), "the first look shows it as well: the test tests nothing"

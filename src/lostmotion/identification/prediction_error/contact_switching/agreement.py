@@ -31,6 +31,8 @@ TORSION = 0.25
 #: Nothing is told where innovations are more than so many times the sensor's noise (calibrated on the virtual rigs,
 #: whose four inertias make them twice as large: whatever makes them three times as large is not known well enough).
 UNEXPLAINED = 3.0
+#: Rows over which a fit must have the likeliest values (numerics: those of the last fits).
+ROWS = 30_000
 
 
 def confirmed(
@@ -45,11 +47,11 @@ def confirmed(
 ) -> Outcome:
     """The fit as it is where the contact-switching filter agrees; what that tells where it does not.
 
-    Its cost is a likelihood. First a few torsional periods are looked at: mostly the fit stands there. If it has an
-    intermediate inertia that does not explain the recording, a fourth one tells the drive; else that is all. Otherwise
-    it stands if no descent from any start predicts clearly better or knows its values better, nor a rigid
-    drive as well. Where one does, or the fit tells nothing, its own values are told if they stand out. Else the
-    difference is part of the intervals, and too large a one leaves nothing.
+    Its cost is a likelihood. First a few torsional periods are looked at, then more rows: on drives like the virtual
+    rig the fit stands. If it has an intermediate inertia that does not explain the recording, a fourth one tells the
+    drive; else that is all. Otherwise it stands if no descent from any start predicts clearly better or knows its
+    values better, nor a rigid drive as well. Where one does, or the fit tells nothing, its own values are told if they
+    stand out. Else the difference is part of the intervals, and too large a one leaves nothing.
 
     ``slow`` is what the slow motion tells of the total inertia, see ``total_inertia.of_slow_motion``. ``compared`` gets
     all candidates that were looked at, first that whose values are told; none where the fit stood at first sight.
@@ -99,8 +101,8 @@ def confirmed(
 
 def _stands(search: Search, fit: Fit) -> bool:
     """Whether the fit is sure of inertias, stiffness, backlash and Coulomb friction, near what the nameplate says,
-    torsion is well above the noise, and only noise is left or nothing near is better and says otherwise: a descent of
-    these or of friction, a third inertia of these."""
+    torsion is well above the noise, and nothing says otherwise: near it, where more than noise is left, nor over more
+    rows, where it explains the recording."""
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
     # A load torque that the fit does not have leaves it unsure of Coulomb friction.
     sure = fit.core | (np.array(fit.stage.free) == NAMES.index("coulomb"))
@@ -113,12 +115,26 @@ def _stands(search: Search, fit: Fit) -> bool:
     )
     if search.rigid().cost < own.cost + TORSION:
         return False
-    if abs(own.cost) < NOISE_ALONE:
-        return True
+    if abs(own.cost) >= NOISE_ALONE and _better_near(search, fit, own):
+        return False
+    return abs(own.cost) >= EXPLAINED or not _likelier_beyond(search, fit)
+
+
+def _better_near(search: Search, fit: Fit, own: Candidate) -> bool:
+    """Whether a descent from the fit or the nameplate, or a third inertia, is better and says otherwise."""
     descents, thirds = search.near(own)
     if np.any(fit.shift([one for one in thirds if clearly_better(one, own)])[fit.core] > 0.0):
-        return False
+        return True
     # Descents may have friction at either end. Over so few rows hardly anything is clearly better: friction at the
     # wrong end never was.
     better = [one for one in descents if one.cost < own.cost and not alike(own, one, 0.0)]
-    return not np.any(fit.shift(better)[fit.core | fit.friction] > 0.0)
+    return bool(np.any(fit.shift(better)[fit.core | fit.friction] > 0.0))
+
+
+def _likelier_beyond(search: Search, fit: Fit) -> bool:
+    """Whether values outside of the fit's intervals are clearly likelier. These come from all rows: a few torsional
+    periods do not show it."""
+    whole = replace(search, part=search.flt.liveliest(ROWS))
+    own = within_intervals(whole.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed)
+    # What the model lacks leads any values astray.
+    return abs(own.cost) < EXPLAINED and clearly_better(whole.freed(own), own)
