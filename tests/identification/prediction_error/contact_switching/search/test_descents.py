@@ -94,25 +94,30 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     assert INDEX["coulomb"] not in free and {INDEX["backlash"], INDEX["share"]} <= free
 
 
-def test_a_gap_and_a_third_inertia_are_found_together():
-    """From two inertias of which only the motor's is right, without a gap."""
+@pytest.mark.parametrize(
+    ("inertias", "shafts", "share", "behind"),
+    [((0.03, 0.02, 0.08), (lm.Shaft(2e4, 3.0), lm.Shaft(6e3, 1.0, backlash=0.01)), 0.4, False),
+     ((0.05, 0.004, 0.076), (lm.Shaft(6e4, 3.0, backlash=0.01), lm.Shaft(6e3, 1.0)), 0.05, True)],
+    ids=["heavy before the gap", "light behind it on a soft shaft"],
+)  # fmt: skip
+def test_a_gap_and_a_third_inertia_are_found_together(
+    inertias: tuple[float, ...], shafts: tuple[lm.Shaft, ...], share: float, behind: bool
+):
+    """From two inertias of which only the motor's is right, without a gap. The light one is found only by descents that
+    come down through the noise levels: at the sensor's alone they end at a cost of 0.77."""
     dt, count = 2e-4, 2.0 * np.pi / 2**20
-    shafts = lm.Shaft(2e4, 3.0), lm.Shaft(6e3, 1.0, backlash=0.01)
-    chain = lm.Drivetrain((0.03, 0.02, 0.08), shafts, (lm.Friction(), lm.Friction(), lm.Friction(1.0)))
+    chain = lm.Drivetrain(inertias, shafts, (lm.Friction(), lm.Friction(), lm.Friction(1.0)))
     torque = lm.signals.excitation(1.0, dt, seed=3, inertia=0.13, coulomb=1.0, viscous=0.0)
     angle = np.floor(lm.simulate(chain, torque_motor=torque, dt=dt)["angle_motor"] / count) * count
-    speed, ends = np.diff(angle, prepend=0.0) / dt, []
-    for stiffness in (3000.0, 4000.0):
-        start = lm.Drivetrain.two_mass(
-            inertia_motor=0.05, inertia_load=0.08, stiffness=stiffness, damping=1.0, backlash=0.0, coulomb=0.0
-        )
-        flt = ContactFilter.of(Predictor(torque, speed, dt, True, start, skip=0), 300.0)
-        search = Search.of(flt, start, start, (), None, (0.13, 0.05))
-        ends += search.from_grid_of_three([bare(search.raw("nameplate"))])
-    best = min(ends, key=lambda one: one.cost)
-    assert best.cost < 0.2 and best.values["backlash"] == pytest.approx(0.01, rel=0.02)
-    assert best.values["inertia_load"] == pytest.approx(0.08, rel=0.02)
-    assert best.values["share"] == pytest.approx(0.4, rel=0.05) and not best.flt.behind
+    start = lm.Drivetrain.two_mass(
+        inertia_motor=0.05, inertia_load=0.08, stiffness=3000.0, damping=1.0, backlash=0.0, coulomb=0.0
+    )
+    predictor = Predictor(torque, np.diff(angle, prepend=0.0) / dt, dt, True, start, skip=0)
+    search = Search.of(ContactFilter.of(predictor, 300.0), start, start, (), None, (0.13, 0.05))
+    best = min(search.from_grid_of_three([bare(search.raw("nameplate"))]), key=lambda one: one.cost)
+    assert best.cost < 0.05 and best.flt.behind is behind
+    for name, true in (("inertia_load", 0.08), ("backlash", 0.01), ("share", share)):
+        assert best.values[name] == pytest.approx(true, rel=0.02), name
 
 
 def test_a_third_inertia_from_the_start_on_where_two_lead_astray():

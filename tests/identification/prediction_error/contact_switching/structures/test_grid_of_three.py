@@ -39,9 +39,10 @@ def test_three_inertias_keep_what_two_have_told(
         assert one.values["stiffness"] == pytest.approx(3500.0) and INDEX["stiffness"] not in one.free
         assert {*THIRD, INDEX["backlash"], INDEX["rise"]} <= {*one.free}
         assert one.flt.law == "limited" and one.flt.ramp
-    assert len({(round(one.values["share"], 3), one.flt.behind) for one in found}) == len(
-        grid_of_three.THIRDS
-    )
+    places = {
+        (round(one.values["share"], 3), round(one.values["compliance"], 3), one.flt.behind) for one in found
+    }
+    assert len(places) == len(grid_of_three.THIRDS)
     light = grid_of_three.candidates(
         two, replace(rows, inertia=(0.5 * values["inertia_motor"], 1.0)), nameplate, ()
     )

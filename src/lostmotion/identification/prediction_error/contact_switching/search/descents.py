@@ -38,7 +38,7 @@ from ..starts.race import race
 from ..starts.torque_delay import torque_delay
 from ..structures import grid_of_three
 from ..structures.no_gap import OFFSET, PLACE, bare
-from ..structures.shaft_inertias import THIRD, Place, places, with_further_inertias
+from ..structures.shaft_inertias import THIRD, Place, coming_down, places, with_further_inertias
 from ..structures.softest_shaft import split_at_the_softest_shaft
 from .room import FAR, Room
 
@@ -80,11 +80,11 @@ class Search(Room):
         return self.polished(numbered, self.part)
 
     def from_grid_of_three(self, found: Sequence[Candidate]) -> list[Candidate]:
-        """The best of a race from a grid with a gap and a third inertia: alone, neither may lead to the drive."""
+        """The best of descents from a grid with a gap and a third inertia: alone, neither may lead to the drive."""
         two = min((one for one in found if Place.of(one) is None), key=cost_of)
         rows = replace(self.coarse, charged=False)
         begun = grid_of_three.candidates(two, rows, self.start, self.fixed)
-        few = apart(race(begun, rows, self.box), ELSEWHERE)[:FEW]
+        few = apart(coming_down(begun, rows, self.box))[:FEW]
         return self.polished(few, self.part)
 
     def _delays(self) -> list[Array]:
@@ -182,20 +182,28 @@ class Search(Room):
         found += self.otherwise(found, _best_elsewhere(found))
         self.reached("a third inertia")
         found += self.thirds(found, [self.raw(name) for name in RAW])
-        if not self.ended(found):
-            self.reached("a race of three inertias")
-            found += self.from_grid_of_three(found)
         found.append(self.freed(fit))
+        if not self.ended(found):
+            self.reached("a grid of three inertias")
+            found += self.from_grid_of_three(found)
+        found += self.with_random_moves(found)
+        before = min(found, key=cost_of)
         self.reached("gaps of any size")
         found += self.with_other_gaps(found)
-        before = min(found, key=cost_of)
-        if not self.ended(found):
-            self.reached("random moves")
-            found += wandering(before, self.part, self.box, {*self.free, *THIRD}, lambda: self.long)
-        if min(found, key=cost_of).cost < before.cost:
-            found += self.otherwise(found)
-            found += self.with_other_gaps(found)
+        if min(found, key=cost_of) is not before:
+            found += self.with_random_moves(found)
         return self.split(found)
+
+    def with_random_moves(self, found: Sequence[Candidate]) -> list[Candidate]:
+        """Where random moves of the best lead, and its other choices then."""
+        if self.ended(found):
+            return []
+        self.reached("random moves")
+        best = min(found, key=cost_of)
+        more = wandering(best, self.part, self.box, {*self.free, *THIRD}, lambda: self.long)
+        if min(more, key=cost_of, default=best).cost < best.cost:
+            more += self.otherwise([*found, *more])
+        return more
 
     def with_other_gaps(self, found: Sequence[Candidate]) -> list[Candidate]:
         """The best with a backlash of any size, and with its other choices then, as long as that is better."""

@@ -18,8 +18,10 @@ from .shaft_inertias import THIRD, Place, placed
 #: Torsional frequency over the nameplate's (numerics: a nameplate is off by three either way), and backlash over the
 #: wind-up at the torque's standard deviation (numerics: a gap that shows).
 POLES, BACKLASHES = tuple(np.geomspace(0.3, 3.2, 6)), (0.3, 2.0, 10.0)
-#: A light inertia on a stiff shaft or a heavy one on a soft shaft, before the gap or behind it (numerics).
-THIRDS = tuple(Place(*part, behind=behind) for part in ((0.1, 0.3), (0.4, 0.7)) for behind in (False, True))
+#: A light inertia on a stiff or a soft shaft, or a heavy one, before the gap or behind it (numerics: from one of them a
+#: descent that comes down through the noise levels leads to the drive's).
+PARTS = ((0.03, 0.3), (0.03, 0.9), (0.3, 0.6))
+THIRDS = tuple(Place(*part, behind=behind) for part in PARTS for behind in (False, True))
 #: Load over motor inertia at least (numerics: as little as shows).
 LEAST_LOAD = 0.02
 

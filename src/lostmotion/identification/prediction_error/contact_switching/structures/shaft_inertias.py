@@ -100,16 +100,20 @@ def placed(candidate: Candidate, place: Place, rows: ContactFilter) -> tuple[Con
 def with_further_inertias(
     pairs: Sequence[tuple[Candidate, Place]], rows: ContactFilter, box: Box
 ) -> list[Candidate]:
-    """Candidates with a further inertia, each at its place, over some rows, the lowest first.
-
-    They come down from a higher noise level together: the better half of them goes on to the next one.
-    """
-    if not pairs:
-        return []
-    found, level = [], first_level(rows, pairs[0][0].theta, FITTED_LEVEL)
+    """Candidates with a further inertia, each at its place, over some rows, the lowest first."""
+    begun = []
     for one, place in pairs:
         flt, theta = placed(one, place, rows)
-        found.append(replace(one, theta=theta, flt=flt, free=sorted({*one.free, *place.free})))
+        begun.append(replace(one, theta=theta, flt=flt, free=sorted({*one.free, *place.free})))
+    return coming_down(begun, rows, box)
+
+
+def coming_down(begun: Sequence[Candidate], rows: ContactFilter, box: Box) -> list[Candidate]:
+    """Ends of descents over some rows that come down from a higher noise level together, the lowest first: the better
+    half of them goes on to the next one."""
+    if not begun:
+        return []
+    found, level = list(begun), first_level(rows, begun[0].theta, FITTED_LEVEL)
 
     def lowered(one: Candidate) -> Candidate:
         flt = replace(one.flt, level=level)
