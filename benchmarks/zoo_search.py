@@ -86,9 +86,10 @@ def true_values(drive: lm.rig.Drive, dt: float) -> tuple[dict[str, float], bool,
         if friction.stribeck and friction.coulomb_plus:
             values[f"rise{end}"] = friction.stribeck[0][1] / friction.coulomb_plus
             values[f"fade{end}"] = friction.stribeck[1][0] / np.log(2.0)
-    lag, whole = chain.actuator.lag, drive.truth.parameters["lag"]
-    values["lag"] = lag or LITTLE * dt
-    values["delay"] = whole - lag if lag and whole else -LITTLE * dt
+    # A measured torque is that which acts, later than it was commanded.
+    whole = drive.truth.parameters["lag"] or 0.0
+    values["lag"] = max(min(chain.actuator.lag, whole), LITTLE * dt)
+    values["delay"] = whole - values["lag"]
     return values, behind[0], behind[1]
 
 

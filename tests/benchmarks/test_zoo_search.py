@@ -46,3 +46,4 @@ def test_the_true_chain_comes_out_of_its_values(gap: int):
     np.testing.assert_allclose(found.compliances, compliances / compliances.sum())
     np.testing.assert_allclose(found.losses, losses / losses[gap])
     assert values["backlash"] == 0.01 and values["coulomb"] == 1.0
+    assert values["lag"] + values["delay"] == 0.0

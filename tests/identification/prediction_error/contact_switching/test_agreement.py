@@ -248,7 +248,7 @@ def test_the_fit_alone_can_be_had():
 
 
 def test_a_fit_beside_the_likeliest_values_does_not_stand(monkeypatch: pytest.MonkeyPatch):
-    """Twenty torsional periods do not show 3 % of a motor inertia beside 0.5 rad/s of noise, all rows do."""
+    """Twenty torsional periods do not show 3 % of a motor inertia beside 0.5 rad/s of noise, 10 000 rows do."""
     seen = []
     with monkeypatch.context() as patched:
         patched.setattr(agreement, "_stands", lambda search, fit: not seen.append((search, fit)))
