@@ -18,11 +18,11 @@ from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, cost_of
 from .likelihood_ratio import CHANCE_RIGID, alike, clearly_better
-from .moves.choices import NOISE_ALONE, with_other_torque
+from .moves.choices import with_other_torque
 from .search.descents import Search
 from .search.final_fits import estimate
 from .search.refinement import with_a_fourth_inertia
-from .search.room import POLES
+from .search.room import NOISE_ALONE, POLES
 from .verdict import Fit, Outcome
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the

@@ -24,7 +24,10 @@ from lostmotion.identification.prediction_error.contact_switching.moves.choices 
 )
 from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX, NAMES
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
-from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import Place
+from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
+    Place,
+    has_fourth,
+)
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 DT = 2e-4
@@ -58,10 +61,13 @@ def test_a_part_that_it_lacks_is_added(flt: ContactFilter, values: dict[str, flo
     assert [one.flt.behind for one in both] == [False, True]
     for one in both:
         assert one.start == "further inertia" and one.flt.rows == 1000 and Place.of(one) is not None
-    # One that has a third inertia gets it on the other side.
-    (other,) = other_parts(both[1], few, box, None)
-    moved = other(both[1])
-    assert not moved.flt.behind and Place.of(moved) is not None
+    # One that has a third inertia gets it on the other side, or a fourth on either.
+    others = [part(both[1]) for part in other_parts(both[1], few, box, None)]
+    sides = [(one.flt.behind, one.flt.fourth_behind, has_fourth(one)) for one in others]
+    assert sides == [(False, False, False), (True, False, True), (True, True, True)]
+    assert all(Place.of(one) is not None for one in others)
+    # One with a fourth gets no more.
+    assert other_parts(others[1], few, box, None) == []
 
 
 def test_a_rise_keeps_the_noise_level(flt: ContactFilter, values: dict[str, float], box: Box):

@@ -16,7 +16,11 @@ from lostmotion.identification.prediction_error.contact_switching.moves.random_m
 from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.starts.from_drivetrain import free_places
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
-from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import THIRD
+from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
+    FOURTH,
+    THIRD,
+    has_fourth,
+)
 
 
 @pytest.fixture
@@ -52,15 +56,12 @@ def test_the_truth_is_found_from_a_wrong_minimum(
     assert all(one.cost == pytest.approx(one.flt.run(one.theta).cost, abs=1e-12) for one in found)
 
 
-def test_it_ends_where_nothing_is_lower(
-    best: Candidate, box: Box, free: set[int], monkeypatch: pytest.MonkeyPatch
-):
+def test_it_ends_where_nothing_is_lower(best: Candidate, box: Box, free: set[int]):
     """And is the same each time: its moves are drawn from one seed."""
-    monkeypatch.setattr(random_moves, "PATIENCE", 1)
     at = polish(best, best.flt, box)
-    found = wandering(at, best.flt, box, free)
+    found = wandering(at, best.flt, box, free, patience=1)
     assert len(found) == random_moves.FOLLOWED
-    again = wandering(at, best.flt, box, free)
+    again = wandering(at, best.flt, box, free, patience=1)
     assert [one.cost for one in found] == [one.cost for one in again]
 
 
@@ -92,6 +93,23 @@ def test_moves_reach_every_part(best: Candidate, box: Box, free: set[int]):
     )
     for place in (INDEX["inertia_motor"], INDEX["coulomb"], INDEX["coulomb_motor"]):
         assert len({float(one.theta[place]) for one in moves}) > 10
+
+
+def test_a_third_inertia_gets_a_fourth_which_may_move_and_go(best: Candidate, box: Box, free: set[int]):
+    """Where there is no third, there is no fourth; the third may go only with it."""
+    free = free | {*FOURTH}
+    rngs = [np.random.default_rng(seed) for seed in range(120)]
+    thirds = [
+        one for one in (moved(best, rng, box, free) for rng in rngs) if np.isfinite(one.theta[THIRD[0]])
+    ]
+    assert thirds and not any(has_fourth(one) for one in thirds)
+    fourths = [one for one in (moved(thirds[0], rng, box, free) for rng in rngs) if has_fourth(one)]
+    assert {one.flt.fourth_behind for one in fourths} == {False, True}
+    assert all({*THIRD, *FOURTH} <= {*one.free} for one in fourths)
+    again = [moved(fourths[0], rng, box, free) for rng in rngs]
+    left = {(bool(np.isfinite(one.theta[THIRD[0]])), has_fourth(one)) for one in again}
+    assert left == {(True, True), (True, False), (False, False)}
+    assert not any(has_fourth(moved(thirds[0], rng, box, free - {*FOURTH})) for rng in rngs)
 
 
 def test_the_total_inertia_and_the_gap_over_the_wind_up_stay_where_inertias_move(

@@ -15,8 +15,15 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
 from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.search import room
-from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
+from lostmotion.identification.prediction_error.contact_switching.search.descents import (
+    PATIENCE_KNOWN,
+    Search,
+)
 from lostmotion.identification.prediction_error.contact_switching.structures.no_gap import bare
+from lostmotion.identification.prediction_error.contact_switching.structures.shaft_inertias import (
+    Place,
+    has_fourth,
+)
 from lostmotion.identification.prediction_error.innovations import Predictor
 
 
@@ -68,13 +75,13 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     search: Search, best: Candidate, monkeypatch: pytest.MonkeyPatch
 ):
     """They go out from the lowest of what the other descents found, and may change all that is not fixed."""
-    given: list[tuple[float, set[int]]] = []
+    given: list[tuple[float, set[int], int]] = []
 
     def wander(
-        one: Candidate, rows: ContactFilter, _: Box, free: set[int], long: Callable[[], bool]
+        one: Candidate, rows: ContactFilter, _: Box, free: set[int], long: Callable[[], bool], patience: int
     ) -> list[Candidate]:
         assert rows is search.part and not long()
-        given.append((one.cost, free))
+        given.append((one.cost, free, patience))
         return [replace(best, start="moved", cost=one.cost - 1.0)]
 
     monkeypatch.setattr(
@@ -89,9 +96,16 @@ def test_random_moves_lead_on_from_a_wrong_minimum(
     monkeypatch.setattr(room, "NOISE_ALONE", -np.inf)
     monkeypatch.setattr(room, "KNOWN", -np.inf)
     found = search.rivals(best)
-    (cost, free), lowest = given[0], min(found, key=lambda one: one.cost)
+    (cost, free, patience), lowest = given[0], min(found, key=lambda one: one.cost)
+    assert patience > PATIENCE_KNOWN
     assert lowest.start == "moved" and all(one.cost >= cost for one in found if one is not lowest)
-    assert INDEX["coulomb"] not in free and {INDEX["backlash"], INDEX["share"]} <= free
+    assert INDEX["coulomb"] not in free and {INDEX["backlash"], INDEX["share"], INDEX["share_fourth"]} <= free
+    # Where the drive seems known, a few moves show whether it is.
+    given.clear()
+    monkeypatch.setattr(room, "KNOWN", np.inf)
+    monkeypatch.setattr(room, "sharp", lambda _: True)
+    search.rivals(best)
+    assert given and all(patience == PATIENCE_KNOWN for *_, patience in given)
 
 
 @pytest.mark.parametrize(
@@ -133,6 +147,16 @@ def test_a_third_inertia_from_the_start_on_where_two_lead_astray():
         min(one.cost for one in search.thirds([two], raw)) for raw in ([], [search.raw("nameplate")])
     )
     assert right < 0.0 < 0.5 < astray
+
+
+def test_further_inertias_are_tried_however_little_is_left(search: Search, best: Candidate):
+    """One that is lacking may change the cost by no more than chance does, and values by more than their intervals."""
+    thirds = search.thirds([replace(best, cost=1e-3)])
+    assert thirds and all(Place.of(one) is not None for one in thirds)
+    assert search.fourths([best]) == []
+    fourths = search.fourths([replace(thirds[0], cost=-1.0), best])
+    assert fourths and all(has_fourth(one) for one in fourths)
+    assert search.fourths([replace(fourths[0], cost=-2.0), *thirds]) == []
 
 
 def test_a_fit_with_a_third_inertia_is_freed_of_its_intervals(search: Search, best: Candidate):

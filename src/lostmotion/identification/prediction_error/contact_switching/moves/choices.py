@@ -23,8 +23,6 @@ Choice = Callable[[Candidate], Candidate]
 #: Parts of lag and delay together that are the lag, and their sum in torsional periods from which on it matters
 #: (numerics: from one of these a descent leads to the drive's, from far off it does not).
 SPLITS, LATE = (0.1, 0.3, 0.5, 0.7, 0.9), 0.05
-#: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
-NOISE_ALONE = 0.02
 
 
 def with_other_torque(candidate: Candidate, box: Box) -> Candidate | None:
@@ -92,6 +90,6 @@ def other_parts(
     for behind in (False, True):
         if has is None or (behind != has.behind and not has_fourth(best)):
             sides.append([Place(*known)] if known and not behind else places(best, rows, [behind]))
-        if has is not None and not has_fourth(best) and abs(best.cost) >= NOISE_ALONE:
+        if has is not None and not has_fourth(best):
             sides.append(places(best, rows, [behind], fourth=True))
     return [*map(further, sides), *(rising(fade) for fade in FADES if may_rise(best))]

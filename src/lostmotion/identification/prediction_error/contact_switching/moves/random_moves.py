@@ -12,7 +12,7 @@ from ..filter import LAWS, ContactFilter
 from ..likelihood import FITTED_LEVEL, Box, Candidate, cost_of, descend, polish, rates_first, side_by_side
 from ..parameter_vector import INDEX, pole_of
 from ..starts.from_drivetrain import unknown
-from ..structures.shaft_inertias import THIRD, Place, placed, with_dropped
+from ..structures.shaft_inertias import FOURTH, THIRD, Place, placed, with_dropped
 from .choices import is_late, with_split
 
 #: Moves of a round, of which the best few go on to the end; rounds without a lower cost after which it ends, and rounds
@@ -38,9 +38,10 @@ def wandering(
     box: Box,
     free: Collection[int],
     long: Callable[[], bool] = lambda: False,
+    patience: int = PATIENCE,
 ) -> list[Candidate]:
     """Ends over some rows: each round moves what is lowest so far. ``free``: what may be changed; ``long``: whether no
-    further round begins."""
+    further round begins; ``patience``: rounds without a lower cost after which it ends."""
     found: list[Candidate] = []
     generator, waited = np.random.default_rng(0), 0
     at = replace(best.over(rows), level=rows.floor)
@@ -56,7 +57,7 @@ def wandering(
         found += few
         if lowest.cost < best.cost - LOWER:
             best, waited = lowest, 0
-        elif waited == PATIENCE:
+        elif waited == patience:
             break
     return found
 
@@ -80,7 +81,7 @@ def moved(best: Candidate, rng: np.random.Generator, box: Box, free: Collection[
     changes = rng.random(4) < GROUP
     changes[rng.integers(4)] = True
     one = _with_other_choices(best, rng)
-    for change, move in zip(changes, (_inertias, _friction, _gap, _third), strict=True):
+    for change, move in zip(changes, (_inertias, _friction, _gap, _further), strict=True):
         one = move(one, rng, free) if change else one
     own = [place for place in one.free if np.isfinite(one.theta[place])]
     theta = one.theta.copy()
@@ -150,19 +151,23 @@ def _friction(one: Candidate, rng: np.random.Generator, free: Collection[int]) -
     return _changed(one, other, free)
 
 
-def _third(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Candidate:
-    """A third inertia anywhere, or none."""
-    if not {*THIRD} <= {*free}:
+def _further(one: Candidate, rng: np.random.Generator, free: Collection[int]) -> Candidate:
+    """A third inertia anywhere, or none; a fourth anywhere, or none, where there is a third."""
+    third = bool(np.isfinite(one.theta[THIRD[0]]))
+    fourth = third and {*FOURTH} <= {*free} and bool(rng.random() < 0.5)
+    own = FOURTH if fourth else THIRD
+    if not {*own} <= {*free}:
         return one
-    if np.isfinite(one.theta[THIRD[0]]) and rng.random() < CHOICE:
-        return with_dropped(one)
+    if np.isfinite(one.theta[own[0]]) and rng.random() < CHOICE:
+        return with_dropped(one, own if fourth else (*THIRD, *FOURTH))
     place = Place(
         float(np.exp(rng.uniform(*np.log(SHARES)))),
         float(rng.uniform(*COMPLIANCES)),
         behind=bool(rng.random() < 0.5),
+        fourth=fourth,
     )
     flt, theta = placed(one, place, one.flt)
-    return replace(one, flt=flt, theta=theta, free=sorted({*one.free, *THIRD}))
+    return replace(one, flt=flt, theta=theta, free=sorted({*one.free, *own}))
 
 
 def _changed(one: Candidate, values: dict[str, float], free: Collection[int]) -> Candidate:

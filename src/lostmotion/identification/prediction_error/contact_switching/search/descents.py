@@ -23,8 +23,8 @@ from ..likelihood import (
 )
 from ..likelihood_ratio import alike
 from ..moves.backlash_scan import with_best_backlashes, with_other_backlash
-from ..moves.choices import NOISE_ALONE, Choice, other_choices
-from ..moves.random_moves import wandering
+from ..moves.choices import Choice, other_choices
+from ..moves.random_moves import PATIENCE, wandering
 from ..parameter_vector import FRICTIONS, INDEX
 from ..selection import ELSEWHERE, apart
 from ..starts import grid
@@ -38,7 +38,15 @@ from ..starts.race import race
 from ..starts.torque_delay import torque_delay
 from ..structures import grid_of_three
 from ..structures.no_gap import OFFSET, PLACE, bare
-from ..structures.shaft_inertias import THIRD, Place, coming_down, places, with_further_inertias
+from ..structures.shaft_inertias import (
+    FOURTH,
+    THIRD,
+    Place,
+    coming_down,
+    has_fourth,
+    places,
+    with_further_inertias,
+)
 from ..structures.softest_shaft import split_at_the_softest_shaft
 from .room import FAR, Room
 
@@ -57,6 +65,8 @@ FREED_STEPS = 10
 LITTLE = 10.0
 #: Ends of the race that get another backlash; descents that go on to the end (numerics).
 SCANNED, POLISHED = 5, 3
+#: Rounds of random moves without a lower cost where the drive seems known (numerics: one or two left a wrong minimum).
+PATIENCE_KNOWN = 2
 
 
 class Search(Room):
@@ -142,8 +152,6 @@ class Search(Room):
         a nameplate.
         """
         fits = sorted(found, key=cost_of)
-        if abs(fits[0].cost) < NOISE_ALONE:
-            return []
         # How the torque goes between rows makes up for a third inertia: the best is tried with either.
         few = apart(fits, ELSEWHERE)[:FEW]
         other = replace(fits[0], flt=replace(fits[0].flt, ramp=not fits[0].flt.ramp))
@@ -153,6 +161,13 @@ class Search(Room):
         if place is None or alike(fits[0], min(best, key=cost_of)):
             return best
         return best + side_by_side(lambda one: self._third(one, place), apart(fits)[:POLISHED])
+
+    def fourths(self, found: Sequence[Candidate]) -> list[Candidate]:
+        """With a fourth inertia, if the best has a third: four that are taken for three end far from the drive."""
+        best = min(found, key=cost_of)
+        if Place.of(best) is None or has_fourth(best):
+            return []
+        return self.with_inertias([(best, place) for place in places(best, self.coarse, fourth=True)])
 
     def with_inertias(self, pairs: Sequence[tuple[Candidate, Place]]) -> list[Candidate]:
         """The best few of descents from candidates with one inertia more, each at its place."""
@@ -186,6 +201,8 @@ class Search(Room):
         if not self.ended(found):
             self.reached("a grid of three inertias")
             found += self.from_grid_of_three(found)
+        self.reached("a fourth inertia")
+        found += self.fourths(found)
         found += self.with_random_moves(found)
         before = min(found, key=cost_of)
         self.reached("gaps of any size")
@@ -195,12 +212,13 @@ class Search(Room):
         return self.split(found)
 
     def with_random_moves(self, found: Sequence[Candidate]) -> list[Candidate]:
-        """Where random moves of the best lead, and its other choices then."""
-        if self.ended(found):
+        """Where random moves of the best lead, and its other choices then; a few moves where the drive seems known."""
+        best = min(found, key=cost_of)
+        if self.over(best):
             return []
         self.reached("random moves")
-        best = min(found, key=cost_of)
-        more = wandering(best, self.part, self.box, {*self.free, *THIRD}, lambda: self.long)
+        free, patience = {*self.free, *THIRD, *FOURTH}, PATIENCE_KNOWN if self.ended(found) else PATIENCE
+        more = wandering(best, self.part, self.box, free, lambda: self.long, patience)
         if min(more, key=cost_of, default=best).cost < best.cost:
             more += self.otherwise([*found, *more])
         return more

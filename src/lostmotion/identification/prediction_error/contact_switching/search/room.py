@@ -16,7 +16,6 @@ from ..effort import Effort
 from ..estimate import sharp
 from ..filter import ContactFilter
 from ..likelihood import Box, Candidate, cost_of, polish, side_by_side
-from ..moves.choices import NOISE_ALONE
 from ..parameter_vector import pole_of
 from ..starts.from_drivetrain import RESPONSE, free_places, response_start, starts
 from ..starts.slow_motion import informed
@@ -34,8 +33,11 @@ FAR = 100.0
 GLIMPSE, LEAST = 4, 2000
 #: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
 COARSE = 4
-#: Cost up to which a candidate that knows inertias, stiffness and backlash is the drive (calibrated on development
-#: drives 4024 to 4941, 2026-11-27: of 12 up to 0.1 none changed in the rest of the search, of 8 up to 0.25 three did).
+#: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
+NOISE_ALONE = 0.02
+#: Cost up to which a candidate that knows inertias, stiffness and backlash seems to be the drive (calibrated on
+#: development drives 4024 to 4941, 2026-11-27: of 12 up to 0.1 none changed in the rest of the search, of 8 up to 0.25
+#: three did).
 KNOWN = 0.1
 #: Steps of the model after which nothing new is begun (numerics: some 8 s on two threads of an Intel Xeon, 2026-11-27).
 LONG = 80_000_000
@@ -111,11 +113,14 @@ class Room:
         """Whether it has taken so long that nothing new is begun."""
         return self.flt.effort.steps > LONG
 
+    def over(self, best: Candidate) -> bool:
+        """Whether nothing new is looked for: only the sensor's noise is left, or it has taken long."""
+        return abs(best.cost) < NOISE_ALONE or self.long
+
     def ended(self, found: Sequence[Candidate]) -> bool:
-        """Whether nothing new is looked for: only the sensor's noise is left, or little more where inertias, stiffness
-        and backlash are well known; or it has taken long."""
+        """The same, or little more is left where inertias, stiffness and backlash are well known."""
         best = min(found, key=cost_of)
-        return abs(best.cost) < NOISE_ALONE or self.long or (abs(best.cost) < KNOWN and sharp(best))
+        return self.over(best) or (abs(best.cost) < KNOWN and sharp(best))
 
     @cached_property
     def free(self) -> list[int]:
