@@ -214,7 +214,7 @@ class Search(Room):
     def with_random_moves(self, found: Sequence[Candidate]) -> list[Candidate]:
         """Where random moves of the best lead, and its other choices then; a few moves where the drive seems known."""
         best = min(found, key=cost_of)
-        if self.over(best):
+        if self.nothing_left(best):
             return []
         self.reached("random moves")
         free, patience = {*self.free, *THIRD, *FOURTH}, PATIENCE_KNOWN if self.ended(found) else PATIENCE

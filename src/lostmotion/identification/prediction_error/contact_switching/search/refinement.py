@@ -9,7 +9,7 @@ from ..intervals.refits import disagreement
 from ..likelihood import cost_of
 from ..likelihood_ratio import clearly_better
 from ..selection import plausible
-from ..structures.shaft_inertias import has_fourth, places
+from ..structures.shaft_inertias import has_fourth
 from ..verdict import Fit
 from .descents import Search
 
@@ -26,8 +26,7 @@ def with_a_fourth_inertia(search: Search, fit: Fit) -> Estimate | None:
     if abs(own.cost) < EXPLAINED:
         return None
     three = search.with_all_structures(own, intervals(part, fit.stage, fit.told, box))
-    begun = places(three, search.coarse, fourth=True)
-    found = [three, *search.with_inertias([(three, place) for place in begun])]
+    found = [three, *search.fourths([three])]
     # Of all choices the law of the contact matters most beside inertias that are right.
     found += search.under_other_laws(min(found, key=cost_of))
     best = min(found, key=cost_of)

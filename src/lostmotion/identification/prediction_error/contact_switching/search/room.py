@@ -113,14 +113,14 @@ class Room:
         """Whether it has taken so long that nothing new is begun."""
         return self.flt.effort.steps > LONG
 
-    def over(self, best: Candidate) -> bool:
+    def nothing_left(self, best: Candidate) -> bool:
         """Whether nothing new is looked for: only the sensor's noise is left, or it has taken long."""
         return abs(best.cost) < NOISE_ALONE or self.long
 
     def ended(self, found: Sequence[Candidate]) -> bool:
         """The same, or little more is left where inertias, stiffness and backlash are well known."""
         best = min(found, key=cost_of)
-        return self.over(best) or (abs(best.cost) < KNOWN and sharp(best))
+        return self.nothing_left(best) or (abs(best.cost) < KNOWN and sharp(best))
 
     @cached_property
     def free(self) -> list[int]:
