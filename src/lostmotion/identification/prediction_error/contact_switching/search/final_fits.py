@@ -15,6 +15,7 @@ from ..moves.backlash_scan import with_better_backlash
 from ..moves.choices import other_parts
 from ..selection import apart, plausible
 from .descents import NEAR, POLISHED, Search, judged
+from .telling_rows import most_telling
 
 #: Steps of the model in one pass of the last fits at most; a row takes one, or more where a contact or a friction
 #: changes (numerics: some 4 ms).
@@ -27,7 +28,7 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
     if not np.isfinite(others[0].cost):
         return None
     search.reached("the best over more rows")
-    finished, under_laws = _finished(search, others, search.flt.liveliest(_rows(others[0])))
+    finished, under_laws = _finished(search, others, most_telling(others[0], search.flt, _rows(others[0])))
     best = finished[0]
     search.reached("intervals")
     shifts = disagreement(best, under_laws, search.box)
