@@ -56,3 +56,15 @@ def test_fits_under_other_laws_differ_from_the_best_in_the_law_alone(
     assert sorted([best.flt.law, *(one.flt.law for one in under_laws)]) == sorted(LAWS)
     assert all(one.free == best.free and one.structure[1:] == best.structure[1:] for one in under_laws)
     assert best.cost <= min(map(cost_of, under_laws))
+
+
+def test_a_gap_of_any_size_is_tried_over_more_rows(
+    flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float]
+):
+    """The few rows of the search may leave it fifty times too narrow, which no descent mends."""
+    search = Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05))
+    begun = flt.theta(values | {"backlash": plant.backlash / 50.0})
+    poor = Candidate("start", begun, 0.0, search.part, sorted({INDEX[name] for name in TOLD}))
+    found = final_fits.estimate(search, [replace(poor, cost=poor.flt.run(begun).cost)])
+    assert found is not None
+    assert np.exp(found.theta[TOLD.index("backlash")]) == pytest.approx(plant.backlash, rel=0.01)

@@ -52,10 +52,15 @@ def with_better_backlash(found: Candidate, box: Box) -> list[Candidate]:
 
 
 def with_best_backlashes(
-    found: Candidate, rows: ContactFilter, box: Box, free: Collection[int] = (), afresh: bool = False
+    found: Candidate,
+    rows: ContactFilter,
+    box: Box,
+    free: Collection[int] = (),
+    afresh: bool = False,
+    laws: Collection[str] = tuple(LAWS),
 ) -> list[Candidate]:
-    """The candidate with the backlashes of any size, and under any law of the contact, that predict best after a few
-    steps, the lowest first; the scan is over some rows. ``free``: what a candidate without a gap gets with one.
+    """The candidate with the backlashes of any size, and under any of some laws of the contact, that predict best after
+    a few steps, the lowest first; the scan is over some rows. ``free``: what a candidate without a gap gets with one.
 
     In a wrong minimum, damping and the rates of unknown torques are often so large that no gap shows. ``afresh``: with
     little damping and the rates of a start; then what the scan finds comes down through the noise levels.
@@ -76,7 +81,7 @@ def with_best_backlashes(
             one = replace(one, theta=low.theta, flt=replace(one.flt, level=low.flt.level))
         return rates_first(one, box, STEPS)
 
-    few = [one for law in LAWS for one in lowest(law)]
+    few = [one for law in laws for one in lowest(law)]
     return sorted(side_by_side(followed, few), key=cost_of)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -226,17 +226,23 @@ class Search(Room):
     def with_other_gaps(self, found: Sequence[Candidate]) -> list[Candidate]:
         """The best with a backlash of any size, and with its other choices then, as long as that is better."""
         more: list[Candidate] = []
-        gap = {PLACE, OFFSET} & {*self.free}
-        while PLACE in gap and not self.ended([*found, *more]):
+        while PLACE in self.free and not self.ended([*found, *more]):
             best = min([*found, *more], key=cost_of)
-            scans = [
-                with_best_backlashes(best, self.coarse, self.box, gap, afresh) for afresh in (False, True)
-            ]
-            better = min(self.polished([scan[0] for scan in scans if scan]), key=cost_of, default=best)
+            better = min(self.with_any_backlash(best, self.coarse), key=cost_of, default=best)
             if alike(best, better, 0.0):
                 break
             more += [better, *self.otherwise([better])]
         return more
+
+    def with_any_backlash(
+        self, best: Candidate, rows: ContactFilter, laws: Collection[str] = tuple(LAWS)
+    ) -> list[Candidate]:
+        """With the backlash that does best of those of any size, as it is and afresh; none where no gap is fitted."""
+        gap = {PLACE, OFFSET} & {*self.free}
+        if PLACE not in gap:
+            return []
+        scans = [with_best_backlashes(best, rows, self.box, gap, afresh, laws) for afresh in (False, True)]
+        return self.polished([scan[0] for scan in scans if scan])
 
     def otherwise(self, found: Sequence[Candidate], others: Sequence[Candidate] = ()) -> list[Candidate]:
         """The best with one of its choices made otherwise, as long as that is better; then the others likewise.

@@ -52,6 +52,9 @@ def _finished(
     found = search.polished(sorted(few, key=cost_of)[:POLISHED])
     laws = _of_each_law(search, min(found, key=cost_of))
     found += laws[1:]
+    best = min(found, key=cost_of)
+    # A gap that the few rows of the search do not cross, or hardly, may have any size.
+    found += search.with_any_backlash(best, flt, [best.flt.law])
     found += search.polished(with_better_backlash(min(found, key=cost_of), box))
     best = min(found, key=cost_of)
     begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
