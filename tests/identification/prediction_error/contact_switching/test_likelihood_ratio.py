@@ -11,8 +11,10 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
 from lostmotion.identification.prediction_error.contact_switching.likelihood_ratio import (
     CHANCE_RIGID,
+    LEAST_RISE,
     alike,
     clearly_better,
+    simplest,
 )
 from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 
@@ -31,6 +33,16 @@ def test_the_truth_is_clearly_better_than_another_stiffness(flt: ContactFilter, 
     truth, other = at(flt, values), at(flt, values, stiffness=1.3 * values["stiffness"])
     assert clearly_better(truth, other) and not clearly_better(other, truth)
     assert not clearly_better(truth, truth) and alike(truth, truth)
+
+
+def test_parts_that_hardly_raise_the_likelihood_are_superfluous(flt: ContactFilter, values: dict[str, float]):
+    """A third inertia that is not there predicts a little better, and leaves all others more room."""
+    two = at(flt, values)
+    three = replace(two, free=[*two.free, INDEX["share"]])
+    rise = LEAST_RISE / flt.counting.size
+    best, lower = (replace(three, cost=two.cost - part * rise) for part in (0.9, 0.8))
+    assert simplest([best, two, lower]) is two
+    assert simplest([best, replace(two, cost=two.cost + 0.2 * rise), lower]) is best
 
 
 def of_rows(flt: ContactFilter, rows: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> Candidate:

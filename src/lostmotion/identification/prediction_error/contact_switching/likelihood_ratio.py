@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...statistics.block_covariance import BLOCKS
 from ...statistics.permuted_signs import chance_of
-from .likelihood import Candidate
+from .likelihood import Candidate, cost_of
 
 #: Rise of the log likelihood below which no candidate is better (numerics: ten more parameters raise it by five where
 #: there is nothing to find).
@@ -39,6 +41,16 @@ def plausible_beside(one: Candidate, best: Candidate) -> bool:
     another if it comes near. Each structure lacks something else, and makes up for it otherwise."""
     near = one.cost <= best.cost + ALIKE + ALIKE_SHARE * best.cost
     return alike(one, best) or (near and one.structure != best.structure)
+
+
+def simplest(found: Sequence[Candidate]) -> Candidate:
+    """The one with the fewest parameters of those over the same rows that no other is better than; the lowest of these.
+
+    A superfluous inertia, or a friction that does not rise, leaves the others' values much more room.
+    """
+    best = min(found, key=cost_of)
+    highest = best.cost + LEAST_RISE / best.flt.counting.size
+    return min((one for one in found if one.cost <= highest), key=lambda one: (len(one.free), one.cost))
 
 
 def clearly_better(one: Candidate, other: Candidate, chance: float = CHANCE) -> bool:

@@ -68,3 +68,23 @@ def test_a_gap_of_any_size_is_tried_over_more_rows(
     found = final_fits.estimate(search, [replace(poor, cost=poor.flt.run(begun).cost)])
     assert found is not None
     assert np.exp(found.theta[TOLD.index("backlash")]) == pytest.approx(plant.backlash, rel=0.01)
+
+
+def test_what_fits_the_noise_alone_is_no_part_of_the_drive(
+    flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
+):
+    """A third inertia or a rising friction predicts a little better, and leaves all other values more room."""
+    rows = flt.liveliest(3000)
+    search = replace(Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05)), flt=rows, part=rows)
+    drive = Candidate("start", rows.theta(values), 0.0, rows, sorted({INDEX[name] for name in TOLD}))
+    seen: list[tuple[Candidate, Sequence[Candidate]]] = []
+
+    def noted(best: Candidate, found: Sequence[Candidate], box: Box) -> np.ndarray:
+        seen.append((best, found))
+        return np.zeros(len(TOLD))
+
+    monkeypatch.setattr(final_fits, "room_for_further_inertias", noted)
+    monkeypatch.setattr(final_fits, "disagreement", lambda *_: np.zeros(len(TOLD)))
+    final_fits.estimate(search, [replace(drive, cost=drive.flt.run(drive.theta).cost)])
+    [(best, found)] = seen
+    assert best.free == drive.free and len(min(found, key=cost_of).free) > len(drive.free)

@@ -11,6 +11,7 @@ from ..filter import ContactFilter
 from ..intervals.further_inertias import room_for_further_inertias
 from ..intervals.refits import disagreement
 from ..likelihood import Candidate, cost_of, side_by_side
+from ..likelihood_ratio import simplest
 from ..moves.backlash_scan import with_better_backlash
 from ..moves.choices import other_parts
 from ..selection import apart, plausible
@@ -46,7 +47,8 @@ def _finished(
     search: Search, others: Sequence[Candidate], flt: ContactFilter
 ) -> tuple[list[Candidate], list[Candidate]]:
     """The candidates that predict more rows best, fitted to these; then the best under other laws, with other
-    backlashes and with parts that it lacks. The lowest comes first. And the fits of that one under the other laws."""
+    backlashes and with parts that it lacks. The simplest of those that none is better than comes first. And the fits of
+    that one under the other laws."""
     box = search.box
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
     found = search.polished(sorted(few, key=cost_of)[:POLISHED])
@@ -59,13 +61,13 @@ def _finished(
     best = min(found, key=cost_of)
     begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
     found = search.split([*found, *search.polished(begun, flt)])
-    best = min(found, key=cost_of)
+    best = simplest(found)
     if all(one is not best for one in laws):
-        # Fits under other laws that lack what the best has found since differ from it by that as well.
+        # Fits under other laws that lack what the best has found since, or have more, differ from it by that as well.
         laws = _of_each_law(search, best)
         found += laws[1:]
-        best = min(laws, key=cost_of)
-    return sorted(found, key=cost_of), [one for one in laws if one is not best]
+        best = simplest(laws)
+    return [best, *sorted(found, key=cost_of)], [one for one in laws if one is not best]
 
 
 def _of_each_law(search: Search, best: Candidate) -> list[Candidate]:

@@ -33,7 +33,7 @@ def most_telling(candidate: Candidate, flt: ContactFilter, rows: int) -> Contact
 
 
 def _room(candidate: Candidate, part: ContactFilter) -> float:
-    """Mean logarithm of the standard errors of inertias, stiffness and backlash over some rows."""
+    """Sum of the logarithms of the standard errors of inertias, stiffness and, if it has one, backlash."""
     over = replace(candidate, flt=replace(candidate.over(part), level=candidate.flt.level))
-    _, errors = scatter(over)
-    return float(np.mean(np.log(np.fmin(errors[CORE], UNKNOWN))))
+    errors = np.fmin(scatter(over)[1][CORE], UNKNOWN)
+    return float(np.sum(np.log(errors[errors > 0.0])))
