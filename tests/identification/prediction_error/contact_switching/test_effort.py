@@ -64,6 +64,10 @@ def test_nothing_new_begins_where_the_drive_is_known(
     search = Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05))
     near, far = (replace(best, cost=factor * room.KNOWN) for factor in (0.9, 1.1))
     assert search.ended([near]) and not search.ended([far])
+    # What has a superfluous part, and is a little likelier, knows the drive less well.
+    superfluous = replace(near, free=[*near.free, INDEX["share"]], cost=near.cost - 1e-6)
+    monkeypatch.setattr(room, "sharp", lambda one: one.free == near.free)
+    assert search.ended([superfluous, near]) and not search.ended([superfluous])
     monkeypatch.setattr(room, "sharp", lambda _: False)
     assert not search.ended([near])
 

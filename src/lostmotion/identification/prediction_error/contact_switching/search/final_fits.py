@@ -29,7 +29,8 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
     if not np.isfinite(others[0].cost):
         return None
     search.reached("the best over more rows")
-    finished, under_laws = _finished(search, others, most_telling(others[0], search.flt, _rows(others[0])))
+    best = simplest(others)
+    finished, under_laws = _finished(search, others, most_telling(best, search.flt, _rows(best)))
     best = finished[0]
     search.reached("intervals")
     shifts = disagreement(best, under_laws, search.box)

@@ -15,7 +15,8 @@ from ...gain_schedule import Progress
 from ..effort import Effort
 from ..estimate import sharp
 from ..filter import ContactFilter
-from ..likelihood import Box, Candidate, cost_of, polish, side_by_side
+from ..likelihood import Box, Candidate, polish, side_by_side
+from ..likelihood_ratio import simplest
 from ..parameter_vector import pole_of
 from ..starts.from_drivetrain import RESPONSE, free_places, response_start, starts
 from ..starts.slow_motion import informed
@@ -119,7 +120,7 @@ class Room:
 
     def ended(self, found: Sequence[Candidate]) -> bool:
         """The same, or little more is left where inertias, stiffness and backlash are well known."""
-        best = min(found, key=cost_of)
+        best = simplest(found)
         return self.nothing_left(best) or (abs(best.cost) < KNOWN and sharp(best))
 
     @cached_property
