@@ -30,8 +30,7 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
         return None
     search.reached("the best over more rows")
     best = simplest(others)
-    finished, under_laws = _finished(search, others, most_telling(best, search.flt, _rows(best)))
-    best = finished[0]
+    best, finished, under_laws = _finished(search, others, most_telling(best, search.flt, _rows(best)))
     search.reached("intervals")
     shifts = disagreement(best, under_laws, search.box)
     room = room_for_further_inertias(best, finished, search.box)
@@ -46,10 +45,12 @@ def _rows(best: Candidate) -> int:
 
 def _finished(
     search: Search, others: Sequence[Candidate], flt: ContactFilter
-) -> tuple[list[Candidate], list[Candidate]]:
-    """The candidates that predict more rows best, fitted to these; then the best under other laws, with other
-    backlashes and with parts that it lacks. The simplest of those that none is better than comes first. And the fits of
-    that one under the other laws."""
+) -> tuple[Candidate, list[Candidate], list[Candidate]]:
+    """The simplest that none is better than of all candidates over more rows; all of these; its fits under other laws.
+
+    They are the few that predict these rows best, fitted to them; then the best of these under other laws, with other
+    backlashes and with parts that it lacks.
+    """
     box = search.box
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
     found = search.polished(sorted(few, key=cost_of)[:POLISHED])
@@ -68,7 +69,7 @@ def _finished(
         laws = _of_each_law(search, best)
         found += laws[1:]
         best = simplest(laws)
-    return [best, *sorted(found, key=cost_of)], [one for one in laws if one is not best]
+    return best, found, [one for one in laws if one is not best]
 
 
 def _of_each_law(search: Search, best: Candidate) -> list[Candidate]:
