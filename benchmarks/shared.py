@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gzip
 import json
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,9 @@ def parser_of(text: str) -> argparse.ArgumentParser:
 
 
 def read(results: Path) -> list[dict[str, Any]]:
-    """What the lines of a results file hold; none where there is no file yet."""
-    lines = results.read_text().splitlines() if results.exists() else []
-    return [json.loads(line) for line in lines]
+    """What the lines of a results file hold, packed (``.gz``) or not; none where there is no file yet."""
+    if not results.exists():
+        return []
+    packed = results.read_bytes()
+    lines = gzip.decompress(packed) if results.suffix == ".gz" else packed
+    return [json.loads(line) for line in lines.splitlines()]

@@ -2,6 +2,7 @@
 
     python benchmarks/zoo.py development --drives 80 --results zoo.jsonl      # goes on where it stopped
     python benchmarks/zoo.py development --results zoo.jsonl --picture zoo.png --summary zoo.json
+    python benchmarks/zoo.py test --results benchmarks/results/zoo-test.jsonl.gz     # the tables of the docs
 
 Every drive's result is one line of the results file; tables are made of all lines whose seed is in the set. The sets
 are those of ``lostmotion.rig.SETS``; the test set is run once for each change of rules.
@@ -22,6 +23,7 @@ from shared import parser_of, read
 from zoo_gap_bound import gap_bound
 from zoo_observer import observer_errors
 from zoo_tables import Scores, picture, summary, tables
+from zoo_targets import target_lines, target_table
 
 import lostmotion as lm
 from lostmotion.errors import InvalidInput, LostMotionError
@@ -116,6 +118,8 @@ def main() -> None:
     parser.add_argument("--picture", type=Path)
     parser.add_argument("--summary", type=Path, help="the pooled numbers as JSON")
     arguments = parser.parse_args()
+    if arguments.results.suffix == ".gz" and arguments.drives:
+        parser.error(f"{arguments.results} is packed: unpack it to add drives to it")
     seeds = lm.rig.SETS[arguments.set]
     run(
         seeds[arguments.first : arguments.first + arguments.drives],
@@ -127,6 +131,8 @@ def main() -> None:
     )
     scores = Scores([entry for entry in read(arguments.results) if entry["seed"] in seeds])
     print(tables(scores))
+    if scores.entries:
+        print("", *target_table(target_lines(scores)), sep="\n")
     if arguments.summary:
         arguments.summary.write_text(json.dumps(summary(scores), indent=1))
     if arguments.picture:

@@ -29,8 +29,8 @@ PICTURE = {
 }
 #: Groups of equal size of a dimension in the picture; errors outside these limits, in %, are drawn at them.
 GROUPS, SMALLEST, LARGEST = 6, 1e-3, 1e3
-#: A drive counts for rates and errors if its Cramér–Rao half width is no more than this; for 3 % targets, the second.
-COUNTS, COUNTS_FINE = 0.10, 0.03
+#: A drive counts for rates and errors if its Cramér–Rao half width is no more than this.
+COUNTS = 0.10
 #: Judged for itself: what it adds to the pooled figures would say nothing about the two masses.
 TOTAL = "inertia_total"
 #: Grossly wrong: outside the interval, and off by more than this many half widths or this share.
@@ -90,7 +90,8 @@ def _rows(drive: int, entry: dict[str, Any]) -> list[Row]:
     return rows
 
 
-def _quantile(values: Sequence[float], level: float) -> float:
+def quantile(values: Sequence[float], level: float) -> float:
+    """Of the finite values; NaN where there is none."""
     finite = [v for v in values if np.isfinite(v)]
     return float(np.quantile(finite, level)) if finite else np.nan
 
@@ -105,9 +106,9 @@ def numbers(rows: Sequence[Row]) -> dict[str, float]:
         "coverage": float(np.mean([row.holds for row in identified])) if identified else np.nan,
         "gross": float(np.mean([row.gross for row in identified])) if identified else np.nan,
         "identified": float(np.mean([row.identified for row in counting])) if counting else np.nan,
-        "error_median": _quantile(errors, 0.5),
-        "error_90": _quantile(errors, 0.9),
-        "half_over_error": _quantile([row.half / max(row.error, 1e-12) for row in identified], 0.5),
+        "error_median": quantile(errors, 0.5),
+        "error_90": quantile(errors, 0.9),
+        "half_over_error": quantile([row.half / max(row.error, 1e-12) for row in identified], 0.5),
     }
 
 
@@ -124,16 +125,10 @@ def summary(scores: Scores) -> dict[str, Any]:
         | {TOTAL: numbers(scores.totals)},
         "designed": {name: numbers([r for r in designed.rows if r.name == name]) for name in names}
         | {TOTAL: numbers(designed.totals)},
-        "fine_errors_90": {
-            name: _quantile(
-                [r.error for r in designed.identified if r.name == name and r.bound <= COUNTS_FINE], 0.9
-            )
-            for name in names
-        },
         "observer": observer_numbers(scores.entries),
         "gap_bound": gap_bound_numbers(scores.entries),
-        "time_median": _quantile(times, 0.5),
-        "time_largest": _quantile(times, 1.0),
+        "time_median": quantile(times, 0.5),
+        "time_largest": quantile(times, 1.0),
     }
 
 
@@ -142,16 +137,15 @@ def tables(scores: Scores) -> str:
     if not scores.entries:
         return "no drives"
     whole = summary(scores)
-    groups = _groups(scores)
-    cells = len(groups) + len(whole["parameters"])
-    every = [*scores.rows, *scores.totals]
+    parameters, groups = _by_parameter(scores), _groups(scores)
+    cells = len(parameters) + len(groups)
     lines = [
         f"{whole['drives']} drives, {whole['refused']} refused; {whole['time_median']:.2f} s median, "
         f"{whole['time_largest']:.1f} s at most. Marked: coverage below 95 % by more than a binomial test allows "
         f"at 5 % over {cells} cells.",
         "",
         *_table("parameter", {"all": scores.rows}, cells),
-        *_table(None, {n: [r for r in every if r.name == n] for n in whole["parameters"]}, cells),
+        *_table(None, parameters, cells),
         "",
         *_table("dimension", groups, cells),
         "",
@@ -160,6 +154,23 @@ def tables(scores: Scores) -> str:
         *gap_bound_table(whole["gap_bound"]),
     ]
     return "\n".join(lines)
+
+
+def low_cells(scores: Scores) -> list[str]:
+    """Parameters, quartiles and kinds with a coverage below 95 % by more than chance."""
+    cells = _by_parameter(scores) | _groups(scores)
+    return [name for name, rows in cells.items() if _is_low(rows, len(cells))]
+
+
+def _is_low(rows: Sequence[Row], cells: int) -> bool:
+    """Whether the coverage is below 95 % by more than a binomial test allows at 5 % over so many cells."""
+    hold = [row.holds for row in rows if row.identified]
+    return bool(hold) and bool(binom.cdf(sum(hold), len(hold), 0.95) < 0.05 / cells)
+
+
+def _by_parameter(scores: Scores) -> dict[str, list[Row]]:
+    every = [*scores.rows, *scores.totals]
+    return {name: [r for r in every if r.name == name] for name in dict.fromkeys(row.name for row in every)}
 
 
 def _groups(scores: Scores) -> dict[str, list[Row]]:
@@ -190,7 +201,7 @@ def _table(title: str | None, groups: dict[str, list[Row]], cells: int) -> list[
     for name, rows in groups.items():
         n = numbers(rows)
         identified, coverage = int(n["values"]), n["coverage"]
-        low = identified > 0 and binom.cdf(round(coverage * identified), identified, 0.95) < 0.05 / cells
+        low = _is_low(rows, cells)
         lines.append(
             f"| {name} | {identified} | {100 * coverage:.1f}{' **low**' if low else ''} | {100 * n['gross']:.1f} "
             f"| {100 * n['identified']:.0f} | {100 * n['error_median']:.3g} | {100 * n['error_90']:.3g} "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gzip
+import json
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,9 +14,11 @@ import pytest
 import lostmotion as lm
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
+import shared
 import zoo_gap_bound
 import zoo_observer
 import zoo_tables
+import zoo_targets
 
 #: A third of the virtual rig's frequency, a gap of 0.4 wind-ups, no load torque.
 DRIVE = lm.rig.drive(403)
@@ -84,3 +88,68 @@ def test_the_bound_of_a_gap_and_what_the_limit_allows():
         "| without a gap | 3 | 2 | 2 | 1 | 3 |" in shown
         and "| all | 5 | 100 | 0.4 | 100 | 0.2 | 2 |" in shown
     )
+
+
+def judged_line(value: float, half: float, **kind: Any) -> dict[str, Any]:
+    """A line of a drive with a stiffness of 1, and what is found of it."""
+    found = {"value": value, "interval": [value - half, value + half]}
+    entry = line(0.0, None, stiffness=found)
+    entry |= {"truth": {"stiffness": 1.0, "backlash": 0.0}, "bound": {"stiffness": 0.001, "backlash": 0.001}}
+    usual = {"excitation": "designed", "gap": 1.0, "bits": 20.0}
+    return entry | {"dimensions": entry["dimensions"] | usual | kind}
+
+
+def targets(entries: list[dict[str, Any]]) -> dict[str, tuple[str, int, bool]]:
+    lines = zoo_targets.target_lines(zoo_tables.Scores(entries))
+    return {text: (measured, count, met) for text, _, measured, count, met in lines}
+
+
+def test_targets_say_what_is_measured_and_whether_it_is_met():
+    right, none = judged_line(1.001, 0.002), judged_line(1.0, 0.002) | {"found": {}}
+    met = targets([right] * 19 + [judged_line(1.004, 0.002)])
+    assert met["coverage, %"] == ("95", 20, True) and met["grossly wrong, %"] == ("0", 20, True)
+    assert met["stiffness identified, target group, %"] == ("100", 20, True)
+    assert met["stiffness, 90 % of errors, designed, %"] == ("0.1", 20, True)
+    assert met["half width over error, median"] == ("2", 20, True)
+    missed = targets([right] * 8 + [none, judged_line(1.4, 0.002) | {"time": 21.0}])
+    assert missed["coverage, %"] == ("88.9", 9, False)
+    assert missed["grossly wrong, %"] == ("11.1", 9, False)
+    assert missed["stiffness identified, target group, %"] == ("90", 10, True)
+    assert missed["stiffness, 90 % of errors, designed, %"] == ("8.08", 9, False)
+    assert missed["drives within 20 s, %"] == ("90", 10, False)
+    assert "| coverage, % | 93 … 98 | 88.9 | 9 | **no** |" in zoo_targets.target_table(
+        zoo_targets.target_lines(zoo_tables.Scores([right] * 8 + [judged_line(1.4, 0.002)]))
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "inside"),
+    [
+        ({}, True),
+        ({"bits": 0.0}, True),
+        ({"bits": 15.0}, False),
+        ({"gap": 0.0}, False),
+        ({"excitation": "prbs"}, False),
+    ],
+)
+def test_the_target_group_has_a_gap_a_designed_excitation_and_no_coarse_encoder(
+    kind: dict[str, Any], inside: bool
+):
+    assert zoo_targets.in_target_group(judged_line(1.0, 0.1, **kind)) == inside
+
+
+def test_low_cells_are_those_that_the_table_marks():
+    entries = [judged_line(1.0, 0.01, masses=2.0)] * 30 + [judged_line(1.02, 0.01, masses=5.0)] * 5
+    scores = zoo_tables.Scores(entries)
+    low = zoo_tables.low_cells(scores)
+    assert "masses 5" in low and "masses 2" not in low
+    assert zoo_tables.tables(scores).count("**low**") == len(low)
+
+
+def test_results_are_read_packed_or_not(tmp_path: Path):
+    lines = "".join(json.dumps({"seed": seed}) + "\n" for seed in (1, 2))
+    (tmp_path / "plain.jsonl").write_text(lines)
+    (tmp_path / "packed.jsonl.gz").write_bytes(gzip.compress(lines.encode()))
+    for name in ("plain.jsonl", "packed.jsonl.gz"):
+        assert shared.read(tmp_path / name) == [{"seed": 1}, {"seed": 2}], name
+    assert shared.read(tmp_path / "none.jsonl") == []
