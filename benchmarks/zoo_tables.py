@@ -157,7 +157,7 @@ def tables(scores: Scores) -> str:
 
 
 def low_cells(scores: Scores) -> list[str]:
-    """Parameters, quartiles and kinds with a coverage below 95 % by more than chance."""
+    """Parameters, quartiles and kinds whose coverage is too low, see ``_is_low``."""
     cells = _by_parameter(scores) | _groups(scores)
     return [name for name, rows in cells.items() if _is_low(rows, len(cells))]
 

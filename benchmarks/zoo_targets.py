@@ -12,8 +12,8 @@ from zoo_tables import COUNTS, Row, Scores, low_cells, quantile, summary
 BITS = 16
 #: A drive counts for errors of a few percent if its Cramér–Rao half width is no more than this.
 COUNTS_FINE = 0.03
-#: Share of drives on which a value is told at least, in the target group (option: the target).
-TOLD = {"inertia_motor": 0.95, "inertia_load": 0.95, "stiffness": 0.90, "backlash": 0.90}
+#: Share of drives on which a value is identified, at least, in the target group (option: the target).
+IDENTIFIED = {"inertia_motor": 0.95, "inertia_load": 0.95, "stiffness": 0.90, "backlash": 0.90}
 #: Nine in ten errors are below this; half of the backlash's are below the second (option: the target).
 ERROR_90, BACKLASH_MEDIAN = 0.03, 0.005
 #: Seconds for one drive at most (option: the target).
@@ -42,13 +42,13 @@ def target_lines(scores: Scores) -> list[Line]:
         _at_most("grossly wrong, %", 0.5, 100.0 * pooled["gross"], values),
     ]
     group = scores.of(in_target_group)
-    for name, least in TOLD.items():
-        told = [row.identified for row in _of(group, name) if row.counts]
+    for name, least in IDENTIFIED.items():
+        found = [row.identified for row in _of(group, name) if row.counts]
         lines.append(
-            _at_least(f"{name} identified, target group, %", 100.0 * least, _percent(told), len(told))
+            _at_least(f"{name} identified, target group, %", 100.0 * least, _percent(found), len(found))
         )
     designed = scores.of(lambda entry: entry["dimensions"]["excitation"] == "designed")
-    for name in TOLD:
+    for name in IDENTIFIED:
         errors = _errors(designed, name, COUNTS_FINE)
         most = 100.0 * quantile(errors, 0.9)
         lines.append(_at_most(f"{name}, 90 % of errors, designed, %", 100.0 * ERROR_90, most, len(errors)))
