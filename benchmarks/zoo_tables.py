@@ -137,17 +137,15 @@ def tables(scores: Scores) -> str:
     if not scores.entries:
         return "no drives"
     whole = summary(scores)
-    parameters, groups = _by_parameter(scores), _groups(scores)
-    cells = len(parameters) + len(groups)
+    cells = _cells(scores)
     lines = [
         f"{whole['drives']} drives, {whole['refused']} refused; {whole['time_median']:.2f} s median, "
         f"{whole['time_largest']:.1f} s at most. Marked: coverage below 95 % by more than a binomial test allows "
-        f"at 5 % over {cells} cells.",
+        f"at 5 % over {len(cells)} cells.",
         "",
-        *_table("parameter", {"all": scores.rows}, cells),
-        *_table(None, parameters, cells),
+        *parameter_table(scores),
         "",
-        *_table("dimension", groups, cells),
+        *_table("dimension", _groups(scores), len(cells)),
         "",
         *observer_table(whole["observer"]),
         "",
@@ -156,10 +154,20 @@ def tables(scores: Scores) -> str:
     return "\n".join(lines)
 
 
+def parameter_table(scores: Scores) -> list[str]:
+    """Markdown: a row for all values, and one for each parameter."""
+    return _table("parameter", {"all": scores.rows} | _by_parameter(scores), len(_cells(scores)))
+
+
 def low_cells(scores: Scores) -> list[str]:
     """Parameters, quartiles and kinds whose coverage is too low, see ``_is_low``."""
-    cells = _by_parameter(scores) | _groups(scores)
+    cells = _cells(scores)
     return [name for name, rows in cells.items() if _is_low(rows, len(cells))]
+
+
+def _cells(scores: Scores) -> dict[str, list[Row]]:
+    """All that is judged for itself: parameters, quartiles and kinds."""
+    return _by_parameter(scores) | _groups(scores)
 
 
 def _is_low(rows: Sequence[Row], cells: int) -> bool:
@@ -192,12 +200,12 @@ def _groups(scores: Scores) -> dict[str, list[Row]]:
     return {name: rows for name, rows in groups.items() if rows}
 
 
-def _table(title: str | None, groups: dict[str, list[Row]], cells: int) -> list[str]:
-    head = [
-        f"| {title} | values | coverage, % | gross, % | identified, % | error, median, % | 90 %, % | half / error |",
+def _table(title: str, groups: dict[str, list[Row]], cells: int) -> list[str]:
+    lines = [
+        f"| {title} | values | coverage, % | grossly wrong, % | identified, % | median error, % "
+        "| 90 % of errors below, % | half width over error |",
         "|---" * 8 + "|",
     ]
-    lines = [] if title is None else head
     for name, rows in groups.items():
         n = numbers(rows)
         identified, coverage = int(n["values"]), n["coverage"]
