@@ -65,6 +65,10 @@ class Scores:
         self.totals = [row for row in judged if row.name == TOTAL]
         self.identified = [row for row in self.rows if row.identified]
 
+    def named(self, name: str) -> list[Row]:
+        """Those of a parameter, or of the total inertia."""
+        return [row for row in (self.totals if name == TOTAL else self.rows) if row.name == name]
+
     def of(self, keep: Callable[[dict[str, Any]], bool]) -> Scores:
         """The same of the drives that are kept."""
         return Scores([entry for entry in self.entries if keep(entry)])
@@ -121,9 +125,8 @@ def summary(scores: Scores) -> dict[str, Any]:
         "drives": len(scores.entries),
         "refused": sum("refusal" in entry for entry in scores.entries),
         "pooled": numbers(scores.rows),
-        "parameters": {name: numbers([r for r in scores.rows if r.name == name]) for name in names}
-        | {TOTAL: numbers(scores.totals)},
-        "designed": {name: numbers([r for r in designed.rows if r.name == name]) for name in names}
+        "parameters": {name: numbers(scores.named(name)) for name in names} | {TOTAL: numbers(scores.totals)},
+        "designed": {name: numbers(designed.named(name)) for name in names}
         | {TOTAL: numbers(designed.totals)},
         "observer": observer_numbers(scores.entries),
         "gap_bound": gap_bound_numbers(scores.entries),
@@ -177,8 +180,8 @@ def _is_low(rows: Sequence[Row], cells: int) -> bool:
 
 
 def _by_parameter(scores: Scores) -> dict[str, list[Row]]:
-    every = [*scores.rows, *scores.totals]
-    return {name: [r for r in every if r.name == name] for name in dict.fromkeys(row.name for row in every)}
+    names = dict.fromkeys(row.name for row in [*scores.rows, *scores.totals])
+    return {name: scores.named(name) for name in names}
 
 
 def _groups(scores: Scores) -> dict[str, list[Row]]:

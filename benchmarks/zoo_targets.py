@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from zoo_tables import COUNTS, Row, Scores, low_cells, quantile, summary
+from zoo_tables import COUNTS, Scores, low_cells, numbers, quantile, summary
 
 #: Encoders of the target group have so many bits at least; an analog sensor is in it (option: the target).
 BITS = 16
@@ -32,7 +32,7 @@ def in_target_group(entry: dict[str, Any]) -> bool:
 
 
 def target_lines(scores: Scores) -> list[Line]:
-    """One line for each target."""
+    """One line for each target; one drive at least."""
     whole = summary(scores)
     pooled, gaps = whole["pooled"], whole["gap_bound"]
     values = int(pooled["values"])
@@ -43,10 +43,9 @@ def target_lines(scores: Scores) -> list[Line]:
     ]
     group = scores.of(in_target_group)
     for name, least in IDENTIFIED.items():
-        found = [row.identified for row in _of(group, name) if row.counts]
-        lines.append(
-            _at_least(f"{name} identified, target group, %", 100.0 * least, _percent(found), len(found))
-        )
+        rows = [row for row in group.named(name) if row.counts]
+        share = 100.0 * numbers(rows)["identified"]
+        lines.append(_at_least(f"{name} identified, target group, %", 100.0 * least, share, len(rows)))
     designed = scores.of(lambda entry: entry["dimensions"]["excitation"] == "designed")
     for name in IDENTIFIED:
         errors = _errors(designed, name, COUNTS_FINE)
@@ -70,7 +69,9 @@ def target_lines(scores: Scores) -> list[Line]:
             _at_most(f"Observer 1 over that with true values{of}, 90 %", 1.3, n["ratio_90"], n["drives"])
         )
     times = [entry["time"] <= LONGEST for entry in scores.entries]
-    lines.append(_at_least(f"drives within {LONGEST:g} s, %", 100.0, _percent(times), len(times)))
+    lines.append(
+        _at_least(f"drives within {LONGEST:g} s, %", 100.0, 100.0 * float(np.mean(times)), len(times))
+    )
     return lines
 
 
@@ -80,13 +81,9 @@ def target_table(lines: Sequence[Line]) -> list[str]:
     return shown + [f"| {a} | {t} | {m} | {n} | {'yes' if met else '**no**'} |" for a, t, m, n, met in lines]
 
 
-def _of(scores: Scores, name: str) -> list[Row]:
-    return [row for row in scores.rows if row.name == name]
-
-
 def _errors(scores: Scores, name: str, bound: float) -> list[float]:
     """Relative, of what is identified where the Cramér–Rao half width is no more than the bound."""
-    return [row.error for row in _of(scores, name) if row.identified and row.bound <= bound]
+    return [row.error for row in scores.named(name) if row.identified and row.bound <= bound]
 
 
 def _at_most(text: str, most: float, measured: float, count: int) -> Line:
@@ -99,7 +96,3 @@ def _at_least(text: str, least: float, measured: float, count: int) -> Line:
 
 def _between(text: str, least: float, most: float, measured: float, count: int) -> Line:
     return text, f"{least:g} … {most:g}", f"{measured:.3g}", count, bool(least <= measured <= most)
-
-
-def _percent(holds: Sequence[bool]) -> float:
-    return 100.0 * float(np.mean(holds)) if holds else np.nan
