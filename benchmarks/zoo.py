@@ -22,6 +22,7 @@ import numpy as np
 from shared import parser_of, read
 from zoo_gap_bound import gap_bound
 from zoo_observer import observer_errors
+from zoo_shares import share_table
 from zoo_tables import Scores, picture, summary, tables
 from zoo_targets import target_lines, target_table
 
@@ -132,7 +133,7 @@ def main() -> None:
     scores = Scores([entry for entry in read(arguments.results) if entry["seed"] in seeds])
     print(tables(scores))
     if scores.entries:
-        print("", *target_table(target_lines(scores)), sep="\n")
+        print("", *share_table(scores), "", *target_table(target_lines(scores)), sep="\n")
     if arguments.summary:
         arguments.summary.write_text(json.dumps(summary(scores), indent=1))
     if arguments.picture:

@@ -148,7 +148,7 @@ def tables(scores: Scores) -> str:
         "",
         *parameter_table(scores),
         "",
-        *_table("dimension", _groups(scores), len(cells)),
+        *_table("dimension", groups(scores), len(cells)),
         "",
         *observer_table(whole["observer"]),
         "",
@@ -170,7 +170,7 @@ def low_cells(scores: Scores) -> list[str]:
 
 def _cells(scores: Scores) -> dict[str, list[Row]]:
     """All that is judged for itself: parameters, quartiles and kinds."""
-    return _by_parameter(scores) | _groups(scores)
+    return _by_parameter(scores) | groups(scores)
 
 
 def _is_low(rows: Sequence[Row], cells: int) -> bool:
@@ -184,14 +184,14 @@ def _by_parameter(scores: Scores) -> dict[str, list[Row]]:
     return {name: scores.named(name) for name in names}
 
 
-def _groups(scores: Scores) -> dict[str, list[Row]]:
+def groups(scores: Scores) -> dict[str, list[Row]]:
     """Rows by kind, and by quartile of each number."""
-    groups: dict[str, list[Row]] = {}
+    found: dict[str, list[Row]] = {}
     for name in KINDS:
         values = [entry["dimensions"][name] for entry in scores.entries]
         for value in sorted(set(values), key=str):
             label = f"{value:g}" if isinstance(value, float) else value
-            groups[f"{name} {label}"] = [row for row in scores.rows if values[row.drive] == value]
+            found[f"{name} {label}"] = [row for row in scores.rows if values[row.drive] == value]
     for name in NUMBERS:
         values = np.array([entry["dimensions"][name] for entry in scores.entries], dtype=float)
         usual = values[np.isfinite(values) & (values > 0.0)]
@@ -199,8 +199,8 @@ def _groups(scores: Scores) -> dict[str, list[Row]]:
         edges[-1] *= 1.0 + 1e-9
         for low, high in zip(edges[:-1], edges[1:], strict=True):
             inside = (values >= low) & (values < high)
-            groups[f"{name} {low:.2g} … {high:.2g}"] = [row for row in scores.rows if inside[row.drive]]
-    return {name: rows for name, rows in groups.items() if rows}
+            found[f"{name} {low:.2g} … {high:.2g}"] = [row for row in scores.rows if inside[row.drive]]
+    return {name: rows for name, rows in found.items() if rows}
 
 
 def _table(title: str, groups: dict[str, list[Row]], cells: int) -> list[str]:

@@ -17,6 +17,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import shared
 import zoo_gap_bound
 import zoo_observer
+import zoo_shares
 import zoo_tables
 import zoo_targets
 
@@ -144,6 +145,14 @@ def test_low_cells_are_those_that_the_table_marks():
     low = zoo_tables.low_cells(scores)
     assert "masses 5" in low and "masses 2" not in low
     assert zoo_tables.tables(scores).count("**low**") == len(low)
+
+
+def test_shares_count_what_the_recording_shows():
+    found, missed = judged_line(1.0, 0.01), judged_line(1.0, 0.01, masses=7.0) | {"found": {}}
+    hidden = missed | {"bound": {"stiffness": 0.2, "backlash": 0.001}}
+    gapless = judged_line(1.0, 0.01, gap=0.0)
+    shown = zoo_shares.share_table(zoo_tables.Scores([found, missed, hidden, gapless]))
+    assert {"| all | 3 | 67 |", "| masses 7 | 1 | 0 |", "| without a gap | 1 | 100 |"} <= set(shown)
 
 
 def test_results_are_read_packed_or_not(tmp_path: Path):

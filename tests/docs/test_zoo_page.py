@@ -9,6 +9,7 @@ import lostmotion as lm
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import shared
+import zoo_shares
 import zoo_tables
 import zoo_targets
 
@@ -22,6 +23,7 @@ def test_its_tables_are_those_of_the_results() -> None:
     targets = zoo_targets.target_table(zoo_targets.target_lines(scores))
     assert "\n".join(targets) in PAGE
     assert "\n".join(zoo_tables.parameter_table(scores)) in PAGE
+    assert "\n".join(zoo_shares.share_table(scores)) in PAGE
     assert f"{len(RESULTS)} drives" in PAGE
 
 
