@@ -17,6 +17,7 @@ from unittest.mock import patch
 
 import numpy as np
 from shared import parser_of
+from zoo_tables import CORE
 
 import lostmotion as lm
 from lostmotion.errors import LostMotionError
@@ -29,7 +30,6 @@ from lostmotion.identification.prediction_error.contact_switching.likelihood imp
 from lostmotion.identification.prediction_error.contact_switching.parameter_vector import FRICTIONS, INDEX
 from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
 
-CORE = ("inertia_motor", "inertia_load", "stiffness", "backlash")
 #: Rise of the log likelihood from which on the true chain is clearly likelier (chosen: four times that by which a
 #: candidate is better at all, ``likelihood_ratio.LEAST_RISE``).
 CLEARLY = 40.0

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from zoo_tables import Scores, groups
+from zoo_tables import CORE, Scores, groups, numbers
 
-#: What a controller needs of the drive; the other parameters are identified beside them.
-CORE = ("inertia_motor", "inertia_load", "stiffness", "backlash")
 #: Dimensions of the table.
 DIMENSIONS = ("excitation", "torque", "load_torque", "masses", "gap", "pole_dt", "rows")
 
@@ -17,7 +15,7 @@ def share_table(scores: Scores) -> list[str]:
     chosen |= {name: rows for name, rows in groups(scores).items() if name.split()[0] in DIMENSIONS}
     lines = ["| drives | values shown | identified, % |", "|---" * 3 + "|"]
     for name, rows in chosen.items():
-        shown = [row.identified for row in rows if row.name in CORE and row.counts]
+        shown = [row for row in rows if row.name in CORE and row.counts]
         if shown:
-            lines.append(f"| {name} | {len(shown)} | {100 * sum(shown) / len(shown):.0f} |")
+            lines.append(f"| {name} | {len(shown)} | {100 * numbers(shown)['identified']:.0f} |")
     return lines

@@ -31,6 +31,8 @@ PICTURE = {
 GROUPS, SMALLEST, LARGEST = 6, 1e-3, 1e3
 #: A drive counts for rates and errors if its Cramér–Rao half width is no more than this.
 COUNTS = 0.10
+#: What a controller needs of the drive; the other parameters are identified beside them.
+CORE = ("inertia_motor", "inertia_load", "stiffness", "backlash")
 #: Judged for itself: what it adds to the pooled figures would say nothing about the two masses.
 TOTAL = "inertia_total"
 #: Grossly wrong: outside the interval, and off by more than this many half widths or this share.
