@@ -162,7 +162,8 @@ def test_innovations_that_the_filter_does_not_expect_are_charged(
     per_row = flt.dt**2 if flt.counted else flt.dt
     noise = 300.0 * flt.floor * values["inertia_motor"] / per_row
     noisy = replace(flt, torque=flt.torque + noise * np.random.default_rng(2).standard_normal(flt.rows))
-    low, high = (noisy.run(flt.theta(values | {"motor_rate": rate})).cost for rate in (30.0, 1e6))
+    low, *higher = (noisy.run(flt.theta(values | {"motor_rate": rate})).cost for rate in (30.0, 1e5, 1e6))
+    high = min(higher)
     assert high < low - 0.5 and high < np.log(300.0)
 
 
@@ -292,7 +293,10 @@ def test_a_measured_torque_goes_straight_from_row_to_row(plant: lm.Drivetrain):
     linear, rows = plant.with_parameters(backlash=0.0, coulomb=0.0, lag=0.0), np.arange(1000)
     finely = 20 * STEPS
     time = (np.arange(rows.size * finely) + 0.5) / finely
-    flt, theta = coarse(linear, np.interp(time, rows, command()), command(), finely)
+    # Straight lines in twenty steps a row: the filter has to know of the rest.
+    flt, theta = coarse(
+        linear, np.interp(time, rows, command()), command(), finely, motor_rate=30.0, load_rate=30.0
+    )
     assert replace(flt, ramp=True).run(theta).cost == pytest.approx(0.0, abs=0.1)
     assert flt.run(theta).cost > 1.0
 

@@ -17,7 +17,7 @@ from .likelihood_ratio import alike
 from .parameter_vector import FRICTIONS, INDEX
 from .structures.division import room_for_division
 from .structures.no_gap import gap_bound, without_gap
-from .told import lag, room_for_rest, told_slopes, told_vector
+from .told import lag, lag_as_held, room_for_rest, told_slopes, told_vector
 
 Array = NDArray[np.float64]
 
@@ -71,8 +71,11 @@ class Estimate:
 
 
 def distance(one: Candidate, other: Candidate) -> Array:
-    """(8,) of the told parameters' logarithms: 0 where neither has a value, infinite where one has none."""
+    """(8,) of the told parameters' logarithms: 0 where neither has a value, infinite where one has none; of lags with
+    the torque between rows the same way."""
     a, b = told_vector(one), told_vector(other)
+    if one.flt.ramp is not other.flt.ramp:
+        a[-1], b[-1] = lag_as_held(one), lag_as_held(other)
     with np.errstate(invalid="ignore"):
         return np.where(a == b, 0.0, np.abs(a - b))
 
@@ -139,7 +142,7 @@ def told(
     # A smooth torque that is held acts as one that goes straight from row to row, half a row later: the lag is one or
     # the other, each by chance.
     if best.flt.ramp:
-        half[-1] += np.log((lag(best) + best.flt.dt) / (lag(best) + 0.5 * best.flt.dt))
+        half[-1] += np.log(lag(best) + best.flt.dt) - lag_as_held(best)
     half = _narrow(half, fixed)
     # Friction, damping and lag make up for what the model lacks.
     if abs(best.cost) >= EXPLAINED:

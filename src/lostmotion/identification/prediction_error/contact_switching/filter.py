@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..innovations import Predictor
-from .counting_rows import SETTLED, counting_rows, moves
 from .effort import Effort
 from .parameter_vector import INDEX, KINDS, NAMES, PARAMETERS, units_of, values_of, vector_of
-from .sensor_noise import measured_with_noise
+from .sensor.counting_rows import SETTLED, counting_rows, moves
+from .sensor.noise import measured_with_noise
+from .sensor.rounding import cost_as_gaussian, unlikelihood
 
 Array = NDArray[np.float64]
 
@@ -41,11 +42,11 @@ class Run:
     cost : float
         Minus the logarithm of the likelihood per sample, concentrated over the size of the noise (charged: up to the
         level): 0 where the innovations are as large as the sensor's noise alone makes them, 0.1 where they are 10 %
-        larger.
+        larger. Of rounding, on the same scale.
     jacobian : (m, n) array
         Change of the weighted innovations with θ, one column for each of these, the gains as they are.
     rows : (n,) array
-        What each row adds to the cost; their mean is the cost.
+        Minus the logarithm of the likelihood of each row; their mean is the cost, but for that scale.
     deviations : (n,) array
         Standard deviations of the innovations as the filter knows them, over that of its noise.
     steps : int
@@ -97,6 +98,9 @@ class ContactFilter:
     charged : bool
         Whether innovations larger than the filter thinks are charged. Else they are divided out: the cost of a filter
         that is lost is low and flat. That is no likelihood, but descents come through.
+    rounded : bool
+        Whether the noise is the rounding of counts, see ``sensor.rounding``: from the level of the floor on the
+        likelihood is that of a uniform one.
     units : (float, float, float)
         Of torque (Nm), Coulomb (Nm) and viscous friction (Nm s/rad) in θ; the same for all parts of a recording.
     effort : Effort
@@ -121,6 +125,7 @@ class ContactFilter:
     drifts: bool = False
     inertia: tuple[float, float] = (1.0, np.inf)
     charged: bool = True
+    rounded: bool = False
     units: tuple[float, float, float] = (1.0, 1.0, 1.0)
     effort: Effort = field(default_factory=Effort)
     whole: ContactFilter | None = None
@@ -135,7 +140,7 @@ class ContactFilter:
             If the speed never changes.
         """
         dt = predictor.dt
-        measured, floor = measured_with_noise(predictor)
+        measured, floor, rounded = measured_with_noise(predictor)
         halvings = int(np.clip(np.ceil(np.log2(FINEST * pole * dt)), 0, HALVINGS))
         flt = cls(
             predictor.torque,
@@ -148,7 +153,7 @@ class ContactFilter:
             predictor.bounds,
             int(np.ceil(SETTLED / (pole * dt))),
         )
-        return replace(flt, units=(flt.torque_size, flt.torque_size, flt.damper_size))
+        return replace(flt, rounded=rounded, units=(flt.torque_size, flt.torque_size, flt.damper_size))
 
     @property
     def rows(self) -> int:
@@ -209,10 +214,15 @@ class ContactFilter:
             scale = 1.0 / (self.level * deviations)
             weighted = residuals[counts, 0] * scale
             size = min(float(np.mean(weighted**2)), 1.0 if self.charged else np.inf)
-            rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance))
+            if self.rounded and self.charged and self.level <= self.floor:
+                rows = unlikelihood(weighted * deviations, variance)
+                cost = cost_as_gaussian(float(np.mean(rows)))
+            else:
+                rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance))
+                cost = float(np.mean(rows))
             beyond, slope = self._beyond_slow_motion(q[INDEX["inertia_motor"]], q[INDEX["inertia_load"]])
-            rows += np.log(self.level / self.floor) + 0.5 * np.log1p(beyond**2)
-        cost = float(np.mean(rows))
+            further = float(np.log(self.level / self.floor) + 0.5 * np.log1p(beyond**2))
+        rows, cost = rows + further, cost + further
         jacobian = jacobian[:, counts, 0] * scale
         if beyond:
             weight = np.sqrt(rows.size * size)

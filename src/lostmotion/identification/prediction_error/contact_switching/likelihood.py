@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..innovations import THREADS
-from .counting_rows import MOVED
 from .filter import ContactFilter, Run
 from .gauss_newton import minimise_within
 from .parameter_vector import FRICTIONS, INDEX, NAMES, PARAMETERS, pole_of
+from .sensor.counting_rows import MOVED
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")

@@ -25,6 +25,13 @@ def lag(candidate: Candidate) -> float:
     return max(_lag(candidate), 0.0)
 
 
+def lag_as_held(candidate: Candidate) -> float:
+    """The entry of ``told_vector`` for the lag, with a torque that is held from row to row: one that goes straight acts
+    half a row earlier."""
+    rows = 0.5 if candidate.flt.ramp else 1.0
+    return float(np.log(lag(candidate) + rows * candidate.flt.dt))
+
+
 def _lag(candidate: Candidate) -> float:
     """The same below zero as well: a measured torque may be ahead of that which acts."""
     values = candidate.values

@@ -17,7 +17,7 @@ from lostmotion.identification.prediction_error.contact_switching.search import 
 from lostmotion.identification.prediction_error.contact_switching.search.descents import Search
 
 
-def test_fits_under_other_laws_differ_from_the_best_in_the_law_alone(
+def test_fits_under_other_laws_differ_from_the_best_in_the_law_or_the_torque_alone(
     flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ):
     """Even where the best has a part that the first fits lack, and where these are of a poorer law."""
@@ -53,8 +53,11 @@ def test_fits_under_other_laws_differ_from_the_best_in_the_law_alone(
     found = final_fits.estimate(search, [poor])
     [(best, under_laws)] = seen
     assert found is not None and friction in best.free
-    assert sorted([best.flt.law, *(one.flt.law for one in under_laws)]) == sorted(LAWS)
-    assert all(one.free == best.free and one.structure[1:] == best.structure[1:] for one in under_laws)
+    [straight] = [one for one in under_laws if one.flt.ramp is not best.flt.ramp]
+    laws = [one for one in under_laws if one is not straight]
+    assert sorted([best.flt.law, *(one.flt.law for one in laws)]) == sorted(LAWS)
+    assert straight.flt.law == best.flt.law
+    assert all(one.free == best.free and one.structure[2:] == best.structure[2:] for one in under_laws)
     assert best.cost <= min(map(cost_of, under_laws))
 
 
@@ -87,4 +90,6 @@ def test_what_fits_the_noise_alone_is_no_part_of_the_drive(
     monkeypatch.setattr(final_fits, "disagreement", lambda *_: np.zeros(len(TOLD)))
     final_fits.estimate(search, [replace(drive, cost=drive.flt.run(drive.theta).cost)])
     [(best, found)] = seen
-    assert best.free == drive.free and len(min(found, key=cost_of).free) > len(drive.free)
+    assert best.free == drive.free
+    # Rounding has edges: nothing is likelier than the drive itself.
+    assert rows.rounded or len(min(found, key=cost_of).free) > len(drive.free)

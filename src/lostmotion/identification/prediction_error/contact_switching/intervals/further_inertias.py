@@ -8,13 +8,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ....statistics.block_covariance import student_factor
-from ...innovations import NAMES as TOLD
-from ..estimate import beyond_chance, distance, shown
+from ..estimate import distance
 from ..likelihood import Box, Candidate, side_by_side
 from ..parameter_vector import pole_of
 from ..structures.shaft_inertias import Place, has_fourth, placed, without_last_inertia
-from ..told import told_slopes
+from .score_test import change_by, room_by_score
 
 Array = NDArray[np.float64]
 
@@ -73,42 +71,19 @@ def _as_far_as_left(best: Candidate, other: Candidate) -> Array:
 def of_another(best: Candidate) -> Array:
     """(8,) largest change of the values by a third inertia at either end, light or heavy; by a fourth beside a third.
 
-    To first order, it adds ``part``·``effect`` to the innovations, where a part of 1 has its mode at the lowest of
-    ``HIDDEN_MODES``. The other parameters make up for some of it; that changes their values. What is left shows how
-    large the part is: a score test. Source: Rao (1948), Large sample tests of statistical hypotheses concerning
-    several parameters, Mathematical Proceedings of the Cambridge Philosophical Society 44, section 2.
+    A part of 1 has its mode at the lowest of ``HIDDEN_MODES``.
     """
-    run, seen = best.run, shown(best)
-    if not np.any(seen):
-        return np.zeros(len(TOLD))
-    jacobian, slopes = run.jacobian[seen], told_slopes(best)[:, seen]
-    size = np.linalg.norm(jacobian, axis=1)
-    basis, triangle = np.linalg.qr((jacobian / size[:, None]).T)
-    width = student_factor(1) * beyond_chance(best) * np.sqrt(np.mean(run.weighted**2))
-    largest = np.zeros(len(TOLD))
-    for effect in _effects(best):
-        made_up = basis.T @ effect
-        left = effect - basis @ made_up
-        with np.errstate(divide="ignore", invalid="ignore"):
-            part = np.hypot(run.weighted @ left / (left @ left), width / np.linalg.norm(left))
-        change = slopes @ (np.linalg.lstsq(triangle, made_up)[0] / size)
-        largest = np.maximum(largest, np.fmin(part, 1.0) * np.abs(change))
-    return largest
+    return room_by_score(best, [(effect, None) for effect in _effects(best)], 1.0)
 
 
 def _effects(best: Candidate) -> list[Array]:
     """Change of the weighted innovations by another inertia of part 1, as each of its places and modes says."""
-    run = best.run
 
     def effect(where: tuple[float, float, bool]) -> Array:
         flt, theta = placed(best, stiff_place(best, *where), best.flt)
-        other = flt.run(theta)
-        change, n = np.zeros(run.weighted.size), run.rows.size
-        change[:n] = other.weighted[:n] * other.deviations / run.deviations - run.weighted[:n]
-        return change * (where[0] / HIDDEN_MODES[0]) ** 2
+        return change_by(flt.run(theta), best.run) * (where[0] / HIDDEN_MODES[0]) ** 2
 
-    effects = side_by_side(effect, list(product(HIDDEN_MODES, SHARES, (False, True))))
-    return [one for one in effects if np.all(np.isfinite(one))]
+    return side_by_side(effect, list(product(HIDDEN_MODES, SHARES, (False, True))))
 
 
 def stiff_place(best: Candidate, mode: float, share: float, behind: bool) -> Place:

@@ -10,6 +10,7 @@ from ..estimate import CORE, Estimate, told
 from ..filter import ContactFilter
 from ..intervals.further_inertias import room_for_further_inertias
 from ..intervals.refits import disagreement
+from ..intervals.unseen_rise import room_for_unseen_rise
 from ..likelihood import Candidate, cost_of, side_by_side
 from ..likelihood_ratio import simplest
 from ..moves.backlash_scan import with_better_backlash
@@ -33,7 +34,7 @@ def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
     best, finished, under_laws = _finished(search, others, most_telling(best, search.flt, _rows(best)))
     search.reached("intervals")
     shifts = disagreement(best, under_laws, search.box)
-    room = room_for_further_inertias(best, finished, search.box)
+    room = np.hypot(room_for_further_inertias(best, finished, search.box), room_for_unseen_rise(best))
     result = told(best, plausible(finished), shifts, room, search.box, search.fixed)
     return result if np.any(np.isfinite(result.half[CORE])) else None
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..slow_motion.standstill import standstill
+from ...slow_motion.standstill import standstill
 
 Array = NDArray[np.float64]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ....errors import InvalidInput
-from ...statistics.white_noise import white_noise
-from ..innovations import Predictor
-from ..warnings import count_step
+from .....errors import InvalidInput
+from ....statistics.white_noise import white_noise
+from ...innovations import Predictor
+from ...warnings import count_step
 
 Array = NDArray[np.float64]
 
@@ -18,9 +18,9 @@ Array = NDArray[np.float64]
 EXACT, ADDED = 3e-6, 1e-4
 
 
-def measured_with_noise(predictor: Predictor) -> tuple[Array, float]:
-    """(n,) speed of the motor, rad/s, or its angle, rad, where the speed is a difference of counts; and the standard
-    deviation of its noise, which an exact speed gets, the same at each call.
+def measured_with_noise(predictor: Predictor) -> tuple[Array, float, bool]:
+    """(n,) speed of the motor, rad/s, or its angle, rad, where the speed is a difference of counts; the standard
+    deviation of its noise, which an exact speed gets, the same at each call; and whether that is rounding.
 
     Raises
     ------
@@ -40,4 +40,4 @@ def measured_with_noise(predictor: Predictor) -> tuple[Array, float]:
     if not noise > (0.0 if counted else EXACT * motion):
         noise = ADDED * motion
         measured = measured + noise * np.random.default_rng(0).standard_normal(measured.size)
-    return measured, noise
+    return measured, noise, step is not None
