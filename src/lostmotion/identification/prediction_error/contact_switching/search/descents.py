@@ -261,6 +261,14 @@ class Search(Room):
             if self.long:
                 return more
 
+    def with_friction_of_the_start(self, one: Candidate) -> Candidate:
+        """Friction of both ends and a constant torque, each far too large, make up for each other while the speed keeps
+        its sign: no small step leads out of that over rows where it does not."""
+        own = [place for place in map(INDEX.__getitem__, (*FRICTIONS, "torque_offset")) if place in self.free]
+        theta = one.theta.copy()
+        theta[own] = self.begun["nameplate"][own]
+        return replace(one, theta=theta)
+
     def _chosen(self, pairs: Sequence[tuple[Choice, Candidate]]) -> list[Candidate]:
         return self.polished(side_by_side(lambda pair: pair[0](pair[1]), pairs))
 

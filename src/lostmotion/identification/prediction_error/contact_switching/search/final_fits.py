@@ -55,6 +55,7 @@ def _finished(
     box = search.box
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
     found = search.polished(sorted(few, key=cost_of)[:POLISHED])
+    found += search.polished([search.with_friction_of_the_start(min(found, key=cost_of))])
     laws = _of_each_law(search, min(found, key=cost_of))
     found += laws[1:]
     best = min(found, key=cost_of)

@@ -25,7 +25,7 @@ LARGEST, POINTS, FINE, REACH = 30.0, 200, 4001, 8.0
 def unlikelihood(innovations: Array, variances: Array) -> Array:
     """(n,) minus the logarithms of the likelihoods of innovations (n,), over the rounding's standard deviation, that
     the filter takes for as large as ``variances`` (n,), over its square; 0 where nothing but rounding is left."""
-    from .....kernels.numerics.rounding import fill_unlikelihood
+    from .....kernels.numerics.uniform_noise import fill_unlikelihood
 
     rows = np.empty(innovations.size)
     fill_unlikelihood(innovations, variances, LEAST, OUTLIERS, rows)
@@ -45,7 +45,7 @@ def cost_as_gaussian(mean: float) -> float:
 def _as_gaussian() -> tuple[Array, Array]:
     """Mean unlikelihoods of rounding and ever larger Gaussian errors of the prediction, and the costs of innovations
     that are as large and Gaussian."""
-    from .....kernels.numerics.rounding import HALF
+    from .....kernels.numerics.uniform_noise import HALF
 
     errors, means = np.geomspace(LEAST, LARGEST, POINTS), []
     for error in errors:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from lostmotion.kernels.numerics.rounding import HALF, fill_unlikelihood
+from lostmotion.kernels.numerics.uniform_noise import HALF, fill_unlikelihood
 
 
 @pytest.mark.parametrize("error", [0.05, 0.5, 3.0])
