@@ -25,8 +25,8 @@ def fill_unlikelihood(
     ``outliers`` is Gaussian altogether: what the model places wrong has no edges.
     """
     for i in range(innovations.size):
-        size, variance = abs(innovations[i]), variances[i]
-        error = math.sqrt(max(variance - 1.0, least * least))
+        size, error = abs(innovations[i]), math.sqrt(max(variances[i] - 1.0, least * least))
+        variance = 1.0 + error * error
         near, opposite = (HALF - size) / error, (HALF + size) / error
         within = 1.0
         if near < FAR:

@@ -99,8 +99,7 @@ class ContactFilter:
         Whether innovations larger than the filter thinks are charged. Else they are divided out: the cost of a filter
         that is lost is low and flat. That is no likelihood, but descents come through.
     rounded : bool
-        Whether the noise is the rounding of counts, see ``sensor.rounding``: from the level of the floor on the
-        likelihood is that of a uniform one.
+        Whether the noise is the rounding of counts: the likelihood is that of a uniform one, see ``sensor.rounding``.
     units : (float, float, float)
         Of torque (Nm), Coulomb (Nm) and viscous friction (Nm s/rad) in θ; the same for all parts of a recording.
     effort : Effort
@@ -214,14 +213,15 @@ class ContactFilter:
             scale = 1.0 / (self.level * deviations)
             weighted = residuals[counts, 0] * scale
             size = min(float(np.mean(weighted**2)), 1.0 if self.charged else np.inf)
-            if self.rounded and self.charged and self.level <= self.floor:
-                rows = unlikelihood(weighted * deviations, variance)
+            over_floor = self.level / self.floor
+            if self.rounded and self.charged:
+                rows = unlikelihood(weighted * deviations * over_floor, size * variance * over_floor**2)
                 cost = cost_as_gaussian(float(np.mean(rows)))
             else:
-                rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance))
+                rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance * over_floor**2))
                 cost = float(np.mean(rows))
             beyond, slope = self._beyond_slow_motion(q[INDEX["inertia_motor"]], q[INDEX["inertia_load"]])
-            further = float(np.log(self.level / self.floor) + 0.5 * np.log1p(beyond**2))
+            further = 0.5 * float(np.log1p(beyond**2))
         rows, cost = rows + further, cost + further
         jacobian = jacobian[:, counts, 0] * scale
         if beyond:

@@ -37,6 +37,9 @@ def test_counts_at_a_standstill_do_not_count(
     assert flt.run(wrong).cost > every.run(wrong).cost + 0.3
     right = flt.theta(values | {"coulomb_motor": 0.5})
     assert 0.0 <= every.run(right).cost < flt.run(right).cost < 0.1
+    # A filter that counts on more noise is judged by the same: as Gaussian noise, such rows cost less than nothing.
+    louder = replace(every, level=2.6 * every.floor)
+    assert replace(louder, rounded=False).run(right).cost < -0.1 < 0.0 <= louder.run(right).cost < 0.1
 
 
 def test_where_all_stands_still_the_rows_count():
