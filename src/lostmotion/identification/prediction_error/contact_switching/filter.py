@@ -43,6 +43,8 @@ class Run:
         Minus the logarithm of the likelihood per sample, concentrated over the size of the noise (charged: up to the
         level): 0 where the innovations are as large as the sensor's noise alone makes them, 0.1 where they are 10 %
         larger. Of rounding, on the same scale.
+    gaussian : float
+        The cost as if the noise were Gaussian: what Gauss–Newton steps lower.
     jacobian : (m, n) array
         Change of the weighted innovations with θ, one column for each of these, the gains as they are.
     rows : (n,) array
@@ -55,6 +57,7 @@ class Run:
 
     weighted: Array
     cost: float
+    gaussian: float
     jacobian: Array
     rows: Array
     deviations: Array
@@ -214,22 +217,22 @@ class ContactFilter:
             weighted = residuals[counts, 0] * scale
             size = min(float(np.mean(weighted**2)), 1.0 if self.charged else np.inf)
             over_floor = self.level / self.floor
+            rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance * over_floor**2))
+            cost = gaussian = float(np.mean(rows))
             if self.rounded and self.charged:
                 rows = unlikelihood(weighted * deviations * over_floor, size * variance * over_floor**2)
                 cost = cost_as_gaussian(float(np.mean(rows)))
-            else:
-                rows = 0.5 * (weighted**2 / size - 1.0 + np.log(size * variance * over_floor**2))
-                cost = float(np.mean(rows))
             beyond, slope = self._beyond_slow_motion(q[INDEX["inertia_motor"]], q[INDEX["inertia_load"]])
             further = 0.5 * float(np.log1p(beyond**2))
-        rows, cost = rows + further, cost + further
+        rows, cost, gaussian = rows + further, cost + further, gaussian + further
         jacobian = jacobian[:, counts, 0] * scale
         if beyond:
             weight = np.sqrt(rows.size * size)
             weighted = np.append(weighted, weight * beyond)
             last = weight * np.array([slope.get(NAMES[place], 0.0) for place in free])
             jacobian = np.column_stack([jacobian, last])
-        return Run(weighted, cost if np.isfinite(cost) else np.inf, jacobian, rows, deviations, steps)
+        cost, gaussian = (part if np.isfinite(part) else np.inf for part in (cost, gaussian))
+        return Run(weighted, cost, gaussian, jacobian, rows, deviations, steps)
 
     def _pass(self, q: Array, free: Sequence[int], sensors: Sequence[int]) -> tuple[Array, Array, Array, int]:
         """Innovations (n, s), their variances (n, s) and changes (m, n, s) with the values q, and its steps; the first

@@ -26,12 +26,13 @@ def minimise_within(
 ) -> tuple[Array, float]:
     """θ and cost after Gauss–Newton steps over the free entries of θ in a trust region, one at least.
 
-    What would go beyond a bound stops there, and the others' steps are those beside it.
+    What would go beyond a bound stops there, and the others' steps are those beside it. A step lowers the cost of
+    Gaussian noise, whose slopes it has; of all that are passed, those of the lowest cost are taken.
     """
-    cost, radius, (lower, upper) = np.inf, RADIUS, bounds
+    best, radius, (lower, upper) = (theta, np.inf), RADIUS, bounds
     for _ in range(iterations):
         run = flt.run(theta, free)
-        cost = run.cost
+        best = min(best, (theta, run.cost), key=lambda one: one[1])
         if not np.all(np.isfinite(run.jacobian)):
             break
         hessian, gradient = normal_equations(run.jacobian, run.weighted)
@@ -43,17 +44,18 @@ def minimise_within(
             trial = theta.copy()
             step = step_within(hessian, gradient, moves, room, radius)
             trial[free] = np.clip(theta[free] + step, lower, upper)
-            reached = flt.run(trial).cost
-            if reached < cost:
+            reached = flt.run(trial)
+            if reached.gaussian < run.gaussian:
                 radius = min(radius * (1.0 if attempt else 2.0), LARGEST)
                 break
             radius = max(radius * SHRINK, SMALLEST)
         else:
             break
-        theta, cost = trial, reached
-        if run.cost - cost < GAIN:
+        theta = trial
+        best = min(best, (theta, reached.cost), key=lambda one: one[1])
+        if run.gaussian - reached.gaussian < GAIN:
             break
-    return theta, cost
+    return best
 
 
 def step_within(

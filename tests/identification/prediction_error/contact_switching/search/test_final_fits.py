@@ -95,16 +95,24 @@ def test_what_fits_the_noise_alone_is_no_part_of_the_drive(
     assert rows.rounded or len(min(found, key=cost_of).free) > len(drive.free)
 
 
-def test_friction_that_a_constant_torque_made_up_for_is_found_afresh(
-    flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float]
+def test_friction_is_tried_afresh_over_more_rows(
+    flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ):
-    """Where the speed keeps its sign over the rows of the search, both may be far too large."""
-    search = Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05))
-    wrong = {"coulomb": 30.0, "coulomb_motor": 30.0, "torque_offset": 60.0}
-    begun = flt.theta(values | wrong)
-    free = sorted({*(INDEX[name] for name in TOLD), *(INDEX[name] for name in wrong)})
-    poor = Candidate("start", begun, 0.0, search.part, free)
-    assert search.polished([replace(poor, flt=flt)])[0].cost > 0.2
-    found = final_fits.estimate(search, [replace(poor, cost=poor.flt.run(begun).cost)])
-    assert found is not None and found.best.cost < 0.1
-    assert np.exp(found.theta[TOLD.index("coulomb")]) == pytest.approx(plant.coulomb, rel=0.02)
+    """Over the rows of the search a constant torque may have made up for friction at both ends."""
+    rows = flt.liveliest(3000)
+    search = replace(Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05)), flt=rows, part=rows)
+    begun = rows.theta(values | {"coulomb": 30.0, "coulomb_motor": 30.0, "torque_offset": 60.0})
+    poor = Candidate("start", begun, 0.0, rows, sorted(INDEX[name] for name in TOLD))
+    poor = replace(poor, cost=rows.run(begun).cost)
+    polished: list[Candidate] = []
+
+    def noted(search: Search, candidates: Sequence[Candidate], *_: ContactFilter) -> list[Candidate]:
+        polished.extend(candidates)
+        return list(candidates)
+
+    monkeypatch.setattr(Search, "polished", noted)
+    final_fits.estimate(search, [poor])
+    own = [INDEX[name] for name in ("coulomb", "viscous", "coulomb_motor", "viscous_motor", "torque_offset")]
+    afresh = polished[1]
+    assert np.array_equal(afresh.theta[own], search.begun["nameplate"][own])
+    assert np.array_equal(np.delete(afresh.theta, own), np.delete(begun, own))
