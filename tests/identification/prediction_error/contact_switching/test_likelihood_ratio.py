@@ -51,7 +51,8 @@ def test_parts_that_hardly_raise_the_likelihood_are_superfluous(flt: ContactFilt
 def of_rows(flt: ContactFilter, rows: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> Candidate:
     """A candidate whose rows cost so much, whatever its parameters."""
     known = replace(flt)
-    run = Run(rows, float(np.mean(rows)), np.empty((0, rows.size)), rows, np.ones(rows.size), rows.size)
+    cost = float(np.mean(rows))
+    run = Run(rows, cost, cost, np.empty((0, rows.size)), rows, np.ones(rows.size), rows.size)
     monkeypatch.setitem(vars(known), "run", lambda theta, free=(): run)
     return Candidate("here", np.zeros(1), run.cost, known, [])
 

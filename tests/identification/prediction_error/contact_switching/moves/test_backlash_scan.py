@@ -11,6 +11,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate, polish
+from lostmotion.identification.prediction_error.contact_switching.likelihood_ratio import clearly_better
 from lostmotion.identification.prediction_error.contact_switching.moves import backlash_scan
 from lostmotion.identification.prediction_error.contact_switching.moves.backlash_scan import (
     FOLLOWED,
@@ -40,7 +41,7 @@ def test_a_wide_gap_is_found_from_a_narrow_one(narrow: Candidate, plant: lm.Driv
     best = polish(min(found, key=lambda one: one.cost), narrow.flt, box)
     stuck = polish(narrow, narrow.flt, box)
     assert np.exp(best.theta[INDEX["backlash"]]) == pytest.approx(plant.backlash, rel=0.02)
-    assert best.cost < stuck.cost - 0.1
+    assert clearly_better(best, stuck)
 
 
 def test_without_a_gap_there_is_nothing_to_scan(narrow: Candidate):

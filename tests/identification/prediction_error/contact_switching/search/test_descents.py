@@ -63,7 +63,10 @@ def test_the_race_is_left_out_where_a_start_explains_the_recording(
 
     monkeypatch.setattr(Search, "from_grid", race)
     found = search.rivals(best)
-    assert raced == [] and np.max(distance(min(found, key=lambda one: one.cost), best)[:4]) < 0.01
+    away = distance(min(found, key=lambda one: one.cost), best)
+    assert (
+        raced == [] and np.max(away[:3]) < 0.001 and away[3] < 0.03
+    )  # of damping that is its standard error
     monkeypatch.setattr(
         "lostmotion.identification.prediction_error.contact_switching.search.descents.sharp", lambda _: False
     )
