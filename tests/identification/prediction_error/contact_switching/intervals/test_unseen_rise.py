@@ -25,10 +25,10 @@ Seen = Callable[[lm.Drivetrain, np.ndarray, int | None, float], ContactFilter]
 
 
 def rubbing(plant: lm.Drivetrain, rise: float) -> lm.Drivetrain:
-    """With a friction at the load that rises by this part of its Coulomb level below 5 rad/s."""
+    """With a friction at the load that rises by this part of its Coulomb level below 15 rad/s."""
     load = plant.frictions[1]
-    curve = () if not rise else ((0.0, 5.0, 15.0), (2.0 * rise, rise, 0.0))
-    points = tuple(zip(*curve, strict=True)) if curve else ()
+    most = rise * load.coulomb
+    points = ((0.0, most), (5.0, 0.5 * most), (15.0, 0.0))
     return replace(
         plant, frictions=(plant.frictions[0], lm.Friction(load.coulomb, load.viscous, stribeck=points))
     )

@@ -12,6 +12,7 @@ import lostmotion as lm
 from lostmotion.identification.prediction_error.contact_switching.estimate import EXPLAINED, TOLD, distance
 from lostmotion.identification.prediction_error.contact_switching.filter import ContactFilter
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Box, Candidate
+from lostmotion.identification.prediction_error.contact_switching.likelihood_ratio import simplest
 from lostmotion.identification.prediction_error.contact_switching.moves.choices import with_other_torque
 from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
 from lostmotion.identification.prediction_error.contact_switching.search import room
@@ -63,10 +64,8 @@ def test_the_race_is_left_out_where_a_start_explains_the_recording(
 
     monkeypatch.setattr(Search, "from_grid", race)
     found = search.rivals(best)
-    away = distance(min(found, key=lambda one: one.cost), best)
-    assert (
-        raced == [] and np.max(away[:3]) < 0.001 and away[3] < 0.03
-    )  # of damping that is its standard error
+    # Of rounding the lowest has a third inertia that is superfluous, likelier by four in the logarithm.
+    assert raced == [] and np.max(distance(simplest(found), best)[:4]) < 0.01
     monkeypatch.setattr(
         "lostmotion.identification.prediction_error.contact_switching.search.descents.sharp", lambda _: False
     )

@@ -15,8 +15,7 @@ from .score_test import change_by, room_by_score
 
 Array = NDArray[np.float64]
 
-#: Friction at rest is rarely more than half above that in motion (source: Armstrong-Hélouvry et al. (1994), A survey of
-#: models, analysis tools and compensation methods for the control of machines with friction, Automatica 30, section 2).
+#: Rise over the Coulomb level at most (chosen).
 MOST = 0.5
 #: Speeds over which it fades, over the speed's standard deviation (numerics: slower than is seen, and almost viscous).
 FADES = (0.01, 0.03, 0.1, 0.3)

@@ -262,8 +262,11 @@ class Search(Room):
                 return more
 
     def with_friction_of_the_start(self, one: Candidate) -> Candidate:
-        """Friction of both ends and a constant torque, each far too large, make up for each other while the speed keeps
-        its sign: no small step leads out of that over rows where it does not."""
+        """With friction and constant torque of the nameplate's start.
+
+        While the speed keeps its sign, friction of both ends and a constant torque, each far too large, make up for
+        each other. No small step leads out of that over rows where it does not.
+        """
         own = [place for place in map(INDEX.__getitem__, (*FRICTIONS, "torque_offset")) if place in self.free]
         theta = one.theta.copy()
         theta[own] = self.begun["nameplate"][own]

@@ -38,19 +38,19 @@ def cost_as_gaussian(mean: float) -> float:
     means, costs = _as_gaussian()
     if mean >= means[-1]:
         return float(costs[-1] + mean - means[-1])
-    return float(np.interp(mean, np.append(0.0, means), np.append(0.0, costs)))
+    return float(np.interp(mean, means, costs))
 
 
 @cache
 def _as_gaussian() -> tuple[Array, Array]:
     """Mean unlikelihoods of rounding and ever larger Gaussian errors of the prediction, and the costs of innovations
-    that are as large and Gaussian."""
+    that are as large and Gaussian; both from zero on."""
     from .....kernels.numerics.uniform_noise import HALF
 
-    errors, means = np.geomspace(LEAST, LARGEST, POINTS), []
+    errors, means = np.geomspace(LEAST, LARGEST, POINTS), [0.0]
     for error in errors:
         at, step = np.linspace(-HALF - REACH * error, HALF + REACH * error, FINE, retstep=True)
         rows = unlikelihood(at, np.full(FINE, 1.0 + error**2))
         # The density that it stands for, but for the share of what is placed wrong.
         means.append(step * np.exp(-rows) @ rows / (step * np.sum(np.exp(-rows))))
-    return np.array(means), 0.5 * np.log1p(errors**2)
+    return np.array(means), np.append(0.0, 0.5 * np.log1p(errors**2))
