@@ -15,7 +15,7 @@ from .score_test import change_by, room_by_score
 
 Array = NDArray[np.float64]
 
-#: Rise over the Coulomb level at most (chosen).
+#: Rise over the Coulomb level at most (option: as much as the zoo's largest; not calibrated).
 MOST = 0.5
 #: Speeds over which it fades, over the speed's standard deviation (numerics: slower than is seen, and almost viscous).
 FADES = (0.01, 0.03, 0.1, 0.3)
