@@ -38,7 +38,7 @@ STEPPERS = {
 }
 EVERY = {**FIXED, **STEPPERS}
 
-DT, SECONDS = 1e-4, 1.5
+DT, SECONDS = 1e-4, 0.8
 
 
 def recorded(parameters, torque, dt, counts=COUNTS, torque_noise=0.0):

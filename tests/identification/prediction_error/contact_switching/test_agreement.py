@@ -256,7 +256,9 @@ def test_a_fit_beside_the_likeliest_values_does_not_stand(monkeypatch: pytest.Mo
     [(search, fit)] = seen
     assert agreement._stands(search, fit)
     moved, told = np.array(NAMES) == "inertia_motor", fit.told
+    # Nor does one that is surer than the noise lets anybody be.
+    assert not agreement._stands(search, replace(fit, told=replace(told, half=0.02 * told.half)))
     beside = replace(fit, told=replace(told, theta=told.theta + 0.03 * moved, half=0.2 * told.half))
     assert not agreement._stands(search, beside)
-    monkeypatch.setattr(agreement, "_likelier_beyond", lambda search, fit: False)
+    monkeypatch.setattr(agreement, "_more_rows_say_otherwise", lambda search, fit: False)
     assert agreement._stands(search, beside), "the first look shows it as well: the test tests nothing"

@@ -52,6 +52,14 @@ def test_a_candidate_within_the_intervals_changes_nothing(fit: Fit):
     assert stage is fit.stage and told is fit.told and problems == []
 
 
+def test_a_fit_is_surer_by_narrower_intervals_of_the_drive(fit: Fit):
+    """Of friction, damping and lag another matter."""
+    wide = np.where(np.isin(TOLD, CORE), 0.5 * HALF, 10.0)
+    assert not fit.surer_than(wide)
+    for name in CORE:
+        assert fit.surer_than(np.where(np.array(TOLD) == name, 1.1 * HALF, wide))
+
+
 def test_an_interval_has_room_for_a_candidate_beside_it(fit: Fit):
     _, stage, told, problems = fit.with_room_for([away(fit, stiffness=1.1)], explained=True)
     wider = dict(zip((TOLD[i] for i in stage.free), told.half, strict=True))

@@ -13,7 +13,7 @@ from ..gain_schedule import Progress, Stage
 from ..gap.absent_gap import NEEDED
 from ..identifiability import Told
 from ..innovations import NAMES, Predictor
-from .estimate import APART, EXPLAINED
+from .estimate import APART, EXPLAINED, by_chance, scatter
 from .filter import ContactFilter
 from .fitted import intervals, within_intervals
 from .likelihood import Candidate, cost_of
@@ -102,7 +102,7 @@ def confirmed(
 def _stands(search: Search, fit: Fit) -> bool:
     """Whether the fit is sure of inertias, stiffness, backlash and Coulomb friction, near what the nameplate says,
     torsion is well above the noise, and nothing says otherwise: near it, where more than noise is left, nor over more
-    rows, where it explains the recording."""
+    rows, where it explains these."""
     told = {NAMES[i] for i in fit.stage.free} | set(search.fixed)
     # A load torque that the fit does not have leaves it unsure of Coulomb friction.
     sure = fit.core | (np.array(fit.stage.free) == NAMES.index("coulomb"))
@@ -117,7 +117,7 @@ def _stands(search: Search, fit: Fit) -> bool:
         return False
     if abs(own.cost) >= NOISE_ALONE and _better_near(search, fit, own):
         return False
-    return abs(own.cost) >= EXPLAINED or not _likelier_beyond(search, fit)
+    return not _more_rows_say_otherwise(search, fit)
 
 
 def _better_near(search: Search, fit: Fit, own: Candidate) -> bool:
@@ -131,12 +131,17 @@ def _better_near(search: Search, fit: Fit, own: Candidate) -> bool:
     return bool(np.any(fit.shift(better)[fit.core | fit.friction] > 0.0))
 
 
-def _likelier_beyond(search: Search, fit: Fit) -> bool:
-    """Whether inertias, a stiffness or a backlash outside of the fit's intervals are clearly likelier. These come from
-    all rows: a few torsional periods do not show it."""
+def _more_rows_say_otherwise(search: Search, fit: Fit) -> bool:
+    """Whether the fit is surer of an inertia, a stiffness or a backlash than the likelihood allows, or others outside
+    of its intervals are clearly likelier. These come from all rows: a few torsional periods do not show it.
+
+    The fit has no load torque that changes: it takes one for motion of the load, and is far too sure of it.
+    """
     more = replace(search, part=search.flt.liveliest(ROWS))
     own = within_intervals(more.part, fit.predictor, fit.stage, fit.told, search.box, search.fixed)
     if abs(own.cost) >= EXPLAINED:
         return False  # what the model lacks leads any values astray
+    if fit.surer_than(by_chance(own, scatter(own)[1])):
+        return True
     freed = more.freed(own)
     return clearly_better(freed, own) and bool(np.any(fit.shift([freed])[fit.core] > 0.0))

@@ -104,8 +104,8 @@ def shown(candidate: Candidate) -> NDArray[np.bool_]:
     return np.asarray(size > NO_INFORMATION * np.max(size, initial=0.0))
 
 
-def _by_chance(candidate: Candidate, error: Array) -> Array:
-    """(8,) half widths of what the innovations scatter."""
+def by_chance(candidate: Candidate, error: Array) -> Array:
+    """(8,) half widths of what the innovations scatter, from the standard errors (8,)."""
     return np.asarray(student_factor(1) * error * beyond_chance(candidate))
 
 
@@ -115,7 +115,7 @@ def sharp(candidate: Candidate) -> bool:
     if not abs(candidate.cost) < EXPLAINED:
         return False
     _, error = scatter(candidate)
-    return bool(np.all(_by_chance(candidate, error)[CORE] < SHARP))
+    return bool(np.all(by_chance(candidate, error)[CORE] < SHARP))
 
 
 def told(
@@ -135,7 +135,7 @@ def told(
     covariance, error = scatter(best)
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
-    half = _by_chance(best, error)
+    half = by_chance(best, error)
     half = np.sqrt(
         half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + room**2 + room_for_rest(best) ** 2
     )

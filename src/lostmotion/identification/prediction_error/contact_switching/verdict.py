@@ -77,6 +77,10 @@ class Fit:
         away = np.abs(self.told.theta[core] - self._nameplate()[core])
         return bool(np.any(away > np.log(NAMEPLATE)))
 
+    def surer_than(self, half: Array) -> bool:
+        """Whether it has a narrower interval of an inertia, stiffness or backlash than these half widths (8,)."""
+        return bool(np.any((self.told.half < half[self.stage.free])[self.core]))
+
     def contradicted_by(self, found: Sequence[Candidate]) -> bool:
         """Whether inertias, stiffness or backlash of candidates are too far away for one interval."""
         shift = self.shift(found)

@@ -65,12 +65,12 @@ def test_a_model_that_lacks_nothing_needs_hardly_any(
     flt: ContactFilter, values: dict[str, float], third: bool
 ):
     given = values | (THIRD if third else {})
-    best, box = fitted(flt.liveliest(4000), given, *(THIRD if third else ()))
+    best, box = fitted(flt.liveliest(2000), given, *(THIRD if third else ()))
     assert np.max(room_for_further_inertias(best, [], box)[CORE]) < 0.01
 
 
 def test_an_inertia_that_the_model_lacks_is_seen(plant: lm.Drivetrain, values: dict[str, float]):
-    exact, lacking = (fitted(of_a_chain(plant, mode)[0].liveliest(4000), values) for mode in (200.0, 9.0))
+    exact, lacking = (fitted(of_a_chain(plant, mode)[0].liveliest(2000), values) for mode in (200.0, 9.0))
     wide = room_for_further_inertias(lacking[0], [], lacking[1])[CORE]
     assert np.all(wide > 3.0 * room_for_further_inertias(exact[0], [], exact[1])[CORE])
     motor = INDEX["inertia_motor"]
