@@ -11,6 +11,7 @@ from scipy.stats import binom
 import lostmotion as lm
 from lostmotion.identification import Identification
 from lostmotion.identification.prediction_error.contact_switching import agreement
+from lostmotion.identification.prediction_error.contact_switching.verdict import Fit
 from lostmotion.identification.prediction_error.innovations import NAMES
 from lostmotion.recording import Recording
 from lostmotion.rig.equivalent import two_mass_equivalent
@@ -257,7 +258,10 @@ def test_a_fit_beside_the_likeliest_values_does_not_stand(monkeypatch: pytest.Mo
     assert agreement._stands(search, fit)
     moved, told = np.array(NAMES) == "inertia_motor", fit.told
     # Nor does one that is surer than the noise lets anybody be.
-    assert not agreement._stands(search, replace(fit, told=replace(told, half=0.02 * told.half)))
+    surer = replace(fit, told=replace(told, half=0.3 * told.half))
+    assert not agreement._stands(search, surer)
+    monkeypatch.setattr(Fit, "surer_than", lambda fit, half: False)
+    assert agreement._stands(search, surer), "something else shows it as well: the test tests nothing"
     beside = replace(fit, told=replace(told, theta=told.theta + 0.03 * moved, half=0.2 * told.half))
     assert not agreement._stands(search, beside)
     monkeypatch.setattr(agreement, "_more_rows_say_otherwise", lambda search, fit: False)
