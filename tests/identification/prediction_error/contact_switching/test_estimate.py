@@ -147,7 +147,7 @@ def test_what_is_not_explained_may_hide_a_gap(best: Candidate, monkeypatch: pyte
     monkeypatch.setattr(estimate, "without_gap", lambda one, _: one)
     monkeypatch.setattr(estimate, "gap_bound", lambda *_: 0.5)
     found = replace(told(best, [best], NOTHING, NOTHING, box(best), ()), gap_bound=None)
-    for cost, bound in ((-0.1, 0.5), (0.09, 0.5), (0.11, None), (-0.3, None)):
+    for cost, bound in ((-0.1, 0.5), (0.03, 0.5), (0.05, None), (-0.3, None)):
         unexplained = replace(found, best=replace(best, cost=cost))
         one = estimate._where_no_gap_shows(unexplained, [best], box(best), ())
         assert one.gap_bound == bound, cost
@@ -206,6 +206,29 @@ def test_where_no_gap_shows_motor_and_load_may_be_divided_elsewhere(
     room = room_for_division(best, APART)
     assert elsewhere.half[:3] == pytest.approx(np.hypot(plain.half, room)[:3])
     assert elsewhere.apart_from_room[:3] == pytest.approx(plain.half[:3])
+    monkeypatch.setattr(estimate, "without_gap", lambda *_: None)
+    monkeypatch.setattr(estimate, "_other_does_as_well", lambda _, name: name == "backlash")
+    any_size = told(best, [best], apart, NOTHING, box(best), ())
+    assert any_size.half[:3] == pytest.approx(elsewhere.half[:3]), (
+        "a gap of any size does as well, but none does not"
+    )
     monkeypatch.setattr(estimate, "room_for_division", lambda *_: np.full(len(TOLD), 1.1 * APART))
     lost = told(best, [best], apart, NOTHING, box(best), ())
     assert np.isinf(lost.half).all(), "motor and load may be divided anywhere"
+
+
+@pytest.mark.parametrize(("cost", "widest"), [(0.2, APART), (EXPLAINED, np.inf), (-EXPLAINED, np.inf)])
+def test_where_the_recording_is_not_explained_any_shaft_may_have_the_gap(
+    best: Candidate, monkeypatch: pytest.MonkeyPatch, cost: float, widest: float
+):
+    seen: list[float] = []
+
+    def room(_: Candidate, most: float) -> np.ndarray:
+        seen.append(most)
+        return NOTHING
+
+    monkeypatch.setattr(estimate, "room_for_division", room)
+    monkeypatch.setattr(estimate, "_other_does_as_well", lambda _, name: name == "backlash")
+    monkeypatch.setattr(estimate, "without_gap", lambda *_: None)
+    told(replace(best, cost=cost), [best], NOTHING, NOTHING, box(best), ())
+    assert seen == [widest]

@@ -157,5 +157,6 @@ def test_a_third_inertia_on_the_other_side_that_does_about_as_well_says_what_the
     gapless = replace(
         opposite, theta=np.where(np.arange(away.size) == INDEX["backlash"], -np.inf, best.theta)
     )
-    for other in (same, gapless, replace(opposite, theta=flt.changed(away, share=0.0))):
+    elsewhere = replace(opposite, theta=away + 0.2 * (np.arange(away.size) == INDEX["inertia_load"]))
+    for other in (same, gapless, elsewhere, replace(opposite, theta=flt.changed(away, share=0.0))):
         assert room_for_further_inertias(best, [other], box) == pytest.approx(alone)

@@ -8,9 +8,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from ...gap.absent_gap import NEEDED
+from ...innovations import NAMES as TOLD
 from ..estimate import distance
 from ..likelihood import Box, Candidate, side_by_side
 from ..parameter_vector import pole_of
+from ..selection import ELSEWHERE
 from ..structures.shaft_inertias import Place, has_fourth, placed, without_last_inertia
 from .score_test import change_by, room_by_score
 
@@ -42,7 +45,7 @@ def room_for_further_inertias(best: Candidate, others: Sequence[Candidate], box:
     With a fourth inertia, a fifth one changes the values by as much for what is left of the innovations as the fourth
     did for what it took away, and by no more than that: it is taken out, and the others are fitted again. Where there
     are inertias on both sides of the gap, a third one on the other side, among ``others``, does about as well, and
-    tells other values. Without a fourth, see ``of_another``.
+    tells slightly other values. Without a fourth, see ``of_another``.
     """
     if Place.of(best) is None:
         return of_another(best)
@@ -51,13 +54,21 @@ def room_for_further_inertias(best: Candidate, others: Sequence[Candidate], box:
     room = of_another(best)
     behind = best.flt.behind
     opposite = [
-        one for one in others if Place.of(one) and not has_fourth(one) and one.flt.behind is not behind
+        one
+        for one in others
+        if Place.of(one) and not has_fourth(one) and one.flt.behind is not behind and _near(one, best)
     ]
     if opposite:
         beside = OTHER_SIDE * _as_far_as_left(best, min(opposite, key=lambda one: one.cost))
         # Of what only one of them has a value there is nothing to compare.
         room = np.hypot(room, np.where(np.isfinite(beside), beside, 0.0))
     return SEVERAL * room
+
+
+def _near(one: Candidate, best: Candidate) -> bool:
+    """Whether it has about the same inertias and stiffness: elsewhere, what it tells otherwise has other reasons."""
+    apart = distance(one, best)[[TOLD.index(name) for name in NEEDED]]
+    return bool(np.all(apart < ELSEWHERE))
 
 
 def _as_far_as_left(best: Candidate, other: Candidate) -> Array:
