@@ -31,6 +31,8 @@ COHERENT = 0.02
 DISAGREEMENT = 1.0
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
+#: Places of inertias and stiffness: the drive but for its gap.
+WITHOUT_GAP = [TOLD.index(name) for name in NEEDED]
 #: An inertia, stiffness or backlash with a larger half width is not identified, nor is one where candidates that
 #: predict better or alike are further away (calibrated on development drives 3940 to 4266, 2026-11-27: of the 29 up to
 #: 0.5 nine are grossly wrong, of the 393 below three).
@@ -184,7 +186,7 @@ def _where_no_gap_shows(
     half, backlash = found.half.copy(), TOLD.index("backlash")
     # What is not explained may hide a gap.
     explained = -EXPLAINED < found.best.cost < SHOWS_NO_GAP
-    bounded = explained and np.all(np.isfinite(half[[TOLD.index(name) for name in NEEDED]]))
+    bounded = explained and np.all(np.isfinite(half[WITHOUT_GAP]))
     if np.isfinite(half[backlash]) and not bounded:
         return found
     gapless = without_gap(found.best, box)
@@ -195,7 +197,7 @@ def _where_no_gap_shows(
         bound = gap_bound(gapless, beyond_chance(gapless), box, others)
         if bound is not None:
             return replace(found, half=half, best=gapless, gap_bound=bound)
-    # Where more than that is not explained, any shaft may have it.
+    # Where the recording is not explained, any further inertia of the model may be the joint.
     room = room_for_division(found.best, APART if abs(found.best.cost) < EXPLAINED else np.inf)
     return replace(found, half=_narrow(np.hypot(half, room), fixed), room=np.hypot(found.room, room))
 

@@ -8,9 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ...gap.absent_gap import NEEDED
-from ...innovations import NAMES as TOLD
-from ..estimate import distance
+from ..estimate import WITHOUT_GAP, distance
 from ..likelihood import Box, Candidate, side_by_side
 from ..parameter_vector import pole_of
 from ..selection import ELSEWHERE
@@ -67,8 +65,7 @@ def room_for_further_inertias(best: Candidate, others: Sequence[Candidate], box:
 
 def _near(one: Candidate, best: Candidate) -> bool:
     """Whether it has about the same inertias and stiffness: elsewhere, what it tells otherwise has other reasons."""
-    apart = distance(one, best)[[TOLD.index(name) for name in NEEDED]]
-    return bool(np.all(apart < ELSEWHERE))
+    return bool(np.all(distance(one, best)[WITHOUT_GAP] < ELSEWHERE))
 
 
 def _as_far_as_left(best: Candidate, other: Candidate) -> Array:
