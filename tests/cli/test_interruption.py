@@ -122,6 +122,53 @@ def test_what_another_package_makes_of_an_interruption_is_one(
             raise RuntimeError("no compiled object yet") from None
 
 
+@pytest.mark.parametrize(
+    ("number", "expected"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)]
+)
+def test_what_another_package_swallows_is_raised_where_the_block_ends(
+    number: signal.Signals, expected: type[BaseException]
+) -> None:
+    with pytest.raises(expected), as_exceptions():
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(5.0)
+        except BaseException:
+            pass
+
+
+@pytest.mark.parametrize(
+    ("number", "expected"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)]
+)
+def test_an_import_that_would_swallow_an_interruption_is_done_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals, expected: type[BaseException]
+) -> None:
+    text = f"import os, time\ntry:\n    os.kill(os.getpid(), {int(number)}); time.sleep(0.2)\n"
+    (tmp_path / "swallows_any.py").write_text(text + "except BaseException:\n    pass\nfinished = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "swallows_any", raising=False)
+    began = time.monotonic()
+    with pytest.raises(expected), as_exceptions():
+        import swallows_any  # type: ignore[import-not-found]
+
+        assert swallows_any.finished
+        time.sleep(5.0)
+    assert time.monotonic() - began < 4.0
+
+
+def test_llvm_is_left_before_an_interruption(tmp_path: Path) -> None:
+    """Python would report and forget what is raised in its callbacks; memory that it took over would be freed twice."""
+    (tmp_path / "llvmlite").mkdir()
+    path = tmp_path / "llvmlite" / "binding.py"
+    text = "def call():\n    os.kill(os.getpid(), signal.SIGINT); time.sleep(0.2)\n    return True\n"
+    names = {"os": os, "signal": signal, "time": time}
+    exec(compile(text, path, "exec"), names)
+    left = False
+    with pytest.raises(KeyboardInterrupt), as_exceptions():
+        left = names["call"]()  # type: ignore[operator]
+        time.sleep(5.0)
+    assert left
+
+
 def test_an_error_that_no_signal_caused_stays_one() -> None:
     with pytest.raises(RuntimeError), as_exceptions():
         raise RuntimeError("a defect")

@@ -67,6 +67,20 @@ def test_a_gap_that_shows_is_not_left_out(plant: lm.Drivetrain):
     assert without_gap(best, box) is None
 
 
+def test_no_bound_where_the_filter_diverges_with_a_gap(plant: lm.Drivetrain, monkeypatch: pytest.MonkeyPatch):
+    gapless, run = bare(candidate(plant, 0.0)[0]), ContactFilter.run
+
+    def diverging(flt: ContactFilter, theta: np.ndarray, *rest: object) -> object:
+        done = run(flt, theta, *rest)
+        if np.isfinite(theta[INDEX["backlash"]]):
+            done = replace(done, weighted=np.full_like(done.weighted, np.nan))
+        return done
+
+    box = Box.around(gapless.flt, gapless.theta, 100.0)
+    monkeypatch.setattr(ContactFilter, "run", diverging)
+    assert gap_bound(gapless, 1.0, box) is None
+
+
 def test_a_constant_torque_that_held_the_gap_on_one_side_goes_with_it(plant: lm.Drivetrain):
     best, box = candidate(plant, 0.0)
     theta = best.flt.changed(best.theta, torque_offset=3.0, torque_rate=1e-3, backlash=1e-9)

@@ -103,12 +103,15 @@ def gap_bound(gapless: Candidate, wider: float, box: Box, others: Sequence[Candi
 
 
 def _colour(gapless: Candidate, gap: float) -> float | None:
-    """By how much slow innovations widen the interval of a gap over white ones; None where it has no effect."""
+    """By how much slow innovations widen the interval of a gap over white ones.
+
+    None where it has no effect, or the filter diverges with it.
+    """
     run, theta = gapless.flt.run(gapless.theta, gapless.free), gapless.theta.copy()
     theta[PLACE] = np.log(gap)
     rows = gapless.flt.counting.size
     effect = (gapless.flt.run(theta).weighted - run.weighted)[:rows]
-    if not np.any(effect):
+    if not np.any(effect) or not np.all(np.isfinite(effect)):
         return None
     jacobian, rest = np.vstack([run.jacobian[:, :rows], effect]), run.weighted[:rows]
     white = float(np.sqrt(inverse_hessian(jacobian)[-1, -1] * np.mean(rest**2)))
