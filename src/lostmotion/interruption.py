@@ -18,7 +18,7 @@ _ENDS = (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])
 
 #: Files that no exception may leave: packages swallow it where they import; LLVM's memory would be freed twice.
 _CLOSED = ("<frozen importlib._bootstrap>", f"llvmlite{os.sep}binding")
-#: Seconds after which a signal that came there comes again (chosen: too short to be seen).
+#: Seconds after which a signal that came there comes again (numerics: too short to be seen).
 _AGAIN = 0.05
 
 Handler = Callable[[int, FrameType | None], Any]
