@@ -1,4 +1,7 @@
-"""Default laws suit drives of other sizes: three of those of ``benchmarks/fitted_laws.py``, on seeds of their own."""
+"""Default laws suit drives of other sizes: two of those of ``benchmarks/fitted_laws.py``, on seeds of their own.
+
+Their drives are identified within seconds; of others the search for further inertias takes a minute.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,7 @@ def benchmark() -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize("seed", [2002, 2003])
+@pytest.mark.parametrize("seed", [2003, 2005])
 def test_a_drive_of_another_size_gets_laws_that_suit_it(benchmark: ModuleType, seed: int) -> None:
     drive = benchmark.user_drive(seed)
     material = benchmark.material_of(drive)

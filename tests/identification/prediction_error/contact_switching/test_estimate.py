@@ -12,7 +12,6 @@ from lostmotion.identification.prediction_error.contact_switching.estimate impor
     APART,
     COHERENT,
     CORE,
-    DISAGREEMENT,
     EXPLAINED,
     TOLD,
     distance,
@@ -87,14 +86,14 @@ def test_what_other_fits_disagree_about_belongs_to_the_interval(best: Candidate)
     apart = np.where(np.array(TOLD) == "stiffness", 0.05, 0.0)
     plain = told(best, [best], NOTHING, NOTHING, box(best), ())
     found = told(best, [best], apart, NOTHING, box(best), ())
-    expected = np.hypot(plain.half, DISAGREEMENT * apart)
+    expected = np.hypot(plain.half, apart)
     assert found.half == pytest.approx(expected)
-    wide = told(best, [best], apart * WIDEST / (0.9 * DISAGREEMENT * 0.05), NOTHING, box(best), ())
+    wide = told(best, [best], apart * WIDEST / (0.9 * 0.05), NOTHING, box(best), ())
     assert np.flatnonzero(np.isinf(wide.half)).tolist() == [TOLD.index("stiffness")]
 
 
 def test_a_wide_interval_is_told_up_to_its_limit(best: Candidate):
-    apart = np.where(np.array(TOLD) == "stiffness", 0.9 * APART / DISAGREEMENT, 0.0)
+    apart = np.where(np.array(TOLD) == "stiffness", 0.9 * APART, 0.0)
     found = told(best, [best], apart, NOTHING, box(best), ())
     assert found.half[TOLD.index("stiffness")] == pytest.approx(0.9 * APART, rel=1e-3)
 
@@ -102,7 +101,7 @@ def test_a_wide_interval_is_told_up_to_its_limit(best: Candidate):
 @pytest.mark.parametrize("name, limit", [("damping", WIDEST), ("coulomb", WIDEST), ("backlash", APART)])
 def test_nothing_is_told_whose_interval_is_wider_than_the_limit(best: Candidate, name: str, limit: float):
     for part, is_told in ((0.9, True), (1.1, False)):
-        apart = np.where(np.array(TOLD) == name, part * limit / DISAGREEMENT, 0.0)
+        apart = np.where(np.array(TOLD) == name, part * limit, 0.0)
         half = told(best, [best], apart, NOTHING, box(best), ()).half
         assert np.isfinite(half[TOLD.index(name)]) == is_told, (part, half)
 
@@ -193,7 +192,7 @@ def test_where_no_gap_shows_motor_and_load_may_be_divided_elsewhere(
     best: Candidate, monkeypatch: pytest.MonkeyPatch
 ):
     plain = told(best, [best], NOTHING, NOTHING, box(best), ())
-    apart = np.where(np.array(TOLD) == "backlash", 1.1 * APART / DISAGREEMENT, 0.0)
+    apart = np.where(np.array(TOLD) == "backlash", 1.1 * APART, 0.0)
     shows = told(best, [best], apart, NOTHING, box(best), ())
     assert np.isinf(shows.half[TOLD.index("backlash")])
     assert shows.half[:3] == pytest.approx(plain.half[:3]), "its place shows, though its size does not"

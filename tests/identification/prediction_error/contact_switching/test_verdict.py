@@ -48,7 +48,7 @@ def away(fit: Fit, **factors: float) -> Candidate:
 
 
 def test_a_candidate_within_the_intervals_changes_nothing(fit: Fit):
-    _, stage, told, problems = fit.with_room_for([away(fit, stiffness=1.01)], explained=False)
+    _, stage, told, problems = fit.with_room_for([away(fit, stiffness=1.01)], chance=None)
     assert stage is fit.stage and told is fit.told and problems == []
 
 
@@ -61,7 +61,7 @@ def test_a_fit_is_surer_by_narrower_intervals_of_the_drive(fit: Fit):
 
 
 def test_an_interval_has_room_for_a_candidate_beside_it(fit: Fit):
-    _, stage, told, problems = fit.with_room_for([away(fit, stiffness=1.1)], explained=True)
+    _, stage, told, problems = fit.with_room_for([away(fit, stiffness=1.1)], chance=np.zeros(8))
     wider = dict(zip((TOLD[i] for i in stage.free), told.half, strict=True))
     assert wider.pop("stiffness") == pytest.approx(np.hypot(HALF, np.log(1.1)), rel=1e-6)
     assert len(wider) == 7 and set(wider.values()) == {HALF}
@@ -158,19 +158,21 @@ def test_what_is_fixed_keeps_the_nameplates_value(fit: Fit):
 
 def test_where_nothing_explains_the_recording_only_the_core_is_told(fit: Fit):
     """Friction, damping and lag make up for what the model lacks."""
-    _, stage, told, _ = fit.with_room_for([away(fit, backlash=0.9)], explained=False)
+    _, stage, told, _ = fit.with_room_for([away(fit, backlash=0.9)], chance=None)
     assert [TOLD[i] for i in stage.free] == CORE
     assert told.covariance.shape == (4, 4) and told.half.shape == (4,)
 
 
 def test_values_too_far_apart_leave_nothing(fit: Fit):
-    _, stage, told, problems = fit.with_room_for([away(fit, backlash=np.exp(1.1 * APART))], explained=True)
+    _, stage, told, problems = fit.with_room_for(
+        [away(fit, backlash=np.exp(1.1 * APART))], chance=np.zeros(8)
+    )
     assert stage.free == [] and told.half.size == 0 and len(problems) == 1
     assert np.exp(stage.fit.theta[TOLD.index("stiffness")]) == pytest.approx(9000.0)
 
 
 def test_a_friction_that_may_be_anything_is_not_told(fit: Fit):
-    _, stage, _, _ = fit.with_room_for([away(fit, viscous=4.0)], explained=True)
+    _, stage, _, _ = fit.with_room_for([away(fit, viscous=4.0)], chance=np.zeros(8))
     assert [name for name in TOLD if TOLD.index(name) not in stage.free] == ["viscous"]
 
 
@@ -179,6 +181,18 @@ def test_an_inertia_that_is_hardly_known_is_not_told_either(fit: Fit):
     for half, names in ((0.9 * APART, []), (1.1 * APART, ["inertia_motor"])):
         halves = np.where(np.arange(8) == TOLD.index("inertia_motor"), half, HALF)
         unsure = replace(fit, told=replace(fit.told, half=halves, gap_bound=0.1))
-        _, stage, told, _ = unsure.with_room_for([], explained=True)
+        _, stage, told, _ = unsure.with_room_for([], chance=np.zeros(8))
         assert [name for name in TOLD if TOLD.index(name) not in stage.free] == names
         assert told.half.size == 8 - len(names)
+
+
+def test_a_friction_is_known_no_better_than_chance_allows(fit: Fit):
+    """Where it may be at either end, the fit, which has it at the load alone, is too sure of it."""
+    chance = np.where(np.isin(TOLD, ["coulomb", "lag"]), 10.0 * HALF, 0.0)
+    chance[TOLD.index("viscous")] = np.inf
+    _, stage, told, problems = fit.with_room_for([], chance)
+    half = dict(zip((TOLD[i] for i in stage.free), told.half, strict=True))
+    assert half == {name: chance[TOLD.index(name)] or HALF for name in TOLD if name != "viscous"}
+    assert problems[0].where == "coulomb, viscous, lag"
+    # Of inertias, stiffness and backlash the candidates themselves say more.
+    assert fit.with_room_for([], np.where(np.isin(TOLD, CORE), np.inf, 0.0))[2] is fit.told

@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....drivetrain import Drivetrain
 from .. import problems as problem
@@ -24,6 +25,8 @@ from .search.final_fits import estimate
 from .search.refinement import with_a_fourth_inertia
 from .search.room import NOISE_ALONE, POLES
 from .verdict import Fit, Outcome
+
+Array = NDArray[np.float64]
 
 #: A rigid drive predicts so much worse than a fit whose torsion stands well above the noise, in the logarithm of the
 #: innovations (calibrated on development drives 0 to 30: where it is less, another fit may predict as well).
@@ -96,7 +99,13 @@ def confirmed(
         return fit.nothing(problem.unexplained(excess, UNEXPLAINED))
     if not stage.free:
         return fit.stays()
-    return fit.with_room_for(others, explained)
+    return fit.with_room_for(others, _chance_over_all_rows(best) if explained else None)
+
+
+def _chance_over_all_rows(best: Candidate) -> Array:
+    """(8,) half widths by chance of a candidate, were it fitted to the whole recording."""
+    whole = best.flt.whole or best.flt
+    return by_chance(best, scatter(best)[1]) * np.sqrt(best.flt.rows / whole.rows)
 
 
 def _stands(search: Search, fit: Fit) -> bool:

@@ -25,10 +25,6 @@ Array = NDArray[np.float64]
 #: (calibrated on calibration drives 10400 to 10529, 2026-11-24, see docs/benchmarks/zoo.md; with 0.01 half widths are
 #: 7.0 instead of 7.4 times the error on 119 development drives of 3460 to 3899, 95.7 instead of 96.2 % hold).
 COHERENT = 0.02
-#: Half width over the disagreement of other fits of the same recording (calibrated on development drives 5782 to 5872,
-#: 2026-11-29: with 1 instead of 2 half widths are 7.0 instead of 8.2 times the error, 97.7 instead of 98.1 % of 265
-#: values hold).
-DISAGREEMENT = 1.0
 #: Places of inertias, stiffness and backlash: what the others hang on.
 CORE = [TOLD.index(name) for name in ("inertia_motor", "inertia_load", "stiffness", "backlash")]
 #: Places of inertias and stiffness: the drive but for its gap.
@@ -139,9 +135,7 @@ def told(
     theta = told_vector(best)
     apart = np.max([distance(one, best) for one in others], axis=0)
     half = by_chance(best, error)
-    half = np.sqrt(
-        half**2 + apart**2 + (DISAGREEMENT * disagreement) ** 2 + room**2 + room_for_rest(best) ** 2
-    )
+    half = np.sqrt(half**2 + apart**2 + disagreement**2 + room**2 + room_for_rest(best) ** 2)
     # A smooth torque that is held acts as one that goes straight from row to row, half a row later: the lag is one or
     # the other, each by chance.
     if best.flt.ramp:

@@ -102,16 +102,19 @@ class Fit:
             np.all(found.apart_from_room[core] <= self.told.half[self.core])
         )
 
-    def with_room_for(self, found: Sequence[Candidate], explained: bool) -> Outcome:
+    def with_room_for(self, found: Sequence[Candidate], chance: Array | None) -> Outcome:
         """With intervals that contain the candidates' values as well; nothing if they are too far apart.
 
         Inertias, stiffness and backlash are identified up to the same width as by the other estimator. Where no
         candidate explains the recording, friction, damping and lag make up for what the model lacks: they are
-        not identified.
+        not identified. ``chance`` (8,): half widths of the likeliest candidate where that does explain it. The fit has
+        friction at the load alone and no load torque, and is too sure of what these may be instead.
         """
-        shift = self.shift(found)
+        shift, explained = self.shift(found), chance is not None
         half = np.hypot(self.told.half, shift)
-        wider, lost = shift > 0.0, half > np.where(self.core, APART, np.log(NOT_EXCITED))
+        if chance is not None:
+            half = np.where(self.core, half, np.maximum(half, chance[self.stage.free]))
+        wider, lost = half > self.told.half, half > np.where(self.core, APART, np.log(NOT_EXCITED))
         if not np.any(wider | lost):
             return self.stays()
         if self.contradicted_by(found):

@@ -194,8 +194,9 @@ class Search(Room):
             return found  # no torsion shows
         self.reached("other torques, contact laws and frictions")
         found += self.otherwise(found, _best_elsewhere(found))
-        self.reached("a third inertia")
-        found += self.thirds(found, [self.raw(name) for name in RAW])
+        if not self.is_the_drive(min(found, key=cost_of)):
+            self.reached("a third inertia")
+            found += self.thirds(found, [self.raw(name) for name in RAW])
         found.append(self.freed(fit))
         if not self.ended(found):
             self.reached("a grid of three inertias")

@@ -54,15 +54,16 @@ def _finished(
     """
     box = search.box
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
-    found = search.polished(sorted(few, key=cost_of)[:POLISHED])
-    found += search.polished([search.with_friction_of_the_start(min(found, key=cost_of))])
+    few = sorted(few, key=cost_of)[:POLISHED]
+    found = search.polished([*few, search.with_friction_of_the_start(few[0])])
     laws = _of_each_law(search, min(found, key=cost_of))
     found += laws[1:]
     best = min(found, key=cost_of)
-    # A gap that the few rows of the search do not cross, or hardly, may have any size.
-    found += search.with_any_backlash(best, flt, [best.flt.law])
-    found += search.polished(with_better_backlash(min(found, key=cost_of), box))
-    best = min(found, key=cost_of)
+    if not search.is_the_drive(best):
+        # A gap that the few rows of the search do not cross, or hardly, may have any size.
+        found += search.with_any_backlash(best, flt, [best.flt.law])
+        found += search.polished(with_better_backlash(min(found, key=cost_of), box))
+        best = min(found, key=cost_of)
     begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
     found = search.split([*found, *search.polished(begun, flt)])
     best = simplest(found)

@@ -123,6 +123,10 @@ class Room:
         best = simplest(found)
         return self.nothing_left(best) or (abs(best.cost) < KNOWN and sharp(best))
 
+    def is_the_drive(self, best: Candidate) -> bool:
+        """Whether only the sensor's noise is left beside inertias, stiffness and backlash that are well known."""
+        return abs(best.cost) < NOISE_ALONE and sharp(best)
+
     @cached_property
     def free(self) -> list[int]:
         """Places of what is fitted."""
