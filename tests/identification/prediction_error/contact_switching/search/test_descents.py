@@ -52,25 +52,35 @@ def test_descents_from_the_grid_are_judged_by_one_likelihood(search: Search):
         assert one.cost == pytest.approx(one.flt.run(one.theta).cost, abs=1e-12)
 
 
-def test_the_race_is_left_out_where_a_start_explains_the_recording(
+def test_race_and_third_inertias_are_left_out_where_a_start_is_the_drive(
     search: Search, best: Candidate, monkeypatch: pytest.MonkeyPatch
 ):
-    """Otherwise the grid is looked at."""
-    raced: list[str] = []
+    """Otherwise the grid is looked at, and a third inertia."""
+    looked: list[str] = []
 
-    def race(_: Search) -> list[Candidate]:
-        raced.append("grid")
-        return []
+    def noted(name: str) -> Callable[..., list[Candidate]]:
+        return lambda *_: looked.append(name) or []
 
-    monkeypatch.setattr(Search, "from_grid", race)
+    monkeypatch.setattr(Search, "from_grid", noted("grid"))
+    monkeypatch.setattr(Search, "thirds", noted("third"))
     found = search.rivals(best)
-    # Of rounding the lowest has a third inertia that is superfluous, likelier by four in the logarithm.
-    assert raced == [] and np.max(distance(simplest(found), best)[:4]) < 0.01
-    monkeypatch.setattr(
-        "lostmotion.identification.prediction_error.contact_switching.search.descents.sharp", lambda _: False
-    )
+    assert np.max(distance(simplest(found), best)[:4]) < 0.01
+    # Steps lower the cost of Gaussian noise: of rounding they leave a little more than there is.
+    assert looked == (["third"] if search.part.rounded else [])
+    looked.clear()
+    search_of = "lostmotion.identification.prediction_error.contact_switching.search"
+    for module in ("descents", "room"):
+        monkeypatch.setattr(f"{search_of}.{module}.sharp", lambda _: False)
     search.rivals(best)
-    assert raced == ["grid"]
+    assert looked == ["grid", "third"]
+
+
+def test_the_drive_is_known_and_leaves_nothing_but_noise(search: Search, best: Candidate):
+    assert search.is_the_drive(best)
+    assert not search.is_the_drive(replace(best, cost=1.1 * room.NOISE_ALONE))
+    # A hundredth of the rows leaves the stiffness more than 5 % of room.
+    few = search.part.part(slice(0, 200))
+    assert not search.is_the_drive(replace(best, flt=replace(few, settling=0)))
 
 
 def test_random_moves_lead_on_from_a_wrong_minimum(

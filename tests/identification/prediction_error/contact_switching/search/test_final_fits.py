@@ -73,6 +73,25 @@ def test_a_gap_of_any_size_is_tried_over_more_rows(
     assert np.exp(found.theta[TOLD.index("backlash")]) == pytest.approx(plant.backlash, rel=0.01)
 
 
+def test_no_other_gap_is_tried_where_the_best_is_the_drive(
+    flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
+):
+    rows = flt.liveliest(3000)
+    search = replace(Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05)), flt=rows, part=rows)
+    drive = Candidate("start", rows.theta(values), 0.0, rows, sorted({INDEX[name] for name in TOLD}))
+    drive = replace(drive, cost=rows.run(drive.theta).cost)
+    tried: list[str] = []
+    monkeypatch.setattr(Search, "with_any_backlash", lambda *_: tried.append("any") or [])
+    monkeypatch.setattr(final_fits, "with_better_backlash", lambda *_: tried.append("better") or [])
+    monkeypatch.setattr(final_fits, "other_parts", lambda *_: [])
+    monkeypatch.setattr(final_fits, "disagreement", lambda *_: np.zeros(len(TOLD)))
+    final_fits.estimate(search, [drive])
+    assert tried == []
+    monkeypatch.setattr(Search, "is_the_drive", lambda *_: False)
+    final_fits.estimate(search, [drive])
+    assert tried == ["any", "better"]
+
+
 def test_what_fits_the_noise_alone_is_no_part_of_the_drive(
     flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ):
