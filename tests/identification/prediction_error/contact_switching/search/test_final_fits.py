@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -49,6 +49,8 @@ def test_fits_under_other_laws_differ_from_the_best_in_the_law_or_the_torque_alo
 
     monkeypatch.setattr(final_fits, "with_better_backlash", lambda best, box: [])
     monkeypatch.setattr(final_fits, "other_parts", lambda *_: [with_friction])
+    monkeypatch.setattr(final_fits, "clearly_better", lambda *_: False)
+    monkeypatch.setattr(Search, "is_the_drive", lambda *_: False)
     monkeypatch.setattr(final_fits, "disagreement", noted)
     found = final_fits.estimate(search, [poor])
     [(best, under_laws)] = seen
@@ -73,23 +75,58 @@ def test_a_gap_of_any_size_is_tried_over_more_rows(
     assert np.exp(found.theta[TOLD.index("backlash")]) == pytest.approx(plant.backlash, rel=0.01)
 
 
-def test_no_other_gap_is_tried_where_the_best_is_the_drive(
+def test_neither_gaps_nor_laws_are_tried_where_the_best_is_the_drive(
     flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ):
+    """No gaps either where it seems to be: laws may do about as well where a little more than noise is left."""
     rows = flt.liveliest(3000)
     search = replace(Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05)), flt=rows, part=rows)
     drive = Candidate("start", rows.theta(values), 0.0, rows, sorted({INDEX[name] for name in TOLD}))
     drive = replace(drive, cost=rows.run(drive.theta).cost)
     tried: list[str] = []
-    monkeypatch.setattr(Search, "with_any_backlash", lambda *_: tried.append("any") or [])
-    monkeypatch.setattr(final_fits, "with_better_backlash", lambda *_: tried.append("better") or [])
+
+    def noted(name: str) -> Callable[..., list[Candidate]]:
+        return lambda *_: tried.append(name) or []
+
+    monkeypatch.setattr(final_fits, "under_other_laws", noted("laws"))
+    monkeypatch.setattr(Search, "with_any_backlash", noted("any gap"))
+    monkeypatch.setattr(final_fits, "with_better_backlash", noted("better gap"))
     monkeypatch.setattr(final_fits, "other_parts", lambda *_: [])
     monkeypatch.setattr(final_fits, "disagreement", lambda *_: np.zeros(len(TOLD)))
     final_fits.estimate(search, [drive])
     assert tried == []
     monkeypatch.setattr(Search, "is_the_drive", lambda *_: False)
     final_fits.estimate(search, [drive])
-    assert tried == ["any", "better"]
+    assert tried == ["laws"]
+    tried.clear()
+    monkeypatch.setattr(Search, "seems_the_drive", lambda *_: False)
+    final_fits.estimate(search, [drive])
+    assert tried == ["laws", "any gap", "better gap"]
+
+
+def test_what_is_clearly_worse_over_a_part_of_the_rows_is_not_fitted_to_all(
+    flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
+):
+    rows = flt.liveliest(4000)
+    search = replace(Search.of(flt, plant, plant, (), None, (plant.inertia_total, 0.05)), flt=rows, part=rows)
+    best = Candidate("best", rows.theta(values), 0.0, rows, [INDEX["stiffness"]])
+    best = replace(best, cost=rows.run(best.theta).cost)
+    near = replace(best, start="near", theta=rows.theta(values | {"stiffness": 1.01 * plant.stiffness}))
+    # Its stiffness cannot make up for its load.
+    far = replace(best, start="far", theta=rows.theta(values | {"inertia_load": 1.3 * plant.inertia_load}))
+    fitted: list[int] = []
+    original = Search.polished
+
+    def noted(search: Search, candidates: Sequence[Candidate], over: ContactFilter) -> list[Candidate]:
+        fitted.extend([over.rows] * len(candidates))
+        return original(search, candidates, over)
+
+    monkeypatch.setattr(Search, "polished", noted)
+    [kept] = final_fits._not_worse(search, [far, near], best)
+    assert fitted == [1000, 1000]
+    assert kept.start == "near" and kept.flt.rows == 4000
+    assert kept.cost == pytest.approx(rows.run(kept.theta).cost, abs=1e-12)
+    assert kept.values["stiffness"] == pytest.approx(plant.stiffness, rel=2e-3)
 
 
 def test_what_fits_the_noise_alone_is_no_part_of_the_drive(
@@ -132,6 +169,7 @@ def test_friction_is_tried_afresh_over_more_rows(
     monkeypatch.setattr(Search, "polished", noted)
     final_fits.estimate(search, [poor])
     own = [INDEX[name] for name in ("coulomb", "viscous", "coulomb_motor", "viscous_motor", "torque_offset")]
-    afresh = polished[1]
+    afresh, first, *_ = polished
+    assert first.cost == pytest.approx(poor.cost) and first.start == "start"
     assert np.array_equal(afresh.theta[own], search.begun["nameplate"][own])
     assert np.array_equal(np.delete(afresh.theta, own), np.delete(begun, own))

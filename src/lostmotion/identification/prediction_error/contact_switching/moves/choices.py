@@ -51,6 +51,12 @@ def other_choices(best: Candidate, box: Box) -> list[Choice]:
     return [*map(with_filter, changes), *gapless, *splits, *rises]
 
 
+def under_other_laws(best: Candidate) -> list[Candidate]:
+    """As it is under the other laws of the contact, and with the torque between rows otherwise."""
+    laws = [replace(best, start=law, flt=replace(best.flt, law=law)) for law in LAWS if law != best.flt.law]
+    return [*laws, replace(best, start="other torque", flt=replace(best.flt, ramp=not best.flt.ramp))]
+
+
 def is_late(candidate: Candidate) -> bool:
     """Whether the torque acts so late that it matters how much of that is a lag, the rest a delay."""
     return INDEX["delay"] in candidate.free and lag(candidate) > LATE / pole_of(candidate.theta)

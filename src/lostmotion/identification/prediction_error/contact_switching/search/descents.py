@@ -174,12 +174,6 @@ class Search(Room):
         few = apart(with_further_inertias(pairs, self.coarse, self.box))[:FEW]
         return self.polished(few, self.part)
 
-    def under_other_laws(self, best: Candidate) -> list[Candidate]:
-        """Over the same rows: under the other laws of the contact, and with the torque between rows otherwise."""
-        laws = [(law, replace(best.flt, law=law)) for law in LAWS if law != best.flt.law]
-        laws.append(("other torque", replace(best.flt, ramp=not best.flt.ramp)))
-        return side_by_side(lambda law: replace(polish(best, law[1], self.box), start=law[0]), laws)
-
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; from the fit
         without its intervals; and from where random moves lead."""

@@ -12,9 +12,9 @@ from ..intervals.further_inertias import room_for_further_inertias
 from ..intervals.refits import disagreement
 from ..intervals.unseen_rise import room_for_unseen_rise
 from ..likelihood import Candidate, cost_of, side_by_side
-from ..likelihood_ratio import simplest
+from ..likelihood_ratio import clearly_better, simplest
 from ..moves.backlash_scan import with_better_backlash
-from ..moves.choices import other_parts
+from ..moves.choices import other_parts, under_other_laws
 from ..selection import apart, plausible
 from .descents import NEAR, POLISHED, Search, judged
 from .telling_rows import most_telling
@@ -22,6 +22,8 @@ from .telling_rows import most_telling
 #: Steps of the model in one pass of the last fits at most; a row takes one, or more where a contact or a friction
 #: changes (numerics: some 4 ms).
 STEPS = 30_000
+#: Part of the rows that shows which fits are clearly worse (numerics).
+PART = 4
 
 
 def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
@@ -50,31 +52,46 @@ def _finished(
     """The simplest that none is better than of all candidates over more rows; all of these; its fits under other laws.
 
     They are the few that predict these rows best, fitted to them; then the best of these under other laws, with other
-    backlashes and with parts that it lacks.
+    backlashes and with parts that it lacks. Where the best is the drive, the search has found what else does as well;
+    left are parts that more rows may show.
     """
     box = search.box
     few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
     few = sorted(few, key=cost_of)[:POLISHED]
-    found = search.polished([*few, search.with_friction_of_the_start(few[0])])
-    laws = _of_each_law(search, min(found, key=cost_of))
-    found += laws[1:]
+    afresh = _not_worse(search, [search.with_friction_of_the_start(few[0])], few[0])
+    found = search.polished([*few, *afresh], flt)
     best = min(found, key=cost_of)
-    if not search.is_the_drive(best):
+    known, laws = search.is_the_drive(best), [best]
+    if not known:
+        laws += _under_other_laws(search, best)
+        found += laws[1:]
+        best = min(found, key=cost_of)
+    if not search.seems_the_drive(best):
         # A gap that the few rows of the search do not cross, or hardly, may have any size.
         found += search.with_any_backlash(best, flt, [best.flt.law])
         found += search.polished(with_better_backlash(min(found, key=cost_of), box))
         best = min(found, key=cost_of)
-    begun = side_by_side(lambda part: part(best), other_parts(best, search.coarse, box, search.intermediate))
+    parts = other_parts(best, search.coarse, box, search.intermediate)
+    begun = _not_worse(search, side_by_side(lambda part: part(best), parts), best)
     found = search.split([*found, *search.polished(begun, flt)])
     best = simplest(found)
-    if all(one is not best for one in laws):
+    if not known and all(one is not best for one in laws):
         # Fits under other laws that lack what the best has found since, or have more, differ from it by that as well.
-        laws = _of_each_law(search, best)
+        laws = [best, *_under_other_laws(search, best)]
         found += laws[1:]
         best = simplest(laws)
     return best, found, [one for one in laws if one is not best]
 
 
-def _of_each_law(search: Search, best: Candidate) -> list[Candidate]:
-    """The candidate, and the fits under the other laws that begin at it."""
-    return [best, *search.under_other_laws(best)]
+def _under_other_laws(search: Search, best: Candidate) -> list[Candidate]:
+    """Fits that begin at the best, but for those that it is clearly better than over a part of the rows."""
+    return search.polished(_not_worse(search, under_other_laws(best), best))
+
+
+def _not_worse(search: Search, begun: Sequence[Candidate], best: Candidate) -> list[Candidate]:
+    """The candidates fitted to a part of the best's rows, but for those that it is clearly better than there; over all
+    of its rows then."""
+    rows = best.flt.liveliest(best.flt.rows // PART)
+    beside = judged(best, best.over(rows))
+    kept = [one for one in search.polished(begun, rows) if not clearly_better(beside, one)]
+    return [judged(one, one.over(best.flt)) for one in kept]

@@ -8,6 +8,7 @@ from ..intervals.further_inertias import room_for_further_inertias
 from ..intervals.refits import disagreement
 from ..likelihood import cost_of
 from ..likelihood_ratio import clearly_better
+from ..moves.choices import under_other_laws
 from ..selection import plausible
 from ..structures.shaft_inertias import has_fourth
 from ..verdict import Fit
@@ -28,7 +29,7 @@ def with_a_fourth_inertia(search: Search, fit: Fit) -> Estimate | None:
     three = search.with_all_structures(own, intervals(part, fit.stage, fit.told, box))
     found = [three, *search.fourths([three])]
     # Of all choices the law of the contact matters most beside inertias that are right.
-    found += search.under_other_laws(min(found, key=cost_of))
+    found += search.polished(under_other_laws(min(found, key=cost_of)))
     best = min(found, key=cost_of)
     if not has_fourth(best) or abs(best.cost) >= EXPLAINED or not clearly_better(best, three):
         return None
