@@ -190,6 +190,33 @@ def test_a_held_torque_is_told_from_one_that_goes_straight_from_row_to_row(searc
     assert held.over(ramp).ramp is False
 
 
+def test_the_search_ends_where_nothing_is_clearly_better_than_a_rigid_drive(
+    search: Search, best: Candidate, monkeypatch: pytest.MonkeyPatch
+):
+    """A spring fits some noise: it is always a little better."""
+
+    class WentOn(Exception):
+        pass
+
+    def went_on(*_: object) -> list[Candidate]:
+        raise WentOn
+
+    def a_little_worse(_: Search, like: Candidate) -> Candidate:
+        return replace(like, start="rigid", cost=like.cost + 5e-4)
+
+    monkeypatch.setattr(Search, "otherwise", went_on)
+    monkeypatch.setattr(Search, "rigid", a_little_worse)
+    assert "nameplate" in {one.start for one in search.rivals(best)}
+    # One that leaves more than the noise, or is clearly worse, is no reason to end.
+    monkeypatch.setattr(Search, "rigid", lambda _, like: replace(like, cost=1.01 * room.KNOWN))
+    with pytest.raises(WentOn):
+        search.rivals(best)
+    far = {"theta": search.begun["nameplate"], "cost": 0.9 * room.KNOWN}
+    monkeypatch.setattr(Search, "rigid", lambda _, like: replace(like, **far))
+    with pytest.raises(WentOn):
+        search.rivals(best)
+
+
 def test_a_rigid_drive_has_all_that_the_other_has_but_for_the_spring(plant: lm.Drivetrain):
     """Under an unknown load torque a rigid drive without one lost to any spring."""
     dt, count = 1e-3, 2.0 * np.pi / 2**16

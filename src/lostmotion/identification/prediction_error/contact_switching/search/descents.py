@@ -21,7 +21,7 @@ from ..likelihood import (
     polish,
     side_by_side,
 )
-from ..likelihood_ratio import alike
+from ..likelihood_ratio import CHANCE_RIGID, alike, clearly_better
 from ..moves.backlash_scan import with_best_backlashes, with_other_backlash
 from ..moves.choices import Choice, other_choices
 from ..moves.random_moves import PATIENCE, wandering
@@ -48,7 +48,7 @@ from ..structures.shaft_inertias import (
     with_further_inertias,
 )
 from ..structures.softest_shaft import split_at_the_softest_shaft
-from .room import FAR, Room
+from .room import FAR, KNOWN, Room
 
 Array = NDArray[np.float64]
 
@@ -184,7 +184,8 @@ class Search(Room):
             self.reached("a race from a grid")
             found += self.from_grid()
         best = min(found, key=cost_of)
-        if self.rigid(best).cost < min(best.cost, EXPLAINED):
+        rigid = self.rigid(best)
+        if rigid.cost < KNOWN and not clearly_better(best, rigid, CHANCE_RIGID):
             return found  # no torsion shows
         self.reached("other torques, contact laws and frictions")
         found += self.otherwise(found, _best_elsewhere(found))
