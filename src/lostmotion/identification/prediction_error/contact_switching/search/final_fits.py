@@ -66,7 +66,7 @@ def _finished(
         laws += _under_other_laws(search, best)
         found += laws[1:]
         best = min(found, key=cost_of)
-    if not search.seems_the_drive(best):
+    if not search.is_the_drive(best):
         # A gap that the few rows of the search do not cross, or hardly, may have any size.
         found += search.with_any_backlash(best, flt, [best.flt.law])
         found += search.polished(with_better_backlash(min(found, key=cost_of), box))

@@ -34,8 +34,9 @@ FAR = 100.0
 GLIMPSE, LEAST = 4, 2000
 #: Halvings of a sample at most in a first descent: it need not place an impact finely (numerics).
 COARSE = 4
-#: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger).
-NOISE_ALONE = 0.02
+#: Cost below which nothing but the sensor's noise is left (numerics: innovations 2 % larger), and that in standard
+#: deviations of a cost by chance (numerics).
+NOISE_ALONE, BY_CHANCE = 0.02, 3.0
 #: Cost up to which a candidate that knows inertias, stiffness and backlash seems to be the drive (calibrated on
 #: development drives 4024 to 4941, 2026-11-27: of 12 up to 0.1 none changed in the rest of the search, of 8 up to 0.25
 #: three did).
@@ -116,7 +117,7 @@ class Room:
 
     def nothing_left(self, best: Candidate) -> bool:
         """Whether nothing new is looked for: only the sensor's noise is left, or it has taken long."""
-        return abs(best.cost) < NOISE_ALONE or self.long
+        return noise_alone(best) or self.long
 
     def ended(self, found: Sequence[Candidate]) -> bool:
         """The same, or little more is left where inertias, stiffness and backlash are well known."""
@@ -130,7 +131,7 @@ class Room:
 
     def is_the_drive(self, best: Candidate) -> bool:
         """Whether only the sensor's noise is left beside inertias, stiffness and backlash that are well known."""
-        return abs(best.cost) < NOISE_ALONE and sharp(best)
+        return noise_alone(best) and sharp(best)
 
     @cached_property
     def free(self) -> list[int]:
@@ -152,3 +153,9 @@ class Room:
         return side_by_side(
             lambda one: polish(one, one.over(rows) if rows else one.flt, self.box), candidates
         )
+
+
+def noise_alone(best: Candidate) -> bool:
+    """Whether nothing but the sensor's noise is left: over many rows a small cost is no chance any more."""
+    # Half the mean square of n white innovations scatters by 1/√(2·n).
+    return abs(best.cost) < min(NOISE_ALONE, BY_CHANCE / np.sqrt(2.0 * best.flt.counting.size))
