@@ -122,12 +122,7 @@ class Room:
     def ended(self, found: Sequence[Candidate]) -> bool:
         """The same, or little more is left where inertias, stiffness and backlash are well known."""
         best = simplest(found)
-        return self.nothing_left(best) or self.seems_the_drive(best)
-
-    def seems_the_drive(self, best: Candidate) -> bool:
-        """Whether little more than the sensor's noise is left beside inertias, stiffness and backlash that are well
-        known."""
-        return abs(best.cost) < KNOWN and sharp(best)
+        return self.nothing_left(best) or (abs(best.cost) < KNOWN and sharp(best))
 
     def is_the_drive(self, best: Candidate) -> bool:
         """Whether only the sensor's noise is left beside inertias, stiffness and backlash that are well known."""
