@@ -107,7 +107,7 @@ def test_the_mode_is_where_it_should_be(
 
 def test_effects_are_those_of_the_lowest_hidden_mode(flt: ContactFilter, values: dict[str, float]):
     best, _ = fitted(flt.liveliest(3000), values)
-    run, effects = best.run, further_inertias._effects(best)
+    run, effects = best.run, further_inertias.effects(best)
     assert len(effects) == 2 * len(SHARES) * len(HIDDEN_MODES)
     assert all(effect.shape == run.weighted.shape for effect in effects)
     mode = HIDDEN_MODES[-1]

@@ -12,6 +12,7 @@ from lostmotion.identification.prediction_error.contact_switching.filter import 
 from lostmotion.identification.prediction_error.contact_switching.intervals.score_test import (
     change_by,
     room_by_score,
+    shows,
 )
 from lostmotion.identification.prediction_error.contact_switching.likelihood import Candidate
 from lostmotion.identification.prediction_error.contact_switching.parameter_vector import INDEX
@@ -55,3 +56,21 @@ def test_a_change_keeps_the_deviations(best: Candidate):
     louder = replace(other, weighted=other.weighted / 2.0, deviations=2.0 * other.deviations)
     assert change_by(louder, best.run) == pytest.approx(change_by(other, best.run))
     assert change_by(best.run, best.run) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_an_effect_shows_beside_what_parameters_make_up_for(best: Candidate):
+    """One alone of several, by so much that it is no chance; not what a parameter does as well."""
+    rng = np.random.default_rng(1)
+    effect, other = rng.standard_normal((2, best.run.weighted.size))
+    made_up = 0.3 * best.run.jacobian[1]
+    noise = replace(best.run, weighted=rng.standard_normal(effect.size))
+
+    def with_part(part: float) -> Candidate:
+        there = replace(best)
+        there.__dict__["run"] = replace(noise, weighted=noise.weighted + part * effect + 100.0 * made_up)
+        return there
+
+    assert not shows(with_part(0.0), [effect, other, made_up])
+    assert shows(with_part(8.0 / np.sqrt(effect.size)), [other, effect, made_up])
+    assert not shows(with_part(0.0), [np.full(effect.size, np.inf), np.zeros(effect.size)])
+    assert not shows(with_part(0.0), [])

@@ -75,7 +75,7 @@ def test_a_gap_of_any_size_is_tried_over_more_rows(
     assert np.exp(found.theta[TOLD.index("backlash")]) == pytest.approx(plant.backlash, rel=0.01)
 
 
-def test_neither_gaps_nor_laws_are_tried_where_the_best_is_the_drive(
+def test_nothing_is_tried_where_the_best_is_the_drive(
     flt: ContactFilter, plant: lm.Drivetrain, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ):
     rows = flt.liveliest(3000)
@@ -90,13 +90,13 @@ def test_neither_gaps_nor_laws_are_tried_where_the_best_is_the_drive(
     monkeypatch.setattr(final_fits, "under_other_laws", noted("laws"))
     monkeypatch.setattr(Search, "with_any_backlash", noted("any gap"))
     monkeypatch.setattr(final_fits, "with_better_backlash", noted("better gap"))
-    monkeypatch.setattr(final_fits, "other_parts", lambda *_: [])
-    monkeypatch.setattr(final_fits, "disagreement", lambda *_: np.zeros(len(TOLD)))
+    monkeypatch.setattr(final_fits, "other_parts", noted("parts"))
+    monkeypatch.setattr(final_fits, "disagreement", lambda *_: tried.append("refits") or np.zeros(len(TOLD)))
     final_fits.estimate(search, [drive])
     assert tried == []
     monkeypatch.setattr(Search, "is_the_drive", lambda *_: False)
     final_fits.estimate(search, [drive])
-    assert tried == ["laws", "any gap", "better gap"]
+    assert tried == ["laws", "any gap", "better gap", "parts", "refits"]
 
 
 def test_what_is_clearly_worse_over_a_part_of_the_rows_is_not_fitted_to_all(
@@ -137,6 +137,7 @@ def test_what_fits_the_noise_alone_is_no_part_of_the_drive(
         seen.append((best, found))
         return np.zeros(len(TOLD))
 
+    monkeypatch.setattr(Search, "is_the_drive", lambda *_: False)
     monkeypatch.setattr(final_fits, "room_for_further_inertias", noted)
     monkeypatch.setattr(final_fits, "disagreement", lambda *_: np.zeros(len(TOLD)))
     final_fits.estimate(search, [replace(drive, cost=drive.flt.run(drive.theta).cost)])
@@ -164,7 +165,7 @@ def test_friction_is_tried_afresh_over_more_rows(
     monkeypatch.setattr(Search, "polished", noted)
     final_fits.estimate(search, [poor])
     own = [INDEX[name] for name in ("coulomb", "viscous", "coulomb_motor", "viscous_motor", "torque_offset")]
-    afresh, first, *_ = polished
+    first, afresh, *_ = polished
     assert first.cost == pytest.approx(poor.cost) and first.start == "start"
     assert np.array_equal(afresh.theta[own], search.begun["nameplate"][own])
     assert np.array_equal(np.delete(afresh.theta, own), np.delete(begun, own))

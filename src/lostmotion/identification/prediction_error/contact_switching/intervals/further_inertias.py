@@ -81,10 +81,10 @@ def of_another(best: Candidate) -> Array:
 
     A part of 1 has its mode at the lowest of ``HIDDEN_MODES``.
     """
-    return room_by_score(best, [(effect, None) for effect in _effects(best)], 1.0)
+    return room_by_score(best, [(effect, None) for effect in effects(best)], 1.0)
 
 
-def _effects(best: Candidate) -> list[Array]:
+def effects(best: Candidate) -> list[Array]:
     """Change of the weighted innovations by another inertia of part 1, as each of its places and modes says."""
 
     def effect(where: tuple[float, float, bool]) -> Array:

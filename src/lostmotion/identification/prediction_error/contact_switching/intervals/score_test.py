@@ -1,4 +1,4 @@
-"""How far a part that the model lacks may change the values: as far as the recording leaves it open."""
+"""Whether the recording shows a part that the model lacks, and how far that may change the values."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from ....statistics.block_covariance import student_factor
 from ...innovations import NAMES as TOLD
@@ -15,6 +16,41 @@ from ..likelihood import Candidate
 from ..told import told_slopes
 
 Array = NDArray[np.float64]
+
+#: Part of an effect that is left beside the parameters from which on there is one (numerics: far above rounding).
+LEFT = 1e-6
+#: Chance that white innovations show one of several effects (numerics: three standard deviations).
+CHANCE = 0.00135
+
+
+def shows(best: Candidate, effects: Sequence[Array]) -> bool:
+    """Whether the innovations have one of these effects (n,) for certain, beside what the parameters make up for.
+
+    An effect is what another part changes of the weighted innovations, or what another model predicts otherwise. Source
+    for the first: see ``room_by_score``; for the second: Davidson and MacKinnon (1981), Several tests for model
+    specification in the presence of alternative hypotheses, Econometrica 49, section 2.
+    """
+    basis = _beside(best)[0]
+    rest = best.run.weighted - basis @ (basis.T @ best.run.weighted)
+    deviation = np.sqrt(np.mean(rest**2))
+    limit = norm.isf(0.5 * CHANCE / max(len(effects), 1))
+    for effect in effects:
+        if not np.all(np.isfinite(effect)):
+            continue  # such a model loses the motion
+        left = effect - basis @ (basis.T @ effect)
+        size = np.linalg.norm(left)
+        if size > LEFT * np.linalg.norm(effect) and abs(rest @ left) > limit * size * deviation:
+            return True
+    return False
+
+
+def _beside(best: Candidate) -> tuple[Array, Array, Array]:
+    """Orthonormal basis (n, m) of what the m parameters that show can make up for, the triangle (m, m) and the scale
+    (m,) that make their sensitivities of it."""
+    jacobian = best.run.jacobian[shown(best)]
+    scale = np.linalg.norm(jacobian, axis=1)
+    basis, triangle = np.linalg.qr((jacobian / scale[:, None]).T)
+    return basis, triangle, scale
 
 
 def room_by_score(best: Candidate, missing: Sequence[tuple[Array, Array | None]], most: float) -> Array:
@@ -34,9 +70,8 @@ def room_by_score(best: Candidate, missing: Sequence[tuple[Array, Array | None]]
     run, seen = best.run, shown(best)
     if not np.any(seen):
         return np.zeros(len(TOLD))
-    jacobian, slopes = run.jacobian[seen], told_slopes(best)[:, seen]
-    scale = np.linalg.norm(jacobian, axis=1)
-    basis, triangle = np.linalg.qr((jacobian / scale[:, None]).T)
+    slopes = told_slopes(best)[:, seen]
+    basis, triangle, scale = _beside(best)
     width = student_factor(1) * beyond_chance(best) * np.sqrt(np.mean(run.weighted**2))
     largest = np.zeros(len(TOLD))
     for effect, own in missing:

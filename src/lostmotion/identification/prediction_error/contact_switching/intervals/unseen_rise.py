@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,17 +30,30 @@ def room_for_unseen_rise(best: Candidate) -> Array:
     Coulomb and viscous friction are the line closest to the curve at all speeds of the recording. A rise that the few
     rows at low speeds hardly show bends that line.
     """
-    base, values = told_vector(best), best.values
+    base = told_vector(best)
 
-    def missing(where: tuple[str, float]) -> tuple[Array, Array]:
-        end, fade = where
-        flt, names = best.flt, (f"rise{end}", f"fade{end}")
-        theta = best.theta.copy()
-        theta[[INDEX[name] for name in names]] = SMALL, np.log(fade * flt.speed_deviation)
-        other = replace(best, theta=theta, free=sorted({*best.free, *(INDEX[name] for name in names)}))
+    def own(other: Candidate) -> Array:
         # A viscous friction may be none beside a rise; what is none without has no value that could change.
-        own = np.where(np.isfinite(base), told_vector(other), 0.0) - np.where(np.isfinite(base), base, 0.0)
-        return change_by(flt.run(theta), best.run) / SMALL, own / SMALL
+        line = told_vector(other, best.speeds)
+        return np.where(np.isfinite(base), line, 0.0) - np.where(np.isfinite(base), base, 0.0)
 
+    others = _rising(best)
+    missing = zip(effects(best), (own(other) / SMALL for other in others), strict=True)
+    return room_by_score(best, list(missing), MOST)
+
+
+def effects(best: Candidate) -> list[Array]:
+    """Change of the weighted innovations by a rise of 1 that fades at each of ``FADES``, at each end without one."""
+    return side_by_side(lambda one: change_by(one.flt.run(one.theta), best.run) / SMALL, _rising(best))
+
+
+def _rising(best: Candidate) -> list[Candidate]:
+    """With such a rise, a small one."""
+    found, values = [], best.values
     ends = [end for end in ENDS if values[f"coulomb{end}"] > 0.0 and not values[f"rise{end}"] > 0.0]
-    return room_by_score(best, side_by_side(missing, [(end, fade) for end in ends for fade in FADES]), MOST)
+    for end, fade in product(ends, FADES):
+        places = [INDEX[f"rise{end}"], INDEX[f"fade{end}"]]
+        theta = best.theta.copy()
+        theta[places] = SMALL, np.log(fade * best.flt.speed_deviation)
+        found.append(replace(best, theta=theta, free=sorted({*best.free, *places})))
+    return found

@@ -91,6 +91,9 @@ class Search(Room):
 
     def from_grid_of_three(self, found: Sequence[Candidate]) -> list[Candidate]:
         """The best of descents from a grid with a gap and a third inertia: alone, neither may lead to the drive."""
+        if self.ended(found):
+            return []
+        self.reached("a grid of three inertias")
         two = min((one for one in found if Place.of(one) is None), key=cost_of)
         rows = replace(self.coarse, charged=False)
         begun = grid_of_three.candidates(two, rows, self.start, self.fixed)
@@ -167,6 +170,7 @@ class Search(Room):
         best = min(found, key=cost_of)
         if Place.of(best) is None or has_fourth(best):
             return []
+        self.reached("a fourth inertia")
         return self.with_inertias([(best, place) for place in places(best, self.coarse, fourth=True)])
 
     def with_inertias(self, pairs: Sequence[tuple[Candidate, Place]]) -> list[Candidate]:
@@ -176,10 +180,12 @@ class Search(Room):
 
     def rivals(self, fit: Candidate) -> list[Candidate]:
         """Descents from every start, the best of them with fitted rates; from a grid, unless one is sharp; from the fit
-        without its intervals; and from where random moves lead."""
+        without its intervals; and from where random moves lead. Where one is the drive, nothing else is looked for."""
         self.reached("descents from nameplate and fit")
         found = side_by_side(self.descent, [*self.begun, RESPONSE])
         found += self.polished(_best_elsewhere(found))
+        if self.is_the_drive(min(found, key=cost_of)):
+            return found
         if not sharp(min(found, key=cost_of)):
             self.reached("a race from a grid")
             found += self.from_grid()
@@ -189,22 +195,27 @@ class Search(Room):
             return found  # no torsion shows
         self.reached("other torques, contact laws and frictions")
         found += self.otherwise(found, _best_elsewhere(found))
-        if not self.is_the_drive(min(found, key=cost_of)):
-            self.reached("a third inertia")
-            found += self.thirds(found, [self.raw(name) for name in RAW])
         found.append(self.freed(fit))
-        if not self.ended(found):
-            self.reached("a grid of three inertias")
-            found += self.from_grid_of_three(found)
-        self.reached("a fourth inertia")
-        found += self.fourths(found)
-        found += self.with_random_moves(found)
-        before = min(found, key=cost_of)
-        self.reached("gaps of any size")
-        found += self.with_other_gaps(found)
-        if min(found, key=cost_of) is not before:
-            found += self.with_random_moves(found)
+        for step in (self.thirds_from_raw, self.from_grid_of_three, self.fourths, self.with_moves_and_gaps):
+            if self.is_the_drive(min(found, key=cost_of)):
+                break
+            found += step(found)
         return self.split(found)
+
+    def thirds_from_raw(self, found: Sequence[Candidate]) -> list[Candidate]:
+        """With a third inertia, from the best few and from raw starts."""
+        self.reached("a third inertia")
+        return self.thirds(found, [self.raw(name) for name in RAW])
+
+    def with_moves_and_gaps(self, found: Sequence[Candidate]) -> list[Candidate]:
+        """Where random moves of the best lead; then gaps of any size, and random moves of what these found."""
+        more = self.with_random_moves(found)
+        before = min([*found, *more], key=cost_of)
+        self.reached("gaps of any size")
+        more += self.with_other_gaps([*found, *more])
+        if min([*found, *more], key=cost_of) is not before:
+            more += self.with_random_moves([*found, *more])
+        return more
 
     def with_random_moves(self, found: Sequence[Candidate]) -> list[Candidate]:
         """Where random moves of the best lead, and its other choices then; a few moves where the drive seems known."""

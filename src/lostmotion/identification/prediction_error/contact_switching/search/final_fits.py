@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...innovations import NAMES as TOLD
 from ..estimate import CORE, Estimate, told
-from ..filter import ContactFilter
 from ..intervals.further_inertias import room_for_further_inertias
 from ..intervals.refits import disagreement
 from ..intervals.unseen_rise import room_for_unseen_rise
@@ -27,15 +27,25 @@ PART = 4
 
 
 def estimate(search: Search, found: Sequence[Candidate]) -> Estimate | None:
-    """What the best candidate tells; None where that is no inertia, stiffness or backlash, or no cost is finite."""
+    """What the best candidate tells; None where that is no inertia, stiffness or backlash, or no cost is finite.
+
+    The few that predict more rows best are fitted to these. Where the best of them is the drive, nothing else is looked
+    for, and no fit with other rows or more noise would tell otherwise.
+    """
     others = plausible(found)
     if not np.isfinite(others[0].cost):
         return None
     search.reached("the best over more rows")
     best = simplest(others)
-    best, finished, under_laws = _finished(search, others, most_telling(best, search.flt, _rows(best)))
-    search.reached("intervals")
-    shifts = disagreement(best, under_laws, search.box)
+    rows = most_telling(best, search.flt, _rows(best))
+    few = side_by_side(lambda one: judged(one, one.over(rows)), apart(others, NEAR))
+    few = sorted(few, key=cost_of)[:POLISHED]
+    finished, shifts = search.polished(few, rows), np.zeros(len(TOLD))
+    best = simplest(finished)
+    if not search.is_the_drive(best):
+        best, finished, under_laws = _finished(search, few[0], finished)
+        search.reached("intervals")
+        shifts = disagreement(best, under_laws, search.box)
     room = np.hypot(room_for_further_inertias(best, finished, search.box), room_for_unseen_rise(best))
     result = told(best, plausible(finished), shifts, room, search.box, search.fixed)
     return result if np.any(np.isfinite(result.half[CORE])) else None
@@ -47,35 +57,30 @@ def _rows(best: Candidate) -> int:
 
 
 def _finished(
-    search: Search, others: Sequence[Candidate], flt: ContactFilter
+    search: Search, begun: Candidate, found: Sequence[Candidate]
 ) -> tuple[Candidate, list[Candidate], list[Candidate]]:
-    """The simplest that none is better than of all candidates over more rows; all of these; its fits under other laws.
+    """The simplest that none is better than of the candidates ``found`` over many rows, of the best of them under other
+    laws, with other backlashes and with parts that it lacks; all of these; and its fits under other laws.
 
-    They are the few that predict these rows best, fitted to them; then the best of these under other laws, with other
-    backlashes and with parts that it lacks. Where the best is the drive, the search has found what else does as well;
-    left are parts that more rows may show.
+    ``begun``: that of the search which predicts these rows best.
     """
     box = search.box
-    few = side_by_side(lambda one: judged(one, one.over(flt)), apart(others, NEAR))
-    few = sorted(few, key=cost_of)[:POLISHED]
-    afresh = _not_worse(search, [search.with_friction_of_the_start(few[0])], few[0])
-    found = search.polished([*few, *afresh], flt)
+    afresh = _not_worse(search, [search.with_friction_of_the_start(begun)], begun)
+    found = [*found, *search.polished(afresh)]
     best = min(found, key=cost_of)
-    known, laws = search.is_the_drive(best), [best]
-    if not known:
-        laws += _under_other_laws(search, best)
-        found += laws[1:]
-        best = min(found, key=cost_of)
+    laws = [best, *_under_other_laws(search, best)]
+    found += laws[1:]
+    best = min(found, key=cost_of)
     if not search.is_the_drive(best):
         # A gap that the few rows of the search do not cross, or hardly, may have any size.
-        found += search.with_any_backlash(best, flt, [best.flt.law])
+        found += search.with_any_backlash(best, best.flt, [best.flt.law])
         found += search.polished(with_better_backlash(min(found, key=cost_of), box))
         best = min(found, key=cost_of)
     parts = other_parts(best, search.coarse, box, search.intermediate)
-    begun = _not_worse(search, side_by_side(lambda part: part(best), parts), best)
-    found = search.split([*found, *search.polished(begun, flt)])
+    added = _not_worse(search, side_by_side(lambda part: part(best), parts), best)
+    found = search.split([*found, *search.polished(added)])
     best = simplest(found)
-    if not known and all(one is not best for one in laws):
+    if all(one is not best for one in laws):
         # Fits under other laws that lack what the best has found since, or have more, differ from it by that as well.
         laws = [best, *_under_other_laws(search, best)]
         found += laws[1:]

@@ -20,6 +20,7 @@ from ..likelihood_ratio import simplest
 from ..parameter_vector import pole_of
 from ..starts.from_drivetrain import RESPONSE, free_places, response_start, starts
 from ..starts.slow_motion import informed
+from .completeness import lacks_nothing
 
 Array = NDArray[np.float64]
 
@@ -125,8 +126,9 @@ class Room:
         return self.nothing_left(best) or (abs(best.cost) < KNOWN and sharp(best))
 
     def is_the_drive(self, best: Candidate) -> bool:
-        """Whether only the sensor's noise is left beside inertias, stiffness and backlash that are well known."""
-        return noise_alone(best) and sharp(best)
+        """Whether only the sensor's noise is left beside inertias, stiffness and backlash that are well known, and
+        nothing else shows."""
+        return noise_alone(best) and sharp(best) and lacks_nothing(best)
 
     @cached_property
     def free(self) -> list[int]:
