@@ -16,8 +16,8 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-#: Compiled at the same time, a process each: about the same time.
-PARTS = (("simulation",), ("identification", "observers"))
+#: Compiled at the same time, a process each: three on two processors end at about the same time.
+PARTS = (("simulation",), ("identification",), ("observers",))
 #: numba's own files, an index and a compiled function each, and our mark of a part that is complete.
 COMPILED = ("*.nbi", "*.nbc", "compiled-*")
 

@@ -23,6 +23,9 @@ WIDE = 3 * LANES
 _LAST = 2 * LANES
 #: A column of zeros.
 NOTHING = np.zeros(WIDE)
+#: Zero that is no literal, for what rests and for contacts: numba compiles what takes a literal for that, and then once
+#: more for a variable (numerics: a quarter of the time to compile).
+NONE: Any = np.int64(0)
 
 
 @njit(forceinline=True, **INNER)

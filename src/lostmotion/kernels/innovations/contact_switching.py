@@ -20,7 +20,7 @@ import numpy as np
 from ..jit import njit
 from .changes import along_path, through_changes
 from .channels import ANGLE_MOTOR, SPEED_LOAD, SPEED_MOTOR, TORQUE_SHAFT, TWIST
-from .columns import COMPILED, INNER, WIDE, add, copy, product_of, turned_product
+from .columns import COMPILED, INNER, NONE, WIDE, add, copy, product_of, turned_product
 from .delayed_torque import delayed, torque_at_ends
 from .gap_in_doubt import blend, mean_gap
 from .holding import fill_loads, fill_resting, holds, stops
@@ -196,7 +196,7 @@ def innovations(
     for j in range(m):
         changed[j] = parameters
         changed[j, free[j]] = _changed(parameters[free[j]], kinds[j], units[j], _STEP, dt)
-        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, 0, models[0], j + 1)
+        fill_changed_model(free[j], changed[j], dt, law, finest, kind, level, NONE, models[0], j + 1)
         fill_numbers(changed[j], dt, law, behind, level, numbers[j + 1])
     _sensor_rows(parameters, sensors, counted, law, further, angle, tail, head, rows, offsets)
     for which in range(2):
@@ -213,11 +213,11 @@ def innovations(
     slope, next_slope = np.zeros(m * WIDE), np.zeros(m * WIDE)
     path, steps = np.zeros((1 << finest, 4), dtype=np.int64), 0
     loads, filled = np.zeros((3, 2, 2, 2, COLUMNS)), np.zeros(4, dtype=np.bool_)
-    piece, contact, rest, base, weight, taken = -1, 0, 0, 0.0, 0.0, 0
+    piece, contact, rest, base, weight, taken = -1, NONE, NONE, 0.0, 0.0, 0
     for k in range(torque.size):
         if k == bounds[piece + 1]:
             piece += 1
-            contact, rest = 1 if gap_law == NO_GAP else 0, 0
+            contact, rest = 1 if gap_law == NO_GAP else 0, NONE
             x[:] = 0.0
             slope[:] = 0.0
             end = bounds[piece + 1] - 1
@@ -301,7 +301,7 @@ def innovations(
             doubt = level * math.sqrt(max(variance, 0.0))
             if doubt <= abs(travel) or abs(abs(z) - half) >= _DOUBT * doubt + abs(travel):
                 doubt = 0.0
-        before, rested, quiet, at, slopes, stuck = contact, rest, False, closed * whole, (0.0, 0.0), 0
+        before, rested, quiet, at, slopes, stuck = contact, rest, False, closed * whole, (0.0, 0.0), NONE
         if doubt > 0.0:
             weight, edge, extra = mean_gap(z + travel, half, doubt)
             blend(t, 0, whole, weight, mixed)
@@ -341,8 +341,8 @@ def innovations(
                 rest, slopes = moved_to, slopes_of_friction(c, 0, x, y)
                 copy(y, x)
             else:
-                lacking, begun = 0, stuck
-                stuck, at = 0, closed * whole
+                lacking, begun = NONE, stuck
+                stuck, at = NONE, closed * whole
                 while True:
                     if lacking != 0:
                         _fill_at_rest(

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..jit import njit
-from .columns import COMPILED, INNER, WIDE
+from .columns import COMPILED, INNER, NONE, WIDE
 from .sample_parts import parts
 from .sensitivities import fill_changes
 from .transitions import (
@@ -51,7 +51,7 @@ def fill_loads(q, dt, law, kind, loads):
     n = places[7]
     free, block = np.zeros((n + 4, n + 4)), np.zeros((n + 4, n + 4))
     for closed in range(2):
-        fill_continuous(q, dt, places, behind, closed == 1, law, 0, free)
+        fill_continuous(q, dt, places, behind, closed == 1, law, NONE, free)
         for stuck in range(1, 4):
             fill_continuous(q, dt, places, behind, closed == 1, law, stuck, block)
             for end in range(2):

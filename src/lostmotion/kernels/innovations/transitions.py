@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from ..jit import njit
-from .columns import COMPILED, NOTHING, WIDE, combine
+from .columns import COMPILED, NONE, NOTHING, WIDE, combine
 from .intermediate_inertia import lowest_mode, two_springs
 from .sample_parts import DIGIT, part_number, part_within, parts, shape_mean, until_change
 from .two_mass import add_series, congruence, product
@@ -332,7 +332,7 @@ def fill_model(q, dt, law, finest, kind, level, table, c, noise):
     ``kind``: whether the torque is a ramp, bits of the masses behind the gap, whether the load torque has a slope, the
     speed is counted, the angle a state.
     """
-    fill_transitions(q, dt, law, finest, kind, level, 0, table, noise)
+    fill_transitions(q, dt, law, finest, kind, level, NONE, table, noise)
     fill_numbers(q, dt, law, kind[1], level, c)
 
 
